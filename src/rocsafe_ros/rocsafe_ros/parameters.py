@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options of a node as ROS parameters: declared from, and read into, a frozen dataclass.
+
+A field's default is the parameter's default. Its metadata may hold ``doc`` (what it means, with
+the unit), ``min`` and ``max``; they become the parameter's descriptor.
+"""
+
+import dataclasses
+import types
+import typing
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.exceptions import InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+OptionsT = TypeVar('OptionsT')
+
+PARAMETER_TYPES: dict[Any, Parameter.Type] = {
+    bool: Parameter.Type.BOOL,
+    int: Parameter.Type.INTEGER,
+    float: Parameter.Type.DOUBLE,
+    str: Parameter.Type.STRING,
+    tuple[bool, ...]: Parameter.Type.BOOL_ARRAY,
+    tuple[int, ...]: Parameter.Type.INTEGER_ARRAY,
+    tuple[float, ...]: Parameter.Type.DOUBLE_ARRAY,
+    tuple[str, ...]: Parameter.Type.STRING_ARRAY,
+}
+LARGEST_INTEGER = 2**63 - 1
+
+
+class ParameterError(ValueError):
+    """A parameter has a wrong type or a value out of its range."""
+
+
+def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
+    """Declare one read-only parameter a field of `options_type` and return their values.
+
+    Raises
+    ------
+    ParameterError: naming the parameter, its value and the limit.
+    TypeError: if a field's type has no parameter type.
+    """
+    values = {
+        field.name: _declare(node, field, _field_types(options_type)[field.name])
+        for field in dataclasses.fields(options_type)  # type: ignore[arg-type]
+    }
+    try:
+        return options_type(**values)
+    except ValueError as error:
+        raise ParameterError(f'{node.get_name()}: {error}') from error
+
+
+def _field_types(options_type: type) -> dict[str, Any]:
+    return typing.get_type_hints(options_type)
+
+
+def _declare(node: Node, field: 'dataclasses.Field[Any]', field_type: Any) -> Any:
+    """Declare `field` and return its value, as the field's own type."""
+    if field_type not in PARAMETER_TYPES:
+        raise TypeError(f'option {field.name}: no parameter type for {field_type}')
+    # First without a type: a parameter file may say 8 where 8.0 is meant, and an empty list has
+    # no type of its own.
+    anything = ParameterDescriptor(dynamic_typing=True)
+    given = node.declare_parameter(field.name, _default(field), anything).value
+    node.undeclare_parameter(field.name)
+    value = _converted(field, field_type, given)
+    descriptor = _descriptor(field, PARAMETER_TYPES[field_type])
+    descriptor.dynamic_typing = value == []
+    try:
+        node.declare_parameter(field.name, value, descriptor, ignore_override=True)
+    except InvalidParameterValueException as error:
+        raise ParameterError(_range_text(node, field, value)) from error
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _default(field: 'dataclasses.Field[Any]') -> Any:
+    default = field.default
+    if default is dataclasses.MISSING:
+        raise TypeError(f'option {field.name} has no default')
+    return list(default) if isinstance(default, tuple) else default
+
+
+def _converted(field: 'dataclasses.Field[Any]', field_type: Any, value: Any) -> Any:
+    """Return `value` as `field_type` wants it; integers serve as floats, nothing else bends."""
+    if typing.get_origin(field_type) is tuple:
+        element_type = typing.get_args(field_type)[0]
+        if value is None:
+            return []
+        if isinstance(value, (str, bytes)) or not hasattr(value, '__iter__'):
+            raise ParameterError(_type_text(field, field_type, value))
+        return [_converted(field, element_type, element) for element in value]
+    if field_type is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if type(value) is not field_type:
+        raise ParameterError(_type_text(field, field_type, value))
+    return value
+
+
+def _type_text(field: 'dataclasses.Field[Any]', field_type: Any, value: Any) -> str:
+    is_plain = isinstance(field_type, type) and not isinstance(field_type, types.GenericAlias)
+    name = field_type.__name__ if is_plain else str(field_type)
+    return f'parameter {field.name} = {value!r} must be of type {name}'
+
+
+def _range_text(node: Node, field: 'dataclasses.Field[Any]', value: Any) -> str:
+    low = field.metadata.get('min', '-inf')
+    high = field.metadata.get('max', 'inf')
+    name = f'{node.get_name()}: parameter {field.name}'
+    return f'{name} = {value!r} must be within {low} to {high}'
+
+
+def _descriptor(field: 'dataclasses.Field[Any]', kind: Parameter.Type) -> ParameterDescriptor:
+    descriptor = ParameterDescriptor(
+        description=str(field.metadata.get('doc', '')), read_only=True
+    )
+    if 'min' not in field.metadata and 'max' not in field.metadata:
+        return descriptor
+    if kind in (Parameter.Type.DOUBLE, Parameter.Type.DOUBLE_ARRAY):
+        low = float(field.metadata.get('min', float('-inf')))
+        high = float(field.metadata.get('max', float('inf')))
+        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    elif kind in (Parameter.Type.INTEGER, Parameter.Type.INTEGER_ARRAY):
+        low_int = int(field.metadata.get('min', -LARGEST_INTEGER))
+        high_int = int(field.metadata.get('max', LARGEST_INTEGER))
+        descriptor.integer_range = [IntegerRange(from_value=low_int, to_value=high_int, step=1)]
+    return descriptor

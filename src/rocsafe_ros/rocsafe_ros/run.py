@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The life of a node's process: start, spin, always clean up, and say how it ended.
+
+Nodes are spun by one single-threaded events executor: it serves an order of magnitude more
+messages than the wait-set executors, and coroutines replace threads where a callback must wait.
+"""
+
+import ctypes
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from types import FrameType
+
+import rclpy
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from rocsafe_ros.parameters import ParameterError
+
+EXIT_OK = 0
+EXIT_FAILURE = 1
+EXIT_USAGE = 2
+# Longest time for which a signal may go unnoticed by an idle node.
+POLL_S = 0.1
+# Set by the supervisor to its own process id: its nodes end when it does.
+SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
+_PR_SET_PDEATHSIG = 1
+
+
+class StopRequest:
+    """Turns SIGINT and SIGTERM into a flag, so that no callback is cut in two."""
+
+    def __init__(self) -> None:
+        self.is_set = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._set)
+
+    def _set(self, _number: int, _frame: FrameType | None) -> None:
+        self.is_set = True
+
+
+def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | None = None) -> int:
+    """Spin the node or nodes that `make_node` returns until asked to stop; return the exit code.
+
+    Returns
+    -------
+    0 after SIGINT or SIGTERM or when ROS is shut down, 2 with one line on standard error if a
+    parameter is wrong. Any other exception ends the process with its traceback: its supervisor
+    decides what then.
+    """
+    _end_with_supervisor()
+    stop = StopRequest()
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public
+        print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201
+        return EXIT_USAGE
+    try:
+        return _spin(make_node, stop)
+    except (ParameterError, InvalidParameterTypeException) as error:
+        print(f'error: {error}', file=sys.stderr)  # noqa: T201
+        return EXIT_USAGE
+    finally:
+        rclpy.try_shutdown()
+
+
+def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> int:
+    made = make_node()
+    nodes = [made] if isinstance(made, Node) else list(made)
+    executor = EventsExecutor()
+    for node in nodes:
+        executor.add_node(node)
+    try:
+        while rclpy.ok() and not stop.is_set:
+            executor.spin_once(timeout_sec=POLL_S)
+    except ExternalShutdownException:
+        pass
+    finally:
+        for node in nodes:
+            executor.remove_node(node)
+            node.destroy_node()
+    return EXIT_OK
+
+
+def _end_with_supervisor() -> None:
+    """Ask the kernel for SIGTERM when the supervisor that started this process dies."""
+    supervisor = os.environ.get(SUPERVISOR_VARIABLE)
+    if not supervisor or not sys.platform.startswith('linux'):
+        return
+    ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    # It may have died before the line above took effect.
+    if os.getppid() != int(supervisor):
+        sys.exit(EXIT_FAILURE)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every topic, service and action of ROCSAFE: name, type, quality of service, rate.
+
+Names are relative. A name of vehicle scope lives in the namespace of a vehicle (``rav1/fix``), a
+name of fleet scope in that of the suite. The table of the README is made from this module.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from rocsafe_interfaces.action import FlyRoute, PlanSurvey
+from rocsafe_interfaces.msg import (
+    GeotaggedImage,
+    HazardSourceArray,
+    MissionState,
+    Mosaic,
+    RadiationReading,
+    Region,
+    ShotReceipt,
+    StepDone,
+    SurveyPlan,
+    VehicleState,
+)
+from rocsafe_interfaces.srv import QueryRadiationField
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
+from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import MarkerArray
+
+# Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
+STREAM_DEPTH = 600
+# A vehicle that says nothing for this long is taken for lost.
+HEARTBEAT_LEASE_S = 2.0
+
+
+class Scope(Enum):
+    """In whose namespace a name lives."""
+
+    VEHICLE = 'vehicle'
+    FLEET = 'fleet'
+
+
+def _stream() -> QoSProfile:
+    return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def _latched() -> QoSProfile:
+    return QoSProfile(
+        depth=1,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+def _heartbeat() -> QoSProfile:
+    profile = _latched()
+    profile.liveliness = LivelinessPolicy.AUTOMATIC
+    profile.liveliness_lease_duration = Duration(seconds=HEARTBEAT_LEASE_S)
+    profile.deadline = Duration(seconds=HEARTBEAT_LEASE_S)
+    return profile
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TopicSpec:
+    """One topic.
+
+    Attributes
+    ----------
+    name: relative to the namespace that `scope` says.
+    message_type: its message class.
+    qos: quality of service offered by its publisher.
+    rate: how often it comes, for people.
+    note: what it means, for people.
+    """
+
+    name: str
+    message_type: type
+    qos: QoSProfile
+    scope: Scope
+    rate: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CallSpec:
+    """One service or action: `kind` is ``'service'`` or ``'action'``."""
+
+    name: str
+    call_type: type
+    kind: str
+    scope: Scope
+    note: str
+
+
+def _vehicle(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:
+    return TopicSpec(
+        name=name, message_type=message_type, qos=qos, scope=Scope.VEHICLE, rate=rate, note=note
+    )
+
+
+def _fleet(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:
+    return TopicSpec(
+        name=name, message_type=message_type, qos=qos, scope=Scope.FLEET, rate=rate, note=note
+    )
+
+
+FIX = _vehicle('fix', NavSatFix, _stream(), '5 Hz', 'position, altitude above the ellipsoid')
+GROUND_TRUTH_FIX = _vehicle(
+    'ground_truth/fix', NavSatFix, _stream(), 'as fix', 'true position, simulated vehicles only'
+)
+VELOCITY = _vehicle('velocity', TwistStamped, _stream(), 'as fix', 'east, north, up, m/s')
+ODOM = _vehicle('odom', Odometry, _stream(), 'as fix', 'ENU about the mission origin')
+BATTERY_STATE = _vehicle('battery_state', BatteryState, _stream(), '1 Hz', 'charge left')
+STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
+RADIATION = _vehicle('radiation', RadiationReading, _stream(), 'as fix', 'gamma dose rate, uSv/h')
+CAMERA_IMAGE = _vehicle(
+    'camera/image_raw', Image, _stream(), 'each shot', 'only while somebody listens'
+)
+CAMERA_IMAGE_COMPRESSED = _vehicle(
+    'camera/image_raw/compressed', CompressedImage, _stream(), 'each shot', 'JPEG, for viewers'
+)
+CAMERA_INFO = _vehicle('camera/camera_info', CameraInfo, _stream(), 'each shot', 'intrinsics')
+SHOT = _vehicle(
+    'camera/shot', GeotaggedImage, _stream(), 'each shot, until its receipt', 'photograph and pose'
+)
+PATH = _vehicle('path', Path, _latched(), '1 Hz', 'flown track')
+ROUTE_MARKERS = _vehicle('route_markers', MarkerArray, _latched(), 'on change', 'planned route')
+
+REGION = _fleet('region', Region, _latched(), 'on change', 'what the operator drew')
+PLAN = _fleet('plan', SurveyPlan, _latched(), 'on change', 'routes of all vehicles, with bound')
+MISSION_STATE = _fleet('mission/state', MissionState, _latched(), '2 Hz', 'phase and progress')
+RECEIPTS = _fleet('shots/receipts', ShotReceipt, _stream(), 'each shot', 'photograph is stored')
+HAZARD_SOURCES = _fleet('hazard/sources', HazardSourceArray, _latched(), 'on change', 'estimates')
+DOSE_MAP = _fleet('hazard/dose_map', OccupancyGrid, _latched(), 'on change', 'dose rate, log')
+MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
+SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
+STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
+CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
+DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health of the nodes')
+
+TOPICS: tuple[TopicSpec, ...] = (
+    FIX,
+    GROUND_TRUTH_FIX,
+    VELOCITY,
+    ODOM,
+    BATTERY_STATE,
+    STATE,
+    RADIATION,
+    CAMERA_IMAGE,
+    CAMERA_IMAGE_COMPRESSED,
+    CAMERA_INFO,
+    SHOT,
+    PATH,
+    ROUTE_MARKERS,
+    REGION,
+    PLAN,
+    MISSION_STATE,
+    RECEIPTS,
+    HAZARD_SOURCES,
+    DOSE_MAP,
+    MOSAIC,
+    SCENE_MARKERS,
+    STEP_DONE,
+    CLOCK,
+    DIAGNOSTICS,
+)
+
+
+def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> CallSpec:
+    return CallSpec(name=name, call_type=call_type, kind=kind, scope=scope, note=note)
+
+
+FLY_ROUTE = _call('fly_route', FlyRoute, 'action', Scope.VEHICLE, 'fly, photograph, return, land')
+HOLD = _call('hold', Trigger, 'service', Scope.VEHICLE, 'stand still in the air')
+RESUME = _call('resume', Trigger, 'service', Scope.VEHICLE, 'go on after hold')
+RETURN_HOME = _call('return_home', Trigger, 'service', Scope.VEHICLE, 'give up the route')
+LAND = _call('land', Trigger, 'service', Scope.VEHICLE, 'land where it is')
+PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to routes')
+QUERY_FIELD = _call(
+    'radiation_field/query', QueryRadiationField, 'service', Scope.FLEET, 'dose rates at points'
+)
+WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
+SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
+
+CALLS: tuple[CallSpec, ...] = (
+    FLY_ROUTE,
+    HOLD,
+    RESUME,
+    RETURN_HOME,
+    LAND,
+    PLAN_SURVEY,
+    QUERY_FIELD,
+    WORLD_RUN,
+    SAVE_MOSAIC,
+)
+
+
+def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
+    """Return the relative name of `spec`, below `vehicle` if one is named.
+
+    Raises
+    ------
+    ValueError: if a vehicle is named for a name of fleet scope.
+    """
+    if not vehicle:
+        return spec.name
+    if spec.scope is not Scope.VEHICLE:
+        raise ValueError(f'{spec.name} belongs to the fleet, not to vehicle {vehicle!r}')
+    return f'{vehicle}/{spec.name}'
+
+
+def create_publisher(node: Node, spec: TopicSpec, vehicle: str = '') -> Publisher:
+    """Publish `spec` from `node`, below `vehicle` if the node stands outside its namespace."""
+    return node.create_publisher(spec.message_type, name_of(spec, vehicle), spec.qos)
+
+
+def create_subscription(
+    node: Node,
+    spec: TopicSpec,
+    callback: Callable[[Any], None],
+    vehicle: str = '',
+    *,
+    raw: bool = False,
+) -> Subscription:
+    """Subscribe `node` to every message of `spec`: nothing is lost up to the depth of its queue.
+
+    A heartbeat's deadline is offered, not asked for, so that a slow simulation is no fault.
+    With `raw` the callback gets the serialised bytes.
+    """
+    qos = QoSProfile(
+        depth=spec.qos.depth,
+        reliability=spec.qos.reliability,
+        durability=spec.qos.durability,
+    )
+    return node.create_subscription(
+        spec.message_type, name_of(spec, vehicle), callback, qos, raw=raw
+    )
