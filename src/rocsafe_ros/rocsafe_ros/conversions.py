@@ -5,10 +5,11 @@ import math
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Quaternion
+from sensor_msgs.msg import NavSatFix, NavSatStatus
+
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, Region
-from sensor_msgs.msg import NavSatFix, NavSatStatus
 
 NS_PER_S = 1_000_000_000
 EARTH_FRAME = 'earth'

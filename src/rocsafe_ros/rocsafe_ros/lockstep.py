@@ -13,8 +13,8 @@ from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rocsafe_interfaces.msg import StepDone
 
+from rocsafe_interfaces.msg import StepDone
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
 

@@ -18,6 +18,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
+from std_srvs.srv import SetBool, Trigger
+from visualization_msgs.msg import MarkerArray
+
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     GeotaggedImage,
@@ -32,10 +37,6 @@ from rocsafe_interfaces.msg import (
     VehicleState,
 )
 from rocsafe_interfaces.srv import QueryRadiationField
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
-from std_srvs.srv import SetBool, Trigger
-from visualization_msgs.msg import MarkerArray
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
 STREAM_DEPTH = 600

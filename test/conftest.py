@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fixtures of all tests."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+POLL_S = 0.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RosSession:
+    """A ROS context of one test with the executor that spins its nodes."""
+
+    context: Any
+    executor: Any
+
+    def spin_until(self, condition: Callable[[], bool], deadline_s: float) -> None:
+        """Spin until `condition` holds; fail the test at the deadline."""
+        end = time.monotonic() + deadline_s
+        while not condition():
+            if time.monotonic() > end:
+                pytest.fail(f'not within {deadline_s} s: {condition}')
+            self.executor.spin_once(timeout_sec=POLL_S)
+
+
+@pytest.fixture(scope='session', autouse=True)
+def ros_stays_on_this_machine(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Keep discovery on the loopback interface and logs out of the home folder."""
+    os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    os.environ['ROS_LOG_DIR'] = str(tmp_path_factory.mktemp('ros_log'))
+
+
+@pytest.fixture(scope='session')
+def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
+    """Reserve a domain of our own, so that parallel runs do not hear each other."""
+    domain_coordinator = pytest.importorskip(
+        'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
+    )
+    with domain_coordinator.domain_id() as number:
+        os.environ['ROS_DOMAIN_ID'] = str(number)
+        yield int(number)
+
+
+@pytest.fixture
+def ros(ros_domain_id: int) -> Iterator[RosSession]:
+    """Give a test its own context and executor, and take them down after it."""
+    rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+    from rclpy.context import Context
+    from rclpy.executors import SingleThreadedExecutor
+
+    context = Context()
+    rclpy.init(context=context, domain_id=ros_domain_id)
+    executor = SingleThreadedExecutor(context=context)
+    yield RosSession(context=context, executor=executor)
+    executor.shutdown(timeout_sec=2.0)
+    rclpy.shutdown(context=context)

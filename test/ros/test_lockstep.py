@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A participant works once a step, reports it, and repeats what got lost."""
+
+import pytest
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.lockstep import Participant
+
+STEP_NS = 100_000_000
+DEADLINE_S = 5.0
+
+
+@pytest.fixture
+def table(ros):
+    """A world's side of the lock-step and one participant that counts its steps."""
+    world = Node('world', context=ros.context)
+    drone = Node('drone', context=ros.context)
+    table = type('Table', (), {'steps': [], 'reports': [], 'idle_from_ns': 10**18})()
+    table.clock = topics.create_publisher(world, topics.CLOCK)
+    topics.create_subscription(world, topics.STEP_DONE, table.reports.append)
+
+    def on_step(time_ns):
+        table.steps.append(time_ns)
+        return time_ns >= table.idle_from_ns
+
+    table.participant = Participant(drone, 'drone', on_step)
+    for node in (world, drone):
+        ros.executor.add_node(node)
+    ros.spin_until(lambda: table.clock.get_subscription_count() >= 1, DEADLINE_S)
+    yield table
+    for node in (world, drone):
+        ros.executor.remove_node(node)
+        node.destroy_node()
+
+
+def tick(table, time_ns):
+    """Publish a time."""
+    table.clock.publish(Clock(clock=stamp_of_ns(time_ns)))
+
+
+def test_each_step_is_worked_once_and_reported(ros, table):
+    """Work, then the report with the time worked."""
+    for number in (1, 2, 3):
+        tick(table, number * STEP_NS)
+        ros.spin_until(lambda n=number: len(table.reports) >= n, DEADLINE_S)
+    assert table.steps == [STEP_NS, 2 * STEP_NS, 3 * STEP_NS]
+    assert [ns_of_stamp(report.step) for report in table.reports[:3]] == table.steps
+
+
+def test_time_published_again_is_not_worked_again(ros, table):
+    """The world repeats a time whose report it misses; the report is repeated, the work not."""
+    tick(table, STEP_NS)
+    ros.spin_until(lambda: len(table.reports) == 1, DEADLINE_S)
+    tick(table, STEP_NS)
+    ros.spin_until(lambda: len(table.reports) >= 2, DEADLINE_S)
+    assert table.steps == [STEP_NS]
+    assert ns_of_stamp(table.reports[1].step) == STEP_NS
+
+
+def test_report_tells_idleness(ros, table):
+    """The world can stop when nobody has anything to do."""
+    table.idle_from_ns = 2 * STEP_NS
+    for number in (1, 2):
+        tick(table, number * STEP_NS)
+        ros.spin_until(lambda n=number: len(table.steps) >= n, DEADLINE_S)
+    ros.spin_until(lambda: len(table.reports) >= 2, DEADLINE_S)
+    assert [report.is_idle for report in table.reports[:2]] == [False, True]
+
+
+def test_new_request_ends_idleness_at_once(ros, table):
+    """A participant that gets work between two steps says so without waiting for time."""
+    table.idle_from_ns = 0
+    tick(table, STEP_NS)
+    ros.spin_until(lambda: len(table.reports) >= 1, DEADLINE_S)
+    table.participant.report(is_idle=False)
+    ros.spin_until(lambda: not table.reports[-1].is_idle, DEADLINE_S)
+    assert table.steps == [STEP_NS]

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of topics is the contract: names, scopes and qualities of service."""
+
+import pytest
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from rocsafe_ros import topics
+
+
+def test_names_are_unique_and_relative():
+    """Only the two names that ROS itself fixes are absolute."""
+    names = [spec.name for spec in (*topics.TOPICS, *topics.CALLS)]
+    assert len(names) == len(set(names))
+    assert [name for name in names if name.startswith('/')] == ['/clock', '/diagnostics']
+
+
+def test_everything_is_published_reliably():
+    """Best-effort publishers never reach reliable subscribers, so there are none."""
+    for spec in topics.TOPICS:
+        assert spec.qos.reliability is ReliabilityPolicy.RELIABLE, spec.name
+
+
+@pytest.mark.parametrize(
+    'spec', [topics.PLAN, topics.REGION, topics.MOSAIC, topics.STATE, topics.MISSION_STATE]
+)
+def test_state_is_latched(spec):
+    """Who comes late gets the last state at once."""
+    assert spec.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+    assert spec.qos.depth == 1
+
+
+def test_vehicle_is_a_namespace():
+    """A node outside the vehicle's namespace names the vehicle."""
+    assert topics.name_of(topics.FIX) == 'fix'
+    assert topics.name_of(topics.FIX, 'rav1') == 'rav1/fix'
+
+
+def test_fleet_names_take_no_vehicle():
+    """A plan belongs to the fleet."""
+    with pytest.raises(ValueError, match='plan belongs to the fleet'):
+        topics.name_of(topics.PLAN, 'rav1')
