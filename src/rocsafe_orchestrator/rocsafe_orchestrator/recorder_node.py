@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The recorder of a run: every topic worth keeping, as received, into MCAP segments."""
+
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+from rclpy.clock import Clock, ClockType
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+
+from rocsafe_orchestrator.message_definitions import MessageDefinitions
+from rocsafe_orchestrator.recorded_topics import AWAITED_TOPICS, channel_of, recorded_topics
+from rocsafe_orchestrator.recording import SegmentWriter
+from rocsafe_ros import topics
+from rocsafe_ros.lockstep import Participant
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.run import run
+
+# Wall time between looks at who is heard, and between flushes of a recorder outside lock-step.
+POLL_S = 0.05
+FLUSH_S = 0.2
+# Wall time after which a recorder takes part without having heard every vehicle.
+JOIN_DEADLINE_S = 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecorderOptions:
+    """Parameters of the recorder."""
+
+    output_directory: str = field(
+        default='.', metadata={'doc': 'run directory; segments mission.part-N.mcap go there'}
+    )
+    vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'namespaces of the vehicles to record'}
+    )
+    lock_step: bool = field(
+        default=True, metadata={'doc': 'take part in lock-step simulation as "recorder"'}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse vehicles that would be recorded twice."""
+        if len(set(self.vehicles)) != len(self.vehicles):
+            raise ValueError(f'vehicles {list(self.vehicles)} must differ from each other')
+
+
+class RecorderNode(Node):
+    """Writes raw messages of the topics in `recorded_topics`.
+
+    In lock-step a step is reported done when all that came before it is with the kernel. A
+    restarted recorder takes part again only when it hears every vehicle, or after a deadline, so
+    that time stands still while it is deaf.
+    """
+
+    def __init__(self, context: Context | None = None) -> None:
+        super().__init__('recorder', context=context)
+        self._options = declare_options(self, RecorderOptions)
+        self._segment = SegmentWriter(
+            Path(self._options.output_directory), MessageDefinitions.of_environment()
+        )
+        self._now_ns = 0
+        self._early: list[tuple[int, bytes]] = []
+        self._awaited = self._subscribe()
+        self._participant: Participant | None = None
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        if self._options.lock_step:
+            self._polls_left = JOIN_DEADLINE_S // POLL_S
+            self._timer = self.create_timer(POLL_S, self._join, clock=steady)
+        else:
+            self._timer = self.create_timer(FLUSH_S, self._flush, clock=steady)
+        self.get_logger().info(f'recording to {self._segment.path}')
+
+    def destroy_node(self) -> None:
+        """End the segment in good order."""
+        self._write_early()
+        self._segment.close()
+        super().destroy_node()
+
+    def _subscribe(self) -> list[Subscription]:
+        """Subscribe to all topics; return the subscriptions that a vehicle feeds all the time."""
+        awaited = []
+        for spec, vehicle in recorded_topics(self._options.vehicles):
+            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
+            number = self._segment.add_channel(channel_of(spec, full_name))
+            subscription = topics.create_subscription(
+                self, spec, partial(self._on_message, number), vehicle, raw=True
+            )
+            if spec in AWAITED_TOPICS:
+                awaited.append(subscription)
+        return awaited
+
+    def _on_message(self, number: int, data: bytes) -> None:
+        if not self._options.lock_step:
+            self._segment.write(number, data, self.get_clock().now().nanoseconds)
+        elif self._now_ns:
+            self._segment.write(number, data, self._now_ns)
+        else:
+            # Latched messages may come before the first time does.
+            self._early.append((number, data))
+
+    def _on_step(self, time_ns: int) -> bool:
+        self._now_ns = time_ns
+        self._write_early()
+        self._segment.flush()
+        return True
+
+    def _join(self) -> None:
+        self._polls_left -= 1
+        unheard = [s.topic_name for s in self._awaited if not s.get_publisher_count()]
+        if unheard and self._polls_left > 0:
+            return
+        if unheard:
+            self.get_logger().warning(f'recording without {", ".join(unheard)}: not published')
+        self._timer.cancel()
+        self._participant = Participant(self, 'recorder', self._on_step)
+
+    def _write_early(self) -> None:
+        for number, data in self._early:
+            self._segment.write(number, data, self._now_ns)
+        self._early.clear()
+
+    def _flush(self) -> None:
+        self._segment.flush()
+
+
+def main() -> int:
+    """Run the recorder."""
+    return run(RecorderNode)
