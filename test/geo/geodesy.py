@@ -55,10 +55,22 @@ def vincenty(lat1, lon1, lat2, lon2):
             break
     u_squared = cos2_alpha * (A**2 - B**2) / B**2
     big_a = 1.0 + u_squared / 16384.0 * (
-        4096.0 + u_squared * (-768.0 + u_squared * (320.0 - 175.0 * u_squared)))
-    big_b = u_squared / 1024.0 * (
-        256.0 + u_squared * (-128.0 + u_squared * (74.0 - 47.0 * u_squared)))
-    delta = big_b * sin_sigma * (middle + big_b / 4.0 * (
-        cos_sigma * (2.0 * middle**2 - 1.0)
-        - big_b / 6.0 * middle * (4.0 * sin_sigma**2 - 3.0) * (4.0 * middle**2 - 3.0)))
+        4096.0 + u_squared * (-768.0 + u_squared * (320.0 - 175.0 * u_squared))
+    )
+    big_b = (
+        u_squared / 1024.0 * (256.0 + u_squared * (-128.0 + u_squared * (74.0 - 47.0 * u_squared)))
+    )
+    delta = (
+        big_b
+        * sin_sigma
+        * (
+            middle
+            + big_b
+            / 4.0
+            * (
+                cos_sigma * (2.0 * middle**2 - 1.0)
+                - big_b / 6.0 * middle * (4.0 * sin_sigma**2 - 3.0) * (4.0 * middle**2 - 3.0)
+            )
+        )
+    )
     return B * big_a * (sigma - delta), math.atan2(east, north)

@@ -13,8 +13,10 @@ from rocsafe_geo.angle import heading_of_yaw_rad, wrap_rad, yaw_of_heading_rad
 ANGLES = st.floats(-50.0, 50.0)
 
 
-@pytest.mark.parametrize(('heading_deg', 'yaw_deg'), [
-    (0, 90), (90, 0), (180, -90), (270, 180), (45, 45), (315, 135), (225, -135)])
+@pytest.mark.parametrize(
+    ('heading_deg', 'yaw_deg'),
+    [(0, 90), (90, 0), (180, -90), (270, 180), (45, 45), (315, 135), (225, -135)],
+)
 def test_known_directions(heading_deg, yaw_deg):
     """North is yaw 90, east is 0, south is -90, west is 180 degrees."""
     assert math.degrees(yaw_of_heading_rad(math.radians(heading_deg))) == pytest.approx(yaw_deg)

@@ -17,8 +17,9 @@ def ring(*east_north):
 
 def square(east, north, side):
     """Return a square's corners from its south-west one."""
-    return ring((east, north), (east + side, north), (east + side, north + side),
-                (east, north + side))
+    return ring(
+        (east, north), (east + side, north), (east + side, north + side), (east, north + side)
+    )
 
 
 def test_area_in_metres():
@@ -44,21 +45,24 @@ BOX = square(0, 0, 100)
 BOW_TIE = ring((0, 0), (100, 100), (100, 0), (0, 100))
 
 
-@pytest.mark.parametrize(('boundary', 'holes', 'message'), [
-    (BOX[:2], (), 'the boundary has 2 distinct corners: must have at least 3'),
-    ((), (), 'the boundary has 0 distinct corners'),
-    ((BOX[0], BOX[1], BOX[0], BOX[0]), (), 'has 2 distinct corners'),
-    (ring((0, 0), (50, 50), (100, 100)), (), 'the boundary encloses .* must enclose at least'),
-    (BOW_TIE, (), r'the boundary crosses or touches itself near 53\.28\d+, -9\.059\d+'),
-    (POLAR, (), 'at latitude 86 deg: must be within -85 to 85 deg'),
-    (ACROSS, (), 'must not cross the antimeridian'),
-    (WIDE, (), 'the boundary extends 941 km: must be within 500 km'),
-    (BOX, (BOX[:2],), 'hole 1 has 2 distinct corners'),
-    (BOX, (square(90, 90, 20),), 'hole 1 reaches outside the boundary near 53.28'),
-    (BOX, (square(10, 10, 20), square(200, 0, 5)), 'hole 2 reaches outside'),
-    (BOX, (square(10, 10, 20), square(20, 20, 20)), 'holes 1 and 2 overlap near 53.28'),
-    (BOX, (BOX,), 'nothing to survey'),
-])
+@pytest.mark.parametrize(
+    ('boundary', 'holes', 'message'),
+    [
+        (BOX[:2], (), 'the boundary has 2 distinct corners: must have at least 3'),
+        ((), (), 'the boundary has 0 distinct corners'),
+        ((BOX[0], BOX[1], BOX[0], BOX[0]), (), 'has 2 distinct corners'),
+        (ring((0, 0), (50, 50), (100, 100)), (), 'the boundary encloses .* must enclose at least'),
+        (BOW_TIE, (), r'the boundary crosses or touches itself near 53\.28\d+, -9\.059\d+'),
+        (POLAR, (), 'at latitude 86 deg: must be within -85 to 85 deg'),
+        (ACROSS, (), 'must not cross the antimeridian'),
+        (WIDE, (), 'the boundary extends 941 km: must be within 500 km'),
+        (BOX, (BOX[:2],), 'hole 1 has 2 distinct corners'),
+        (BOX, (square(90, 90, 20),), 'hole 1 reaches outside the boundary near 53.28'),
+        (BOX, (square(10, 10, 20), square(200, 0, 5)), 'hole 2 reaches outside'),
+        (BOX, (square(10, 10, 20), square(20, 20, 20)), 'holes 1 and 2 overlap near 53.28'),
+        (BOX, (BOX,), 'nothing to survey'),
+    ],
+)
 def test_what_is_no_area_is_refused(boundary, holes, message):
     """The refusal is one line with the ring, the place or value, and the limit."""
     with pytest.raises(ValueError, match=message) as refusal:

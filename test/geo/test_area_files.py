@@ -12,8 +12,11 @@ OUTER = [[-9.062, 53.279], [-9.056, 53.279], [-9.056, 53.283], [-9.062, 53.283],
 INNER = [[-9.060, 53.280], [-9.058, 53.280], [-9.058, 53.281], [-9.060, 53.280]]
 POLYGON = {'type': 'Polygon', 'coordinates': [OUTER, INNER]}
 FEATURE = {'type': 'Feature', 'properties': {'name': 'yard'}, 'geometry': POLYGON}
-POINT = {'type': 'Feature', 'properties': None,
-         'geometry': {'type': 'Point', 'coordinates': [0, 0]}}
+POINT = {
+    'type': 'Feature',
+    'properties': None,
+    'geometry': {'type': 'Point', 'coordinates': [0, 0]},
+}
 
 
 def write(tmp_path, content, name='region.geojson'):
@@ -30,25 +33,42 @@ def kml(inner='', opening='<kml xmlns="http://www.opengis.net/kml/2.2">', prolog
         f'<?xml version="1.0" encoding="UTF-8"?>{prolog}{opening}<Document><name>doc</name>'
         '<Folder><Placemark><name>yard</name><Polygon>'
         f'{inner}<outerBoundaryIs><LinearRing><coordinates>{outer}</coordinates></LinearRing>'
-        '</outerBoundaryIs></Polygon></Placemark></Folder></Document></kml>')
+        '</outerBoundaryIs></Polygon></Placemark></Folder></Document></kml>'
+    )
 
 
-HOLE = ('<innerBoundaryIs><LinearRing><coordinates>'
-        + ' '.join(f'{lon}, {lat}' for lon, lat in INNER)
-        + '</coordinates></LinearRing></innerBoundaryIs>')
+HOLE = (
+    '<innerBoundaryIs><LinearRing><coordinates>'
+    + ' '.join(f'{lon}, {lat}' for lon, lat in INNER)
+    + '</coordinates></LinearRing></innerBoundaryIs>'
+)
 
 
-@pytest.mark.parametrize(('document', 'name'), [
-    (POLYGON, 'region'),
-    (FEATURE, 'yard'),
-    ({'type': 'FeatureCollection', 'features': [POINT, FEATURE]}, 'yard'),
-    ({'type': 'FeatureCollection', 'name': 'site',
-      'features': [{'type': 'Feature', 'properties': {}, 'geometry': POLYGON}]}, 'site'),
-    ({'type': 'MultiPolygon', 'coordinates': [[OUTER, INNER]]}, 'region'),
-    ({'type': 'GeometryCollection', 'geometries': [POLYGON]}, 'region'),
-    ({**POLYGON, 'crs': {'type': 'name', 'properties': {'name': 'urn:ogc:def:crs:OGC:1.3:CRS84'}}},
-     'region'),
-])
+@pytest.mark.parametrize(
+    ('document', 'name'),
+    [
+        (POLYGON, 'region'),
+        (FEATURE, 'yard'),
+        ({'type': 'FeatureCollection', 'features': [POINT, FEATURE]}, 'yard'),
+        (
+            {
+                'type': 'FeatureCollection',
+                'name': 'site',
+                'features': [{'type': 'Feature', 'properties': {}, 'geometry': POLYGON}],
+            },
+            'site',
+        ),
+        ({'type': 'MultiPolygon', 'coordinates': [[OUTER, INNER]]}, 'region'),
+        ({'type': 'GeometryCollection', 'geometries': [POLYGON]}, 'region'),
+        (
+            {
+                **POLYGON,
+                'crs': {'type': 'name', 'properties': {'name': 'urn:ogc:def:crs:OGC:1.3:CRS84'}},
+            },
+            'region',
+        ),
+    ],
+)
 def test_geojson_in_every_wrapping(tmp_path, document, name):
     """The polygon and its hole are found, longitude first; the name is the nearest one."""
     area = read_area(write(tmp_path, document))
@@ -57,10 +77,15 @@ def test_geojson_in_every_wrapping(tmp_path, document, name):
     assert area.name == name
 
 
-@pytest.mark.parametrize('opening', [
-    '<kml xmlns="http://www.opengis.net/kml/2.2">', '<kml>',
-    '<kml xmlns="http://earth.google.com/kml/2.1">',
-    '<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">'])
+@pytest.mark.parametrize(
+    'opening',
+    [
+        '<kml xmlns="http://www.opengis.net/kml/2.2">',
+        '<kml>',
+        '<kml xmlns="http://earth.google.com/kml/2.1">',
+        '<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">',
+    ],
+)
 @pytest.mark.parametrize('inner', ['', HOLE])
 def test_kml_of_every_namespace(tmp_path, opening, inner):
     """Namespaces differ from program to program; a hole may stand before the outer ring."""
@@ -74,7 +99,8 @@ def test_kml_with_a_prefixed_namespace(tmp_path):
     """A file may prefix every tag."""
     text = kml(opening='<kml>').replace('</', '\0').replace('<', '<k:').replace('\0', '</k:')
     text = text.replace('<k:?', '<?').replace(
-        '<k:kml>', '<k:kml xmlns:k="http://www.opengis.net/kml/2.2">')
+        '<k:kml>', '<k:kml xmlns:k="http://www.opengis.net/kml/2.2">'
+    )
     assert len(read_area(write(tmp_path, text, 'region.kml')).boundary) == 4
 
 
@@ -82,30 +108,37 @@ LAUGHS = '<!DOCTYPE kml [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]>'
 FILE_THEFT = '<!DOCTYPE kml [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
 
 
-@pytest.mark.parametrize(('name', 'content', 'message'), [
-    ('a.shp', '', r'is a \.shp file: must be one of \.geojson, \.json, \.kml'),
-    ('a.kmz', '', 'unpack a KMZ'),
-    ('a.json', '{', 'is not JSON: Expecting .* in line 1'),
-    ('a.json', '[' * 100_000, 'nested too deeply|is not JSON'),
-    ('a.json', [1], 'without "type"'),
-    ('a.json', {'type': 'Polygon'}, 'Polygon without the list "coordinates"'),
-    ('a.json', {'type': 'Polygon', 'coordinates': []}, 'without coordinates'),
-    ('a.json', {'type': 'Polygon', 'coordinates': [[[1]]]}, 'where .longitude, latitude. must'),
-    ('a.json', {'type': 'Polygon', 'coordinates': [[['1', '2']]]}, 'must be a number'),
-    ('a.json', '{"type": "Polygon", "coordinates": [[[NaN, 1]]]}', 'longitude_deg is nan'),
-    ('a.json', {'type': 'Polygon', 'coordinates': [[[53.0, -99.0]]]}, 'longitude comes first'),
-    ('a.json', {'type': 'MultiPolygon', 'coordinates': [[OUTER], [INNER]]}, 'has 2 polygons'),
-    ('a.json', {'type': 'FeatureCollection', 'features': [POINT]}, 'has 0 polygons'),
-    ('a.json', {**POLYGON, 'crs': {'properties': {'name': 'EPSG:2157'}}}, 'must be WGS84'),
-    ('a.kml', '<kml', 'is not XML'),
-    ('a.kml', '<gpx/>', 'its root is <gpx>'),
-    ('a.kml', '<kml/>', 'has 0 polygons'),
-    ('a.kml', '<kml><Placemark><Polygon/></Placemark></kml>', '0 outer rings'),
-    ('a.kml', kml().replace(',53.279,0', ''), 'where longitude,latitude must be'),
-    ('a.kml', kml().replace('53.279', 'north'), "has 'north' where a number must be"),
-    ('a.kml', kml(prolog=LAUGHS), 'document type or entities'),
-    ('a.kml', kml(prolog=FILE_THEFT), 'document type or entities'),
-])
+@pytest.mark.parametrize(
+    ('name', 'content', 'message'),
+    [
+        ('a.shp', '', r'is a \.shp file: must be one of \.geojson, \.json, \.kml'),
+        ('a.kmz', '', 'unpack a KMZ'),
+        ('a.json', '{', 'is not JSON: Expecting .* in line 1'),
+        ('a.json', '[' * 100_000, 'nested too deeply|is not JSON'),
+        ('a.json', [1], 'without "type"'),
+        ('a.json', {'type': 'Polygon'}, 'Polygon without the list "coordinates"'),
+        ('a.json', {'type': 'Polygon', 'coordinates': []}, 'without coordinates'),
+        (
+            'a.json',
+            {'type': 'Polygon', 'coordinates': [[[1]]]},
+            'where .longitude, latitude. must',
+        ),
+        ('a.json', {'type': 'Polygon', 'coordinates': [[['1', '2']]]}, 'must be a number'),
+        ('a.json', '{"type": "Polygon", "coordinates": [[[NaN, 1]]]}', 'longitude_deg is nan'),
+        ('a.json', {'type': 'Polygon', 'coordinates': [[[53.0, -99.0]]]}, 'longitude comes first'),
+        ('a.json', {'type': 'MultiPolygon', 'coordinates': [[OUTER], [INNER]]}, 'has 2 polygons'),
+        ('a.json', {'type': 'FeatureCollection', 'features': [POINT]}, 'has 0 polygons'),
+        ('a.json', {**POLYGON, 'crs': {'properties': {'name': 'EPSG:2157'}}}, 'must be WGS84'),
+        ('a.kml', '<kml', 'is not XML'),
+        ('a.kml', '<gpx/>', 'its root is <gpx>'),
+        ('a.kml', '<kml/>', 'has 0 polygons'),
+        ('a.kml', '<kml><Placemark><Polygon/></Placemark></kml>', '0 outer rings'),
+        ('a.kml', kml().replace(',53.279,0', ''), 'where longitude,latitude must be'),
+        ('a.kml', kml().replace('53.279', 'north'), "has 'north' where a number must be"),
+        ('a.kml', kml(prolog=LAUGHS), 'document type or entities'),
+        ('a.kml', kml(prolog=FILE_THEFT), 'document type or entities'),
+    ],
+)
 def test_bad_files_give_one_line(tmp_path, name, content, message):
     """One line: path, what is wrong, what must be."""
     path = write(tmp_path, content, name)
@@ -123,7 +156,11 @@ def test_unreadable_files_give_one_line(tmp_path):
     large.write_bytes(b' ' * 10_000_001)
     folder = tmp_path / 'c.json'
     folder.mkdir()
-    for path, message in ((tmp_path / 'none.json', 'No such file'), (binary, 'not UTF-8'),
-                          (large, 'larger than'), (folder, 'cannot be read')):
+    for path, message in (
+        (tmp_path / 'none.json', 'No such file'),
+        (binary, 'not UTF-8'),
+        (large, 'larger than'),
+        (folder, 'cannot be read'),
+    ):
         with pytest.raises(ValueError, match=message):
             read_area(path)

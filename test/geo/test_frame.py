@@ -14,7 +14,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m, ecef_m, offset, slant_distance_m
 
 _spec = importlib.util.spec_from_file_location(
-    'geodesy', pathlib.Path(__file__).with_name('geodesy.py'))
+    'geodesy', pathlib.Path(__file__).with_name('geodesy.py')
+)
 geodesy = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(geodesy)
 
@@ -22,8 +23,13 @@ ONE_MM = 1e-3
 # One origin in each quarter of the globe, one on equator and Greenwich, one beside the
 # antimeridian, one far north.
 ORIGINS = [
-    (53.28, -9.06, 60.0), (-33.9, 18.4, 25.0), (-22.9, -43.2, 800.0), (35.6, 139.7, 40.0),
-    (0.0, 0.0, 0.0), (-17.0, 179.999, 3.0), (78.2, 15.6, 500.0),
+    (53.28, -9.06, 60.0),
+    (-33.9, 18.4, 25.0),
+    (-22.9, -43.2, 800.0),
+    (35.6, 139.7, 40.0),
+    (0.0, 0.0, 0.0),
+    (-17.0, 179.999, 3.0),
+    (78.2, 15.6, 500.0),
 ]
 BEARINGS_DEG = range(15, 360, 30)
 
@@ -38,7 +44,8 @@ def test_enu_agrees_with_the_geodesic(origin, bearing_deg):
     level = GeoPosition(origin[0], origin[1], 0.0)
     point = LocalFrame(level).position_of([east, north, -(2000.0**2) / (2 * 6.371e6)])
     distance, azimuth = geodesy.vincenty(
-        level.latitude_deg, level.longitude_deg, point.latitude_deg, point.longitude_deg)
+        level.latitude_deg, level.longitude_deg, point.latitude_deg, point.longitude_deg
+    )
     assert distance * math.sin(azimuth) == pytest.approx(east, abs=ONE_MM)
     assert distance * math.cos(azimuth) == pytest.approx(north, abs=ONE_MM)
     assert distance_m(home, point) == pytest.approx(distance, abs=1e-5)
@@ -95,7 +102,8 @@ def test_offset_and_distance_are_inverse(east, north):
     assert distance_m(home, moved) == pytest.approx(math.hypot(east, north), abs=1e-6)
     assert moved.altitude_m == 17.0
     distance, azimuth = geodesy.vincenty(
-        home.latitude_deg, home.longitude_deg, moved.latitude_deg, moved.longitude_deg)
+        home.latitude_deg, home.longitude_deg, moved.latitude_deg, moved.longitude_deg
+    )
     assert distance * math.sin(azimuth) == pytest.approx(east, abs=ONE_MM)
     assert distance * math.cos(azimuth) == pytest.approx(north, abs=ONE_MM)
 
@@ -108,13 +116,16 @@ def test_slant_distance_counts_height():
         slant_distance_m(a, GeoPosition(53.28, -9.06))
 
 
-@pytest.mark.parametrize(('arguments', 'message'), [
-    ((90.1, 0.0), 'latitude_deg is 90.1: must be -90 to 90'),
-    ((0.0, -180.5), 'longitude_deg is -180.5: must be -180 to 180'),
-    ((math.nan, 0.0), 'latitude_deg is nan: must be a finite number'),
-    ((0.0, 0.0, math.inf), 'altitude_m is inf: must be a finite number'),
-    (('53', 0.0), "latitude_deg is '53': must be a number"),
-])
+@pytest.mark.parametrize(
+    ('arguments', 'message'),
+    [
+        ((90.1, 0.0), 'latitude_deg is 90.1: must be -90 to 90'),
+        ((0.0, -180.5), 'longitude_deg is -180.5: must be -180 to 180'),
+        ((math.nan, 0.0), 'latitude_deg is nan: must be a finite number'),
+        ((0.0, 0.0, math.inf), 'altitude_m is inf: must be a finite number'),
+        (('53', 0.0), "latitude_deg is '53': must be a number"),
+    ],
+)
 def test_positions_off_the_globe_are_refused(arguments, message):
     """The refusal names the field, its value and the limit."""
     with pytest.raises(ValueError, match=message):

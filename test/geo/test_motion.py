@@ -15,9 +15,16 @@ ACCELERATIONS = st.floats(0.3, 8.0)
 DISTANCES = st.just(0.0) | st.floats(1e-9, 3000.0)
 
 
-@pytest.mark.parametrize(('distance', 'speed', 'acceleration', 'duration'), [
-    (15.0, 5.0, 2.0, 5.50), (15.0, 10.0, 2.5, 4.90), (30.0, 10.0, 2.5, 6.93),
-    (30.0, 12.0, 3.0, 6.32), (0.0, 5.0, 2.0, 0.0)])
+@pytest.mark.parametrize(
+    ('distance', 'speed', 'acceleration', 'duration'),
+    [
+        (15.0, 5.0, 2.0, 5.50),
+        (15.0, 10.0, 2.5, 4.90),
+        (30.0, 10.0, 2.5, 6.93),
+        (30.0, 12.0, 3.0, 6.32),
+        (0.0, 5.0, 2.0, 0.0),
+    ],
+)
 def test_known_durations(distance, speed, acceleration, duration):
     """d/v + v/a when the cruise speed is reached, 2 sqrt(d/a) when not."""
     limits = MotionLimits(speed, acceleration)
@@ -36,8 +43,9 @@ def test_speed_is_the_slope_of_progress(distance, speed, acceleration, fraction)
     now = leg_speed_mps(elapsed, distance, limits)
     assert 0.0 <= now <= speed
     step = 1e-4
-    moved = (leg_progress_m(elapsed + step, distance, limits)
-             - leg_progress_m(elapsed, distance, limits))
+    moved = leg_progress_m(elapsed + step, distance, limits) - leg_progress_m(
+        elapsed, distance, limits
+    )
     assert moved == pytest.approx(now * step, abs=acceleration * step**2 + 1e-9)
 
 
@@ -57,11 +65,16 @@ def test_arrays_match_scalars():
     assert leg_duration_s(distances, limits).tolist() == expected
 
 
-@pytest.mark.parametrize('call', [
-    lambda: MotionLimits(0.0, 1.0), lambda: MotionLimits(5.0, -1.0),
-    lambda: MotionLimits(math.nan, 1.0),
-    lambda: leg_duration_s(-1.0, MotionLimits(5.0, 1.0)),
-    lambda: leg_duration_s(math.nan, MotionLimits(5.0, 1.0))])
+@pytest.mark.parametrize(
+    'call',
+    [
+        lambda: MotionLimits(0.0, 1.0),
+        lambda: MotionLimits(5.0, -1.0),
+        lambda: MotionLimits(math.nan, 1.0),
+        lambda: leg_duration_s(-1.0, MotionLimits(5.0, 1.0)),
+        lambda: leg_duration_s(math.nan, MotionLimits(5.0, 1.0)),
+    ],
+)
 def test_impossible_motion_is_refused(call):
     """Zero, negative and NaN values are refused with the value in the message."""
     with pytest.raises(ValueError, match='must be'):

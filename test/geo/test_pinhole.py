@@ -41,7 +41,8 @@ def test_footprint_of_the_paper(fov_deg, width):
 def test_camera_facing_north_has_north_at_the_image_top():
     """Yaw 90 degrees: ground to the north is above, ground to the east right of the centre."""
     homography = ground_homography(
-        CAMERA, (100.0, 50.0, 32.0), rotation_enu_from_optical(math.pi / 2))
+        CAMERA, (100.0, 50.0, 32.0), rotation_enu_from_optical(math.pi / 2)
+    )
     metres = 10.0 * CAMERA.focal_px / 32.0
     assert pixel(homography, 100.0, 50.0) == pytest.approx((319.5, 239.5))
     assert pixel(homography, 100.0, 60.0) == pytest.approx((319.5, 239.5 - metres))
@@ -93,18 +94,22 @@ def test_known_quaternion():
     turn = rotation_of_quaternion((0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)))
     np.testing.assert_allclose(turn @ (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(
-        quaternion_of_rotation(turn), (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)), atol=1e-12)
+        quaternion_of_rotation(turn), (0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)), atol=1e-12
+    )
 
 
-@pytest.mark.parametrize(('call', 'message'), [
-    (lambda: PinholeCamera(math.pi, 640, 480), 'horizontal_fov_rad'),
-    (lambda: PinholeCamera(1.0, 0, 480), 'image_width_px is 0: must be 1 to'),
-    (lambda: PinholeCamera(1.0, 640, 10.5), 'image_height_px is 10.5: must be a whole'),
-    (lambda: CAMERA.footprint_m(0.0), 'height_m is 0 m'),
-    (lambda: ground_homography(CAMERA, (0, 0, -1), np.eye(3)), 'height above ground is -1 m'),
-    (lambda: ground_corners(CAMERA, (0, 0, 9), rotation_enu_from_optical(0, 1.4)), 'horizon'),
-    (lambda: rotation_of_quaternion((0, 0, 0, 0)), 'quaternion length is 0'),
-])
+@pytest.mark.parametrize(
+    ('call', 'message'),
+    [
+        (lambda: PinholeCamera(math.pi, 640, 480), 'horizontal_fov_rad'),
+        (lambda: PinholeCamera(1.0, 0, 480), 'image_width_px is 0: must be 1 to'),
+        (lambda: PinholeCamera(1.0, 640, 10.5), 'image_height_px is 10.5: must be a whole'),
+        (lambda: CAMERA.footprint_m(0.0), 'height_m is 0 m'),
+        (lambda: ground_homography(CAMERA, (0, 0, -1), np.eye(3)), 'height above ground is -1 m'),
+        (lambda: ground_corners(CAMERA, (0, 0, 9), rotation_enu_from_optical(0, 1.4)), 'horizon'),
+        (lambda: rotation_of_quaternion((0, 0, 0, 0)), 'quaternion length is 0'),
+    ],
+)
 def test_impossible_cameras_are_refused(call, message):
     """The refusal names the argument, its value and the limit."""
     with pytest.raises(ValueError, match=message):

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A node's process ends cleanly on both signals, on a wrong parameter and with its supervisor."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+DEADLINE_S = 20.0
+
+NODE = """
+import sys
+from dataclasses import dataclass, field
+from rclpy.node import Node
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.run import run
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    speed_mps: float = field(default=1.0, metadata={'min': 0.5, 'max': 2.0})
+
+class Subject(Node):
+    def __init__(self):
+        super().__init__('subject')
+        declare_options(self, Options)
+        self.create_timer(0.05, lambda: print('alive', flush=True))
+
+sys.exit(run(Subject))
+"""
+# Starts the node, tells its process id and dies without a word to it.
+SUPERVISOR = """
+import os, subprocess, sys, time
+os.environ['ROCSAFE_SUPERVISOR_PID'] = str(os.getpid())
+child = subprocess.Popen([sys.executable, '-c', sys.argv[1]], stdout=subprocess.PIPE)
+child.stdout.readline()
+print(child.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def start(code, *args):
+    """Start Python on `code` with the test's own import path."""
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    return subprocess.Popen(
+        [sys.executable, '-c', code, *args],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, 'PYTHONPATH': path},
+    )
+
+
+@pytest.fixture
+def child(ros_domain_id):
+    """Start the subject node; kill it if the test did not end it."""
+    children = []
+
+    def begin(*args):
+        children.append(start(NODE, *args))
+        return children[-1]
+
+    yield begin
+    for process in children:
+        process.kill()
+        process.communicate(timeout=DEADLINE_S)
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_signal_ends_the_node_without_a_word(child, number):
+    """Both signals: exit 0, nothing on standard error."""
+    process = child()
+    assert process.stdout.readline() == 'alive\n'
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert (process.returncode, errors) == (0, '')
+
+
+def test_wrong_parameter_is_one_line_and_exit_2(child):
+    """No traceback for a user's mistake."""
+    process = child('--ros-args', '-p', 'speed_mps:=9.0')
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 2
+    assert errors == 'error: subject: parameter speed_mps = 9.0 must be within 0.5 to 2.0\n'
+
+
+def test_node_ends_when_its_supervisor_is_killed(ros_domain_id):
+    """No orphan is left, even when the supervisor had no chance to say anything."""
+    supervisor = start(SUPERVISOR, NODE)
+    node_pid = int(supervisor.stdout.readline())
+    supervisor.kill()
+    supervisor.communicate(timeout=DEADLINE_S)
+    end = time.monotonic() + DEADLINE_S
+    while _is_running(node_pid):
+        assert time.monotonic() < end, f'process {node_pid} is still there'
+        time.sleep(0.05)
+
+
+def _is_running(pid):
+    """Whether a process lives; a zombie that waits for its parent does not."""
+    try:
+        with open(f'/proc/{pid}/stat') as stat:  # noqa: PTH123
+            return stat.read().rsplit(')', 1)[1].split()[0] != 'Z'
+    except FileNotFoundError:
+        return False
