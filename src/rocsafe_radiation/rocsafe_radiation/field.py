@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gamma dose-rate field of known sources."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rocsafe_geo.position import ecef_m
+from rocsafe_radiation.errors import UnknownPointError
+from rocsafe_radiation.source import RadiationSource
+
+SECONDS_PER_HOUR = 3600.0
+PAPER_MODEL = 'paper'
+MODELS = (PAPER_MODEL,)
+# With the largest sigma the dose rate at a source of this radius is 1e18 uSv/s: still finite.
+SMALLEST_SOURCE_RADIUS_M = 1e-3
+COORDINATE_LIMITS = (('latitude', 90.0), ('longitude', 180.0), ('altitude', math.inf))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadiationField:
+    """Dose rates around any number of sources, by the model ``paper``.
+
+    Each source gives sigma / d^2 microsievert per second at the straight-line distance d in
+    metres, without attenuation or scatter; the sources add up ("ROCSAFE: Remote Forensics for
+    High Risk Incidents", 2018). The formula is singular at d = 0: below `source_radius_m` the
+    distance counts as `source_radius_m`, as at the surface of a source of that size.
+
+    Attributes
+    ----------
+    sources: the sources; none gives a field of zeros.
+    source_radius_m: distance below which the dose rate grows no further.
+    """
+
+    sources: tuple[RadiationSource, ...]
+    source_radius_m: float = 0.1
+    _centres: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not SMALLEST_SOURCE_RADIUS_M <= self.source_radius_m < math.inf:
+            raise ValueError(
+                f'source_radius_m = {self.source_radius_m} must be at least '
+                f'{SMALLEST_SOURCE_RADIUS_M:g} and finite'
+            )
+        names = [source.name for source in self.sources]
+        if len(set(names)) < len(names):
+            raise ValueError(f'source names must differ: {", ".join(names)}')
+        object.__setattr__(self, '_centres', _centres(self.sources))
+
+    def dose_rates_usvh(
+        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Return the dose rate at each of n points in microsievert per hour, shape (n,).
+
+        Latitudes and longitudes are WGS84, altitudes above the ellipsoid; each is an array of
+        shape (n,) or a scalar. Distances are good to about 2 nm, the rounding of geocentric
+        coordinates; the rest keeps 1e-12 relative.
+
+        Raises
+        ------
+        UnknownPointError: if a point is not finite or out of range, naming it.
+        """
+        points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
+        _check_points(points)
+        positions = ecef_m(*points)
+        rates_usvps = np.zeros(len(positions))
+        for source, centre in zip(self.sources, self._centres, strict=True):
+            distances_m = np.linalg.norm(positions - centre, axis=1)
+            rates_usvps += dose_rate_usvps(source.sigma_usvps, distances_m, self.source_radius_m)
+        return rates_usvps * SECONDS_PER_HOUR
+
+
+def dose_rate_usvps(
+    sigma_usvps: float, distances_m: NDArray[np.float64], source_radius_m: float
+) -> NDArray[np.float64]:
+    """Return sigma / d^2 in microsievert per second, with d at least `source_radius_m`."""
+    clamped_m = np.maximum(distances_m, source_radius_m)
+    return np.asarray(sigma_usvps / (clamped_m * clamped_m), dtype=np.float64)
+
+
+def _arrays(*parts: ArrayLike) -> tuple[NDArray[np.float64], ...]:
+    return np.broadcast_arrays(*(np.atleast_1d(np.asarray(part, np.float64)) for part in parts))
+
+
+def _check_points(points: tuple[NDArray[np.float64], ...]) -> None:
+    for (name, limit), values in zip(COORDINATE_LIMITS, points, strict=True):
+        wrong = np.flatnonzero(~(np.isfinite(values) & (np.abs(values) <= limit)))
+        if wrong.size:
+            bound = f'within {-limit:g} and {limit:g}' if math.isfinite(limit) else 'finite'
+            raise UnknownPointError(
+                f'point {wrong[0]}: {name} = {values[wrong[0]]} must be {bound}'
+            )
+
+
+def _centres(sources: tuple[RadiationSource, ...]) -> NDArray[np.float64]:
+    """Return the geocentric positions of `sources` in metres, shape (sources, 3)."""
+    places = [source.position for source in sources]
+    return ecef_m(
+        np.array([place.latitude_deg for place in places]),
+        np.array([place.longitude_deg for place in places]),
+        np.array([place.altitude_m for place in places]),
+    )

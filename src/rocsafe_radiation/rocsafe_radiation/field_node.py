@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``radiation_field``: what the vehicles' detectors read in a simulated field."""
+
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import NavSatFix
+
+from rocsafe_interfaces.srv import QueryRadiationField
+from rocsafe_radiation.conversions import (
+    coordinates_of_fix,
+    coordinates_of_points,
+    reading_of,
+)
+from rocsafe_radiation.errors import RadiationError, UnknownPointError
+from rocsafe_radiation.field import RadiationField
+from rocsafe_radiation.options import GROUND_TRUTH, FieldOptions
+from rocsafe_radiation.pairing import StampPairing
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.lockstep import Participant
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.run import run
+
+
+class Detector:
+    """The detector of one vehicle: a reading for each of its fixes, in the order of stamps."""
+
+    def __init__(
+        self, node: Node, vehicle: str, options: FieldOptions, field: RadiationField
+    ) -> None:
+        self._log = node.get_logger()
+        self._vehicle = vehicle
+        self._model = options.model
+        self._field = field
+        self._pairing: StampPairing[NavSatFix, NavSatFix] = StampPairing()
+        self._unanswered = 0
+        self._reported_lost = 0
+        self._readings = topics.create_publisher(node, topics.RADIATION, vehicle)
+        if options.position_source == GROUND_TRUTH:
+            topics.create_subscription(node, topics.GROUND_TRUTH_FIX, self._on_truth, vehicle)
+            topics.create_subscription(node, topics.FIX, self._on_fix, vehicle)
+        else:
+            topics.create_subscription(node, topics.FIX, self._on_lone_fix, vehicle)
+
+    def _on_fix(self, fix: NavSatFix) -> None:
+        self._answer(self._pairing.add_left(ns_of_stamp(fix.header.stamp), fix))
+
+    def _on_truth(self, truth: NavSatFix) -> None:
+        self._answer(self._pairing.add_right(ns_of_stamp(truth.header.stamp), truth))
+
+    def _on_lone_fix(self, fix: NavSatFix) -> None:
+        self._on_fix(fix)
+        self._on_truth(fix)
+
+    def _answer(self, pair: tuple[NavSatFix, NavSatFix] | None) -> None:
+        if self._pairing.lost > self._reported_lost:
+            self._reported_lost = self._pairing.lost
+            self._log.warning(f'{self._vehicle}: {self._pairing.lost} fixes lost their partner')
+        if pair is None:
+            return
+        fix, place = pair
+        try:
+            dose_rate_usvh = self._field.dose_rates_usvh(*coordinates_of_fix(place))[0]
+        except UnknownPointError as error:
+            self._count_unanswered(error)
+            return
+        self._readings.publish(reading_of(fix, self._vehicle, self._model, dose_rate_usvh))
+
+    def _count_unanswered(self, error: UnknownPointError) -> None:
+        self._unanswered += 1
+        if self._unanswered == 1:
+            self._log.warning(f'{self._vehicle}: no reading while its place is unknown: {error}')
+
+
+class FieldNode(Node):
+    """Answers each fix with a reading of the dose rate at the vehicle's true position.
+
+    Subscribes: for each vehicle ``fix`` and ``ground_truth/fix``. Publishes: for each vehicle
+    ``radiation``, one a fix with the stamp of the fix. Service: ``radiation_field/query``.
+
+    In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due,
+    so it reports a step done at once; a fix that comes later still gets a reading with its own
+    stamp. What it publishes depends on stamps and positions alone, never on the order of arrival.
+    """
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('radiation_field', **node_options)
+        options = declare_options(self, FieldOptions)
+        self._field = options.radiation_field()
+        self._detectors = [
+            Detector(self, vehicle, options, self._field) for vehicle in options.vehicles
+        ]
+        self.create_service(topics.QUERY_FIELD.call_type, topics.QUERY_FIELD.name, self._on_query)
+        if options.lock_step:
+            self._participant = Participant(self, self.get_name(), self._on_step)
+
+    def _on_step(self, _time_ns: int) -> bool:
+        return True
+
+    def _on_query(
+        self,
+        request: QueryRadiationField.Request,
+        response: QueryRadiationField.Response,
+    ) -> QueryRadiationField.Response:
+        try:
+            rates_usvh = self._field.dose_rates_usvh(*coordinates_of_points(request.points))
+        except RadiationError as error:
+            response.error_code = QueryRadiationField.Request.INVALID_POINT
+            response.error_msg = str(error)
+            return response
+        response.dose_rate_usvh = rates_usvh.tolist()
+        return response
+
+
+def main() -> int:
+    """Run the node until it is asked to stop."""
+    return run(FieldNode)
