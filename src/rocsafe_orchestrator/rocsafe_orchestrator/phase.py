@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The phases of a mission; numbers are those of ``MissionState.msg``."""
+
+from enum import IntEnum
+
+
+class Phase(IntEnum):
+    """What the mission is doing."""
+
+    STARTING = 0
+    PLANNING = 1
+    FLYING = 2
+    COLLECTING = 3
+    MAPPING = 4
+    REPORTING = 5
+    COMPLETE = 6
+    FAILED = 7
+    CANCELLED = 8
+
+    @property
+    def is_over(self) -> bool:
+        """True if no other phase follows."""
+        return self >= Phase.COMPLETE
+
+
+# Phases in which every process of the table has to run.
+ACTIVE_PHASES = frozenset(phase for phase in Phase if phase < Phase.REPORTING)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A request to a node, repeated until it is answered: its server may restart at any time."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class OrderKind(Enum):
+    """What the mission asks of its surroundings."""
+
+    PLAN = 'plan the survey'
+    FLY = 'fly the route'
+    RUN_CLOCK = 'start simulated time'
+    SAVE_MOSAIC = 'write the mosaic'
+    WRITE_PRODUCTS = 'write the products'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Order:
+    """One thing to ask for; `vehicle` is named where the order is for one."""
+
+    kind: OrderKind
+    vehicle: str = ''
+
+
+class Status(Enum):
+    """How far a request has come."""
+
+    WAITING = 'waiting'
+    ACCEPTED = 'accepted'
+    DONE = 'done'
+
+
+class Request:
+    """One order on its way.
+
+    Parameters
+    ----------
+    order: what is asked for.
+    server: name of the process that answers it.
+    repeat_s: an order that nobody accepted is sent again after this long, then after twice that.
+    """
+
+    def __init__(self, order: Order, server: str, repeat_s: float) -> None:
+        self.order = order
+        self.server = server
+        self.status = Status.WAITING
+        self._first_pause_s = repeat_s
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again, for instance because the server was restarted; an answer stays."""
+        if self.status is Status.DONE:
+            return
+        self.status = Status.WAITING
+        self._first_sent_s: float | None = None
+        self._next_s: float | None = None
+        self._pause_s = self._first_pause_s
+
+    def is_due(self, now_s: float) -> bool:
+        """Return whether the order is to be sent now; if so the next time is set."""
+        is_early = self._next_s is not None and now_s < self._next_s
+        if self.status is not Status.WAITING or is_early:
+            return False
+        if self._first_sent_s is None:
+            self._first_sent_s = now_s
+        self._next_s = now_s + self._pause_s
+        self._pause_s *= 2.0
+        return True
+
+    def waited_s(self, now_s: float) -> float:
+        """Return for how long nobody has accepted the order."""
+        if self.status is not Status.WAITING or self._first_sent_s is None:
+            return 0.0
+        return now_s - self._first_sent_s
+
+    def accept(self) -> None:
+        """Note that the server has taken the order."""
+        if self.status is Status.WAITING:
+            self.status = Status.ACCEPTED
+
+    def finish(self) -> None:
+        """Note the answer."""
+        self.status = Status.DONE

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The folder of a run: the only module that knows the names of files on disk."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from rocsafe_orchestrator.errors import SetupError
+
+
+@dataclass(frozen=True, slots=True)
+class RunDirectory:
+    """Where everything that a run needs and makes lies, below `path`."""
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Name of the folder, which is also the mission's id."""
+        return self.path.name
+
+    @property
+    def scenario(self) -> Path:
+        """The scenario as flown, with every default written out."""
+        return self.path / 'scenario.yaml'
+
+    @property
+    def run_info(self) -> Path:
+        """Command, versions, git revision and, once it is known, the outcome."""
+        return self.path / 'run.json'
+
+    @property
+    def parameters(self) -> Path:
+        """Folder of the parameter files, one a process."""
+        return self.path / 'params'
+
+    @property
+    def logs(self) -> Path:
+        """Folder of the output of each process."""
+        return self.path / 'logs'
+
+    @property
+    def spool(self) -> Path:
+        """Folder in which simulated vehicles keep what they have not handed over."""
+        return self.path / 'spool'
+
+    @property
+    def images(self) -> Path:
+        """Image store."""
+        return self.path / 'images'
+
+    @property
+    def mosaic(self) -> Path:
+        """Georeferenced map."""
+        return self.path / 'mosaic.tif'
+
+    @property
+    def plan(self) -> Path:
+        """Plan as the planner wrote it."""
+        return self.path / 'plan.json'
+
+    @property
+    def recording(self) -> Path:
+        """All messages of the run."""
+        return self.path / 'mission.mcap'
+
+    @property
+    def readings(self) -> Path:
+        """Table of all dose-rate readings."""
+        return self.path / 'readings.csv'
+
+    @property
+    def summary(self) -> Path:
+        """Figures of the run, for programs."""
+        return self.path / 'summary.json'
+
+    @property
+    def report(self) -> Path:
+        """Figures and map of the run, for people."""
+        return self.path / 'report.html'
+
+    def log_of(self, process: str) -> Path:
+        """Return the log file of `process`."""
+        return self.logs / f'{process}.log'
+
+    def parameters_of(self, process: str) -> Path:
+        """Return the parameter file of `process`."""
+        return self.parameters / f'{process}.yaml'
+
+
+def create_run_directory(parent: Path, scenario: str, now: datetime) -> RunDirectory:
+    """Make a new folder ``<scenario>-<YYYYMMDD-HHMMSS>`` below `parent`.
+
+    Two runs of the same second get different folders.
+
+    Raises
+    ------
+    SetupError: if the folder cannot be made.
+    """
+    stem = f'{scenario}-{now:%Y%m%d-%H%M%S}'
+    for suffix in ('', *(f'-{number}' for number in range(2, 100))):
+        try:
+            (parent / (stem + suffix)).mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise SetupError(f'{parent}: cannot make a run directory: {error.strerror}') from error
+        return _filled(RunDirectory((parent / (stem + suffix)).resolve()))
+    raise SetupError(f'{parent}: too many runs named {stem}')
+
+
+def _filled(run: RunDirectory) -> RunDirectory:
+    for folder in (run.parameters, run.logs, run.spool, run.images):
+        folder.mkdir()
+    return run
