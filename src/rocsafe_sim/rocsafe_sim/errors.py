@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Failures of the simulation that a caller may want to treat."""
+
+
+class SimError(Exception):
+    """Base of all failures of this package."""
+
+
+class CommandRefusedError(SimError):
+    """A vehicle will not do what it was told; the text says why."""
+
+
+class JournalError(SimError):
+    """A journal or a spooled photograph cannot be read back."""
+
+
+class GroundError(SimError):
+    """The ground picture cannot be read, or does not show what is asked for."""

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated multirotor: obeys orders, flies, photographs, watches its battery.
+
+Its motion is a closed-form function of the time since its last order, so that neither the step of
+the simulation nor a restart of the process changes a flight.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
+
+from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.course import NS_PER_S, Course
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight_record import FlightRecord, Outcome, VehicleRecord
+from rocsafe_sim.observation import FlightSummary, Observation, ShotDue
+from rocsafe_sim.orders import Order, OrderKind
+from rocsafe_sim.route import Enu, Route, horizontal_m
+from rocsafe_sim.segment import Mode, Pose, standing
+from rocsafe_sim.timeline import ShotTime
+
+# A route's home may be this far from the vehicle's own: more is a route meant for another one.
+HOME_TOLERANCE_M = 5.0
+
+
+class Vehicle:
+    """One vehicle. Orders take effect at the time of the last step.
+
+    Parameters
+    ----------
+    airframe : what it can do.
+    home_enu : where it stands, metres; up is that of the ground.
+    """
+
+    def __init__(self, airframe: Airframe, home_enu: Enu) -> None:
+        self.airframe = airframe
+        self.time_ns = 0
+        self._record = VehicleRecord(home_enu=home_enu)
+        self._course: Course | None = None
+        self._shots: deque[tuple[int, ShotTime]] = deque()
+
+    @property
+    def record(self) -> VehicleRecord:
+        """All that must outlive the process; see `restore`."""
+        return self._record
+
+    @property
+    def flight(self) -> FlightRecord | None:
+        """The last flight, running or ended; None before the first."""
+        return self._record.flight
+
+    @property
+    def mode(self) -> Mode:
+        """What the vehicle is about, as of the last step or order."""
+        return Mode.DISARMED if self._course is None else self._course.mode(self.time_ns)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing happens until an order comes."""
+        return not self.mode.is_airborne
+
+    def restore(self, record: VehicleRecord) -> None:
+        """Continue from a record: the next step finds the flight where it should be by then."""
+        self._record = record
+        if record.flight is not None:
+            self.time_ns = record.flight.order.start_ns
+            self._follow(record.flight)
+
+    def step(self, time_ns: int) -> Observation:
+        """Advance to `time_ns`, simulated nanoseconds, and say what is true then.
+
+        Raises
+        ------
+        ValueError: if time runs backwards.
+        """
+        if time_ns < self.time_ns:
+            raise ValueError(f'time_ns is {time_ns}: must be {self.time_ns} or later')
+        shots = tuple(self._run_to(time_ns))
+        self.time_ns = time_ns
+        self._touch_down()
+        return self._observation(shots)
+
+    def fly_route(self, route: Route) -> None:
+        """Fly `route`; one that is being flown, or has just been flown, is not begun again.
+
+        If it was cancelled or is held, it goes on.
+
+        Raises
+        ------
+        CommandRefusedError: if another flight runs, home is elsewhere or the battery too low.
+        """
+        flight = self.flight
+        if flight is not None and flight.route == route:
+            if self.mode is Mode.HOLDING:
+                self._give(replace(flight, outcome=None, text='', ended_ns=None), OrderKind.FLY)
+            return
+        self._require_ready_for(route)
+        order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
+        if Course(order, route, self.airframe).low_ns <= self.time_ns:
+            raise CommandRefusedError(
+                f'battery {order.charge_fraction:.0%}: must be more, to keep a reserve of '
+                f'{self.airframe.reserve_fraction:.0%}'
+            )
+        self._follow(FlightRecord(
+            route=route,
+            order=order,
+            take_off_ns=order.start_ns,
+            take_off_distance_m=order.distance_m,
+        ))
+
+    def cancel(self) -> None:
+        """End the running flight's purpose, if any: hold, or land if it is landing already."""
+        if self.flight is None or self.flight.outcome is not None:
+            return
+        cancelled = replace(
+            self.flight, outcome=Outcome.CANCELLED, text='by request', ended_ns=self.time_ns
+        )
+        self._record = replace(self._record, flight=cancelled)
+        if self.mode not in (Mode.LANDING, Mode.HOLDING):
+            self._give(cancelled, OrderKind.HOLD)
+
+    def hold(self) -> None:
+        """Stand still in the air until told otherwise.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground, landing, or holding already.
+        """
+        flight = self._require_mode('hold', Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
+        self._give(flight, OrderKind.HOLD)
+
+    def resume(self) -> None:
+        """Go on with a held flight.
+
+        Raises
+        ------
+        CommandRefusedError: if not holding, or if the flight was cancelled.
+        """
+        flight = self._require_mode('resume', Mode.HOLDING)
+        if flight.outcome is not None:
+            raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
+        is_whole = flight.ending is Outcome.COMPLETED
+        self._give(flight, OrderKind.FLY if is_whole else OrderKind.RETURN)
+
+    def return_home(self) -> None:
+        """Give up the rest of the route, fly home and land.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground, landing, or returning already.
+        """
+        flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
+        ended = _cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
+        self._give(ended, OrderKind.RETURN)
+
+    def land(self) -> None:
+        """Land where it is.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground or landing already.
+        """
+        flight = self._require_mode(
+            'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
+        )
+        self._give(_cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
+
+    def summary(self) -> FlightSummary | None:
+        """Return what the last flight came to; None while it runs and before the first."""
+        flight = self.flight
+        if flight is None or flight.outcome is None or flight.ended_ns is None:
+            return None
+        return FlightSummary(
+            outcome=flight.outcome,
+            text=flight.text,
+            viewpoints_visited=flight.visited,
+            distance_flown_m=self._distance_m(flight.ended_ns) - flight.take_off_distance_m,
+            duration_s=(flight.ended_ns - flight.take_off_ns) / NS_PER_S,
+        )
+
+    def left(self) -> tuple[float, float]:
+        """Return horizontal distance (m) and time (s) to touch-down, as if a hold ended now."""
+        if self.flight is None or self._course is None:
+            return 0.0, 0.0
+        course = self._course
+        if self.mode is Mode.HOLDING:
+            order = self._order(OrderKind.FLY, self.time_ns, self.flight.visited)
+            course = Course(order, self.flight.route, self.airframe)
+        return course.left(self.time_ns)
+
+    def _require_ready_for(self, route: Route) -> None:
+        flight = self.flight
+        if flight is not None and flight.outcome is None:
+            raise CommandRefusedError(f'flies plan {flight.route.plan_id!r}: cancel that first')
+        if self.mode not in (Mode.DISARMED, Mode.LANDED, Mode.HOLDING):
+            raise CommandRefusedError(f'cannot fly a route: {self.mode.value}')
+        off_m = horizontal_m(route.home_enu, self._record.home_enu)
+        if off_m > HOME_TOLERANCE_M:
+            raise CommandRefusedError(
+                f'home of the route is {off_m:.1f} m from home of the vehicle: '
+                f'must be within {HOME_TOLERANCE_M:g} m'
+            )
+
+    def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
+        if self.flight is None or self.mode not in modes:
+            raise CommandRefusedError(f'cannot {what}: {self.mode.value}')
+        return self.flight
+
+    def _give(self, flight: FlightRecord, kind: OrderKind, time_ns: int | None = None) -> None:
+        """Put an order of `kind` in force, at `time_ns` or else now."""
+        order = self._order(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
+        self._follow(replace(flight, order=order))
+
+    def _order(self, kind: OrderKind, time_ns: int, first_index: int) -> Order:
+        course = self._course
+        return Order(
+            kind=kind,
+            start_ns=time_ns,
+            start=self._pose(time_ns),
+            first_index=first_index,
+            charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            distance_m=self._distance_m(time_ns),
+        )
+
+    def _follow(self, flight: FlightRecord) -> None:
+        """Make `flight` the one that is flown."""
+        self._record = replace(self._record, flight=flight)
+        self._course = Course(flight.order, flight.route, self.airframe)
+        self._shots = deque(self._course.shots(flight.visited))
+
+    def _run_to(self, time_ns: int) -> Iterator[ShotDue]:
+        """Let happen, in order, all that is due until `time_ns`; yield the photographs."""
+        while self.flight is not None and self._course is not None:
+            low_ns = self._course.low_ns
+            due_ns = self._shots[0][0] if self._shots else math.inf
+            if due_ns <= min(time_ns, low_ns):
+                yield self._take_shot(self.flight, *self._shots.popleft())
+            elif low_ns <= time_ns:
+                self._return_on_low_battery(self.flight, int(low_ns))
+            else:
+                return
+
+    def _take_shot(self, flight: FlightRecord, due_ns: int, shot: ShotTime) -> ShotDue:
+        sequence = self._record.shots_taken
+        visited = replace(flight, visited=shot.viewpoint_index + 1)
+        self._record = replace(self._record, shots_taken=sequence + 1, flight=visited)
+        waypoint = flight.route.waypoints[shot.viewpoint_index]
+        return ShotDue(
+            sequence=sequence,
+            viewpoint_id=waypoint.viewpoint_id,
+            time_ns=due_ns,
+            pose=standing(waypoint.position_enu, waypoint.yaw_rad),
+        )
+
+    def _return_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:
+        charge = 0.0 if self._course is None else self._course.charge_fraction(time_ns)
+        text = f'battery {charge:.0%} after {flight.visited} viewpoints'
+        ended = _cut_short(flight, Outcome.BATTERY_LOW, text)
+        self._give(ended, OrderKind.RETURN, time_ns)
+
+    def _touch_down(self) -> None:
+        """End the flight if the vehicle stands on the ground by now."""
+        flight, course = self.flight, self._course
+        if flight is None or course is None or flight.outcome is not None:
+            return
+        if self.time_ns >= course.touch_down_ns:
+            landed = replace(flight, outcome=flight.ending, ended_ns=int(course.touch_down_ns))
+            self._record = replace(self._record, flight=landed)
+
+    def _pose(self, time_ns: int) -> Pose:
+        if self._course is None:
+            return standing(self._record.home_enu, 0.0)
+        return self._course.pose(time_ns)
+
+    def _distance_m(self, time_ns: int) -> float:
+        return 0.0 if self._course is None else self._course.distance_m(time_ns)
+
+    def _observation(self, shots: tuple[ShotDue, ...]) -> Observation:
+        flight, course, time_ns = self.flight, self._course, self.time_ns
+        visited = 0 if flight is None else flight.visited
+        return Observation(
+            time_ns=time_ns,
+            pose=self._pose(time_ns),
+            mode=self.mode,
+            viewpoints_visited=visited,
+            shots_taken=self._record.shots_taken,
+            battery_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            distance_flown_m=self._distance_m(time_ns),
+            shots=shots,
+        )
+
+
+def _cut_short(flight: FlightRecord, ending: Outcome, text: str) -> FlightRecord:
+    """Note why a flight ends early, unless it has ended or all is photographed."""
+    is_done = flight.visited == len(flight.route.waypoints)
+    if is_done or flight.outcome is not None or flight.ending is not Outcome.COMPLETED:
+        return flight
+    return replace(flight, ending=ending, text=text)
