@@ -37,6 +37,8 @@ class Course:
 
     def elapsed_s(self, time_ns: int) -> float:
         """Return the seconds from the order to `time_ns`."""
+        if time_ns >= self.touch_down_ns:  # which is rounded to a nanosecond
+            return self.timeline.duration_s
         return (time_ns - self.order.start_ns) / NS_PER_S
 
     def pose(self, time_ns: int) -> Pose:
@@ -51,8 +53,8 @@ class Course:
 
     def charge_fraction(self, time_ns: int) -> float:
         """Return the battery charge left at `time_ns`, 0 to 1; on the ground none is used."""
-        airborne_s = min(self.elapsed_s(time_ns), self.timeline.duration_s)
-        return max(0.0, self.order.charge_fraction - self._airframe.drain_fraction(airborne_s))
+        used = self._airframe.drain_fraction(self.elapsed_s(time_ns))
+        return max(0.0, self.order.charge_fraction - used)
 
     def distance_m(self, time_ns: int) -> float:
         """Return the horizontal distance flown until `time_ns` since power-up."""

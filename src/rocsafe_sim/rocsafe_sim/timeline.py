@@ -50,7 +50,7 @@ class Timeline:
     def pose(self, elapsed_s: float) -> Pose:
         """Return the pose at a time."""
         index = self._index(elapsed_s)
-        return self.segments[index].pose(elapsed_s - self._begin(index))
+        return self.segments[index].pose(self._within(index, elapsed_s))
 
     def segment(self, elapsed_s: float) -> Segment:
         """Return the segment being flown at a time."""
@@ -59,8 +59,8 @@ class Timeline:
     def progress_m(self, elapsed_s: float) -> float:
         """Return the horizontal distance flown until a time."""
         index = self._index(elapsed_s)
-        segment = self.segments[index]
-        return self._distances[index] + segment.progress_m(elapsed_s - self._begin(index))
+        within_s = self._within(index, elapsed_s)
+        return self._distances[index] + self.segments[index].progress_m(within_s)
 
     def shots(self) -> Iterator[ShotTime]:
         """Yield the photographs of this timeline, in order of time."""
@@ -77,6 +77,10 @@ class Timeline:
 
     def _index(self, elapsed_s: float) -> int:
         return min(bisect_right(self._ends, elapsed_s), len(self._ends) - 1)
+
+    def _within(self, index: int, elapsed_s: float) -> float:
+        """Return the time since a segment's start; at the very end no rounding counts."""
+        return math.inf if elapsed_s >= self.duration_s else elapsed_s - self._begin(index)
 
     def _begin(self, index: int) -> float:
         return self._ends[index - 1] if index else 0.0

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Airframes, routes and flights for the tests of the simulated vehicle."""
+
+from collections.abc import Iterator
+
+from hypothesis import strategies as st
+
+from rocsafe_geo.motion import MotionLimits
+from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.observation import Observation
+from rocsafe_sim.route import Route, Waypoint
+from rocsafe_sim.segment import Mode
+from rocsafe_sim.vehicle import Vehicle
+
+HOME = (-40.0, 25.0, 0.0)
+START_NS = 1_700_000_000_000_000_000
+AIRFRAME = Airframe(
+    limits=MotionLimits(cruise_speed_mps=8.0, acceleration_mps2=2.0),
+    climb_rate_mps=3.0,
+    descent_rate_mps=2.0,
+    hover_s=1.5,
+    endurance_s=1200.0,
+    reserve_fraction=0.2,
+)
+ROUTE = Route(
+    plan_id='plan-1',
+    home_enu=HOME,
+    waypoints=(
+        Waypoint(viewpoint_id=7, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
+        Waypoint(viewpoint_id=3, position_enu=(24.0, 0.0, 32.0), yaw_rad=0.5),
+        Waypoint(viewpoint_id=4, position_enu=(24.0, 24.0, 32.0), yaw_rad=3.0),
+        Waypoint(viewpoint_id=9, position_enu=(0.0, 24.0, 32.0), yaw_rad=-3.0),
+    ),
+)
+
+coordinates = st.floats(-120.0, 120.0)
+
+
+@st.composite
+def airframes(draw: st.DrawFn) -> Airframe:
+    """Return multirotors from sluggish to brisk, with batteries that always suffice."""
+    speeds = st.floats(3.0, 20.0)
+    return Airframe(
+        limits=MotionLimits(
+            cruise_speed_mps=draw(speeds), acceleration_mps2=draw(st.floats(0.3, 8.0))
+        ),
+        climb_rate_mps=draw(st.floats(0.5, 6.0)),
+        descent_rate_mps=draw(st.floats(0.5, 6.0)),
+        hover_s=draw(st.floats(0.0, 5.0)),
+        endurance_s=1e6,
+        reserve_fraction=0.1,
+    )
+
+
+@st.composite
+def routes(draw: st.DrawFn) -> Route:
+    """Return routes of one to five viewpoints, sometimes the same place twice."""
+    places = st.tuples(coordinates, coordinates, st.floats(5.0, 60.0))
+    points = draw(st.lists(places, min_size=1, max_size=5))
+    yaws = st.floats(-3.1, 3.1)
+    return Route(
+        plan_id='drawn',
+        home_enu=HOME,
+        waypoints=tuple(
+            Waypoint(viewpoint_id=number, position_enu=point, yaw_rad=draw(yaws))
+            for number, point in enumerate(points)
+        ),
+    )
+
+
+def vehicle_on(route: Route = ROUTE, airframe: Airframe = AIRFRAME) -> Vehicle:
+    """Return a vehicle that has just been told to fly `route` at `START_NS`."""
+    vehicle = Vehicle(airframe, HOME)
+    vehicle.step(START_NS)
+    vehicle.fly_route(route)
+    return vehicle
+
+
+def steps(vehicle: Vehicle, step_s: float, limit: int = 200_000) -> Iterator[Observation]:
+    """Yield what `vehicle` observes at steps of `step_s` until it stands on the ground."""
+    step_ns = round(step_s * 1e9)
+    for _ in range(limit):
+        observation = vehicle.step(vehicle.time_ns + step_ns)
+        yield observation
+        if observation.mode is Mode.LANDED:
+            return
+    raise AssertionError(f'not landed after {limit} steps')
+
+
+def at_s(vehicle: Vehicle, elapsed_s: float) -> Observation:
+    """Return what `vehicle` observes `elapsed_s` seconds after `START_NS`."""
+    return vehicle.step(START_NS + round(elapsed_s * 1e9))

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flights of a vehicle: how long, how fast, where, and that steps and restarts do not matter."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test.sim.flights import (
+    AIRFRAME,
+    HOME,
+    START_NS,
+    airframes,
+    at_s,
+    routes,
+    steps,
+    vehicle_on,
+)
+
+from rocsafe_geo.motion import leg_duration_s
+from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.errors import JournalError
+from rocsafe_sim.flight_record import Outcome
+from rocsafe_sim.journal import read_journal, write_journal
+from rocsafe_sim.route import Route, Waypoint
+from rocsafe_sim.segment import Mode
+from rocsafe_sim.vehicle import Vehicle
+
+
+def planned_duration_s(airframe: Airframe, route: Route, height_m: float) -> float:
+    """Return the planner's time model: climb, stop-to-stop legs, hovers, home, descent."""
+    stops = [HOME, *(w.position_enu for w in route.waypoints), HOME]
+    legs = sum(
+        leg_duration_s(math.dist(a[:2], b[:2]), airframe.limits) for a, b in pairwise(stops)
+    )
+    vertical = height_m / airframe.climb_rate_mps + height_m / airframe.descent_rate_mps
+    return legs + vertical + airframe.hover_s * len(route.waypoints)
+
+
+def level(route: Route, height_m: float) -> Route:
+    """Return `route` with all viewpoints at one height."""
+    return replace(route, waypoints=tuple(
+        replace(w, position_enu=(*w.position_enu[:2], height_m)) for w in route.waypoints
+    ))
+
+
+@settings(max_examples=40, deadline=None)
+@given(airframes(), routes())
+def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: Route) -> None:
+    """Take-off to touch-down equals climb + legs + hovers + descent to 1 ns."""
+    route = level(drawn, 32.0)
+    vehicle = vehicle_on(route, airframe)
+    assert vehicle.left()[1] == pytest.approx(planned_duration_s(airframe, route, 32.0), abs=1e-9)
+    at_s(vehicle, 1e6)
+    summary = vehicle.summary()
+    assert summary is not None
+    assert summary.duration_s == pytest.approx(
+        planned_duration_s(airframe, route, 32.0), abs=1e-9
+    )
+    assert summary.outcome is Outcome.COMPLETED
+
+
+@settings(max_examples=25, deadline=None)
+@given(airframes(), routes(), st.floats(0.3, 1.7))
+def test_never_faster_than_allowed_and_ends_at_home(
+    airframe: Airframe, route: Route, step_s: float
+) -> None:
+    """Speed and acceleration keep their limits; every viewpoint is photographed; home at the end.
+
+    A change of height that outlasts its leg counts as part of it.
+    """
+    limits = airframe.limits
+    shots, last = [], None
+    for seen in steps(vehicle_on(route, airframe), step_s):
+        east, north, up = seen.pose.velocity_enu
+        assert math.hypot(east, north) <= limits.cruise_speed_mps * (1 + 1e-9)
+        assert -airframe.descent_rate_mps - 1e-9 <= up <= airframe.climb_rate_mps + 1e-9
+        if last is not None:
+            change = math.dist(last.velocity_enu[:2], (east, north))
+            assert change <= limits.acceleration_mps2 * step_s * (1 + 1e-6) + 1e-9
+        last = seen.pose
+        shots += seen.shots
+    assert [s.viewpoint_id for s in shots] == [w.viewpoint_id for w in route.waypoints]
+    assert [s.pose.position_enu for s in shots] == [w.position_enu for w in route.waypoints]
+    assert [s.sequence for s in shots] == list(range(len(shots)))
+    assert last is not None
+    assert last.position_enu == HOME
+
+
+def test_velocity_is_the_slope_of_position() -> None:
+    """Central differences of the position give the velocity, in every phase."""
+    half_ns = 100_000
+    vehicle = vehicle_on()
+    for tick in range(1, 300):
+        middle_ns = START_NS + tick * 203_000_000
+        a, b, c = (vehicle.step(middle_ns + d).pose for d in (-half_ns, 0, half_ns))
+        if math.dist(a.velocity_enu, c.velocity_enu) < 1e-3:  # not astride two segments
+            ends = (a.position_enu, c.position_enu)
+            slope = [(x1 - x0) / 2e-4 for x0, x1 in zip(*ends, strict=True)]
+            assert slope == pytest.approx(b.velocity_enu, abs=1e-4)
+
+
+@pytest.mark.parametrize('step_s', [0.02, 0.37, 5.0, 1000.0])
+def test_step_size_changes_nothing(step_s: float) -> None:
+    """Shots, their times and the pose at a given time are those of the finest steps."""
+    reference = vehicle_on()
+    expected = [shot for seen in steps(reference, 0.05) for shot in seen.shots]
+    vehicle = vehicle_on()
+    assert [shot for seen in steps(vehicle, step_s) for shot in seen.shots] == expected
+    assert vehicle.summary() == reference.summary()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.0, 90.0), st.sampled_from(['', 'hold', 'return_home', 'land', 'cancel']))
+def test_restored_vehicle_has_the_same_future(killed_s: float, order: str) -> None:
+    """A vehicle restored from its journal at any instant goes on as if nothing had happened."""
+    survivor = vehicle_on()
+    at_s(survivor, killed_s)
+    if order and survivor.mode is Mode.FLYING:
+        getattr(survivor, order)()
+    restored = Vehicle(AIRFRAME, HOME)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / 'journal.json'
+        write_journal(path, survivor.record)
+        record = read_journal(path)
+    assert record == survivor.record
+    restored.restore(record)
+    for later_s in (0.0, 0.05, 3.3, 20.0, 200.0, 5000.0):
+        assert at_s(restored, killed_s + later_s) == at_s(survivor, killed_s + later_s)
+    assert restored.summary() == survivor.summary()
+
+
+def test_photograph_lost_by_a_kill_is_taken_again() -> None:
+    """A journal older than a shot lets the restored vehicle take that shot, the same one."""
+    vehicle = vehicle_on()
+    record = vehicle.record
+    taken = at_s(vehicle, 40.0).shots
+    restored = Vehicle(AIRFRAME, HOME)
+    restored.restore(record)
+    assert len(taken) > 1
+    assert at_s(restored, 40.0).shots == taken
+
+
+@pytest.mark.parametrize('content', ['', '{}', '{"format": 99}', '[1]', '{"format": 1}'])
+def test_damaged_journal_is_refused(tmp_path: Path, content: str) -> None:
+    """What is not a journal is named with its path."""
+    path = tmp_path / 'journal.json'
+    path.write_text(content)
+    with pytest.raises(JournalError, match=r'journal\.json'):
+        read_journal(path)
+
+
+def test_no_journal_is_none(tmp_path: Path) -> None:
+    """A vehicle that never wrote one starts afresh."""
+    assert read_journal(tmp_path / 'journal.json') is None
+
+
+def test_same_position_twice_is_two_photographs() -> None:
+    """A leg of no length takes no time, and its viewpoint counts."""
+    twice = Waypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 20.0), yaw_rad=0.0)
+    route = Route(plan_id='p', home_enu=HOME, waypoints=(twice, replace(twice, viewpoint_id=1)))
+    shots = [shot for seen in steps(vehicle_on(route), 0.5) for shot in seen.shots]
+    assert shots[1].time_ns - shots[0].time_ns == round(AIRFRAME.hover_s * 1e9)
+
+
+def test_time_does_not_run_backwards() -> None:
+    """A step into the past is a fault of the caller."""
+    vehicle = vehicle_on()
+    at_s(vehicle, 5.0)
+    with pytest.raises(ValueError, match='time_ns'):
+        vehicle.step(START_NS)
