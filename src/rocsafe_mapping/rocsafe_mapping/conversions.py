@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of this package <-> messages."""
+
+import math
+
+from sensor_msgs.msg import CameraInfo, NavSatFix
+
+from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
+from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.store import Answer, Status
+from rocsafe_ros.conversions import has_position, ns_of_stamp, quaternion_values
+
+RECEIPT_STATUS = {
+    Status.STORED: ShotReceipt.STORED,
+    Status.DUPLICATE: ShotReceipt.DUPLICATE,
+    Status.REJECTED: ShotReceipt.REJECTED,
+}
+
+
+def record_of_message(message: GeotaggedImage) -> ShotRecord:
+    """Return the record of a photograph.
+
+    Raises
+    ------
+    ValueError: naming the field, its value and the limit.
+    """
+    fix: NavSatFix = message.fix
+    position = (fix.latitude, fix.longitude, fix.altitude)
+    latitude, longitude, altitude = position if has_position(fix) else (math.nan,) * 3
+    return ShotRecord(
+        shot_id=message.shot_id,
+        vehicle=message.vehicle,
+        sequence=message.sequence,
+        viewpoint_id=message.viewpoint_id,
+        time_ns=ns_of_stamp(message.header.stamp),
+        latitude_deg=latitude,
+        longitude_deg=longitude,
+        altitude_m=altitude,
+        position_covariance_m2=_floats(fix.position_covariance),
+        height_agl_m=message.height_agl_m,
+        orientation_xyzw=quaternion_values(message.orientation),
+        orientation_covariance_rad2=_floats(message.orientation_covariance),
+        camera=intrinsics_of_message(message.camera_info),
+        sha256=message.sha256,
+    )
+
+
+def intrinsics_of_message(info: CameraInfo) -> Intrinsics:
+    """Return the intrinsics of a camera.
+
+    Raises
+    ------
+    ValueError: naming the field, its value and the limit.
+    """
+    return Intrinsics(
+        width_px=info.width,
+        height_px=info.height,
+        fx_px=float(info.k[0]),
+        fy_px=float(info.k[4]),
+        cx_px=float(info.k[2]),
+        cy_px=float(info.k[5]),
+        distortion=_floats(info.d) if any(info.d) else (),
+    )
+
+
+def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:
+    """Return the receipt, without a stamp, for the photograph of `message`."""
+    return ShotReceipt(
+        vehicle=message.vehicle,
+        shot_id=message.shot_id,
+        sha256=answer.sha256,
+        status=RECEIPT_STATUS[answer.status],
+        path='' if answer.path is None else str(answer.path),
+        reason=answer.reason,
+    )
+
+
+def _floats(values: object) -> tuple[float, ...]:
+    return tuple(float(value) for value in values)  # type: ignore[attr-defined]

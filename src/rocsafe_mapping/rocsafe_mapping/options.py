@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options of the nodes of this package."""
+
+import math
+from dataclasses import dataclass, field
+
+STORE_DOC = 'directory of the image store'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CollectorOptions:
+    """Options of the collector node."""
+
+    vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'namespaces of the vehicles that send photographs'}
+    )
+    store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
+
+    def __post_init__(self) -> None:
+        _require_text('store_directory', self.store_directory)
+        if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
+            raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MosaicOptions:
+    """Options of the mosaic node."""
+
+    store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
+    output_path: str = field(
+        default='mosaic.tif', metadata={'doc': 'GeoTIFF that the service mosaic/save writes'}
+    )
+    ground_resolution_m: float = field(
+        default=0.1,
+        metadata={'doc': 'side of a pixel of the map, metres', 'min': 1e-3, 'max': 1e3},
+    )
+    max_pixels: int = field(
+        default=25_000_000,
+        metadata={
+            'doc': 'limit of width times height of the map; a larger one gets coarser pixels',
+            'min': 65_536,
+            'max': 2**31,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        _require_text('store_directory', self.store_directory)
+        _require_text('output_path', self.output_path)
+        if not 0.0 < self.ground_resolution_m < math.inf:
+            raise ValueError(
+                f'ground_resolution_m = {self.ground_resolution_m} must be positive and finite'
+            )
+
+
+def _require_text(name: str, value: str) -> None:
+    if not value:
+        raise ValueError(f'{name} must not be empty')
