@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'planner = rocsafe_planner.planner_node:main',
+            'plan_file = rocsafe_planner.plan_cli:main',
         ],
     },
 )

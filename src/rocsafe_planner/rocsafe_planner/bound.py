@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How short any plan's makespan can be, for closed routes from one home a vehicle.
+
+The ROCSAFE paper divides the optimal tour by the number of agents, which holds only for closed
+routes from one shared depot: two drones that stand on their own waypoints need no time at all.
+Here every vehicle has its own home, speed and time of climb. Legs between points cost what the
+vehicle fastest on them would need, photographs what the quickest one would, half to each of the
+two legs; legs from home, climb and descent are each vehicle's own. No routes cost less, so the
+forest bound of these costs holds; so does the time of the farthest point photographed alone by
+the vehicle best placed for it. The better of the two is returned.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.motion import leg_duration_s
+from rocsafe_planner.fleet_problem import FleetProblem, distances_m
+from rocsafe_planner.forest import FleetCosts, makespan_bound
+
+FloatArray = NDArray[np.float64]
+
+# Above this, costs are computed row by row (a matrix of 2000 points takes 32 MB), for one forest.
+_DENSE_POINTS = 2000
+# The ascent's effort: points times steps. By count, not by clock: the bound is reproducible.
+_EFFORT = 30_000
+_MAX_STEPS = 300
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LowerBound:
+    """No plan for the problem has a makespan below `makespan_s`; `method` proved it."""
+
+    makespan_s: float
+    method: str
+
+
+def lower_bound(
+    problem: FleetProblem, known_makespan_s: float, keep_going: Callable[[float], bool]
+) -> LowerBound:
+    """Return the best bound known here: ``'farthest_trip'`` or ``'held_karp_forest'``.
+
+    Parameters
+    ----------
+    problem
+        With at least one point.
+    known_makespan_s
+        Of any plan; it steers the ascent and does not change what is proven.
+    keep_going
+        Told the best bound so far; the work ends early when it returns False.
+    """
+    costs = _undercut_costs(problem)
+    trip_s = float(np.min(costs.fixed[:, None] + 2.0 * costs.home, axis=0).max())
+    n = len(problem.points)
+    steps = min(_MAX_STEPS, max(1, _EFFORT // n)) if n <= _DENSE_POINTS else 1
+    forest_s = makespan_bound(
+        costs, known_makespan_s, steps, lambda bound: keep_going(max(trip_s, bound))
+    )
+    if forest_s > trip_s:
+        return LowerBound(makespan_s=forest_s, method='held_karp_forest')
+    return LowerBound(makespan_s=trip_s, method='farthest_trip')
+
+
+def _undercut_costs(problem: FleetProblem) -> FleetCosts:
+    """Return the costs of the module's text."""
+    n = len(problem.points)
+    hover = min(vehicle.hover_s for vehicle in problem.vehicles)
+    home = np.vstack([
+        leg_duration_s(distances_m(problem.points, where), vehicle.motion)
+        for vehicle, where in zip(problem.vehicles, problem.homes, strict=True)
+    ])
+
+    def row(point: int) -> FloatArray:
+        return _fastest_legs_s(problem, point) + hover
+
+    matrix = np.vstack([row(point) for point in range(n)]) if n <= _DENSE_POINTS else None
+    fixed = np.array([problem.fixed_s(k) for k in range(len(problem.vehicles))])
+    return FleetCosts(
+        fixed=fixed,
+        home=home + 0.5 * hover,
+        row=row if matrix is None else matrix.__getitem__,
+    )
+
+
+def _fastest_legs_s(problem: FleetProblem, point: int) -> FloatArray:
+    """Return the leg times from one point to all, by the vehicle fastest on each, shape (n,)."""
+    distances = distances_m(problem.points, problem.points[point])
+    motions = {vehicle.motion for vehicle in problem.vehicles}
+    fastest: FloatArray = np.min([leg_duration_s(distances, motion) for motion in motions], axis=0)
+    return fastest

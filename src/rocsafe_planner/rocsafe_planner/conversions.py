@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests and plans <-> ROCSAFE messages."""
+
+import math
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_interfaces import action, msg
+from rocsafe_planner.errors import (
+    BeyondEnduranceError,
+    PlannerError,
+    PlanningCancelledError,
+    TooManyViewpointsError,
+)
+from rocsafe_planner.options import PlannerOptions
+from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
+from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.vehicle import Vehicle
+from rocsafe_ros.conversions import (
+    EARTH_FRAME,
+    area_of_region,
+    point_of_position,
+    position_of_point,
+    region_of_area,
+)
+
+
+def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> SurveyRequest:
+    """Return what a goal asks for; `options` fill what it leaves open.
+
+    Raises
+    ------
+    ValueError
+        Naming the field, its value and the limit.
+    """
+    limit = goal.max_viewpoints or options.max_viewpoints
+    return SurveyRequest(
+        area=area_of_region(goal.region),
+        camera=_camera(goal.camera),
+        vehicles=tuple(_vehicle(vehicle) for vehicle in goal.vehicles),
+        height_agl_m=goal.height_agl_m,
+        spacing_rule=goal.spacing_rule,
+        overlap_fraction=goal.overlap_fraction,
+        grid=options.grid,
+        method=goal.method or options.default_method,
+        budget_s=goal.budget_s,
+        seed=goal.seed,
+        max_viewpoints=min(limit, options.max_viewpoints),
+    )
+
+
+def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
+    """Return the plan as a message without a stamp."""
+    request = plan.request
+    message = msg.SurveyPlan(
+        plan_id=plan.plan_id,
+        method=request.method,
+        seed=request.seed,
+        region=region_of_area(request.area),
+        camera=_camera_message(request.camera),
+        height_agl_m=request.height_agl_m,
+        spacing_rule=request.spacing_rule,
+        overlap_fraction=request.overlap_fraction,
+        spacing_m=plan.spacing_m,
+        routes=[_route(route) for route in plan.routes],
+        makespan_s=plan.makespan_s,
+        longest_route_m=plan.longest_route_m,
+        total_length_m=plan.total_length_m,
+        lower_bound_s=plan.lower_bound_s,
+        lower_bound_method=plan.lower_bound_method,
+        gap_fraction=plan.gap_fraction,
+        region_area_m2=plan.region_area_m2,
+        covered_area_m2=plan.covered_area_m2,
+        covered_fraction=plan.covered_fraction,
+    )
+    message.header.frame_id = EARTH_FRAME
+    return message
+
+
+def result_of_plan(message: msg.SurveyPlan) -> action.PlanSurvey.Result:
+    """Return the result of a goal that got its plan."""
+    return action.PlanSurvey.Result(error_code=action.PlanSurvey.Result.NONE, plan=message)
+
+
+def result_of_error(error: PlannerError | ValueError) -> action.PlanSurvey.Result:
+    """Return the result of a goal that got none, with the reason in one line."""
+    result = action.PlanSurvey.Result(error_msg=str(error))
+    codes: dict[type[Exception], int] = {
+        TooManyViewpointsError: result.TOO_MANY_VIEWPOINTS,
+        BeyondEnduranceError: result.BEYOND_ENDURANCE,
+        PlanningCancelledError: result.CANCELLED,
+    }
+    result.error_code = codes.get(type(error), result.INVALID_REQUEST)
+    return result
+
+
+def feedback(elapsed_s: float, makespan_s: float, bound_s: float) -> action.PlanSurvey.Feedback:
+    """Return the progress of a goal; NaN for what is not known."""
+    gap = makespan_s / bound_s - 1.0 if bound_s > 0.0 else math.nan
+    return action.PlanSurvey.Feedback(
+        elapsed_s=elapsed_s,
+        best_makespan_s=makespan_s,
+        lower_bound_s=bound_s,
+        gap_fraction=gap,
+    )
+
+
+def _camera(camera: msg.CameraSpec) -> PinholeCamera:
+    return PinholeCamera(
+        camera.horizontal_fov_rad, camera.image_width_px, camera.image_height_px
+    )
+
+
+def _camera_message(camera: PinholeCamera) -> msg.CameraSpec:
+    return msg.CameraSpec(
+        horizontal_fov_rad=camera.horizontal_fov_rad,
+        image_width_px=camera.image_width_px,
+        image_height_px=camera.image_height_px,
+    )
+
+
+def _vehicle(vehicle: msg.VehicleSpec) -> Vehicle:
+    return Vehicle(
+        name=vehicle.name,
+        home=position_of_point(vehicle.home),
+        cruise_speed_mps=vehicle.cruise_speed_mps,
+        acceleration_mps2=vehicle.acceleration_mps2,
+        climb_rate_mps=vehicle.climb_rate_mps,
+        descent_rate_mps=vehicle.descent_rate_mps,
+        hover_s=vehicle.hover_s,
+        endurance_s=vehicle.endurance_s,
+    )
+
+
+def _route(route: Route) -> msg.Route:
+    return msg.Route(
+        vehicle=route.vehicle.name,
+        home=point_of_position(route.vehicle.home),
+        viewpoints=[_viewpoint(viewpoint) for viewpoint in route.viewpoints],
+        length_m=route.length_m,
+        duration_s=route.duration_s,
+    )
+
+
+def _viewpoint(viewpoint: Viewpoint) -> msg.Viewpoint:
+    return msg.Viewpoint(
+        id=viewpoint.id,
+        position=point_of_position(viewpoint.position),
+        height_agl_m=viewpoint.height_agl_m,
+        yaw_rad=viewpoint.yaw_rad,
+    )

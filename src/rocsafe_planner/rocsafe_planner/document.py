@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values as plain data for JSON: units in the keys, unknown numbers as null."""
+
+import dataclasses
+import math
+from typing import Any
+
+from rocsafe_geo.area import Ring, SurveyArea
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.vehicle import Vehicle
+
+Document = dict[str, Any]
+
+
+def number(value: float) -> float | None:
+    """Return None for NaN, which JSON lacks."""
+    return None if math.isnan(value) else float(value)
+
+
+def position_document(position: GeoPosition) -> Document:
+    """Return latitude, longitude, and altitude above the WGS84 ellipsoid."""
+    return {
+        'latitude_deg': position.latitude_deg,
+        'longitude_deg': position.longitude_deg,
+        'altitude_m': number(position.altitude_m),
+    }
+
+
+def area_document(area: SurveyArea) -> Document:
+    """Return name, boundary and holes; rings are not closed."""
+    return {
+        'name': area.name,
+        'boundary': _ring(area.boundary),
+        'holes': [_ring(hole) for hole in area.holes],
+    }
+
+
+def camera_document(camera: PinholeCamera) -> Document:
+    """Return the camera's three numbers."""
+    return dataclasses.asdict(camera)
+
+
+def vehicle_document(vehicle: Vehicle) -> Document:
+    """Return all fields of a vehicle."""
+    return {**dataclasses.asdict(vehicle), 'home': position_document(vehicle.home)}
+
+
+def _ring(ring: Ring) -> list[Document]:
+    return [
+        {'latitude_deg': corner.latitude_deg, 'longitude_deg': corner.longitude_deg}
+        for corner in ring
+    ]

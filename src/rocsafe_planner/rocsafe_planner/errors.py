@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a valid request has no plan. A malformed request is a ValueError."""
+
+
+class PlannerError(Exception):
+    """Base of what a caller may want to tell apart; the text is one line for a person."""
+
+
+class TooManyViewpointsError(PlannerError):
+    """The region needs more viewpoints than the limit."""
+
+
+class BeyondEnduranceError(PlannerError):
+    """A vehicle's route takes longer than its battery lasts."""
+
+
+class PlanningCancelledError(PlannerError):
+    """The caller asked to stop."""

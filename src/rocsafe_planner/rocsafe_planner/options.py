@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options of the planner node."""
+
+from dataclasses import dataclass, field
+
+from rocsafe_geo.limits import require_count
+from rocsafe_planner.coverage import GRIDS
+from rocsafe_planner.request import DEFAULT_MAX_VIEWPOINTS, DEFAULT_METHOD, require_one_of
+from rocsafe_planner.routing import METHODS
+
+MAX_VIEWPOINTS_LIMIT = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannerOptions:
+    """What a request leaves open; one ROS parameter a field."""
+
+    default_method: str = field(default=DEFAULT_METHOD, metadata={
+        'doc': f'routing method of a request that names none: {", ".join(METHODS)}'})
+    grid: str = field(default='axis_aligned', metadata={
+        'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'})
+    max_viewpoints: int = field(default=DEFAULT_MAX_VIEWPOINTS, metadata={
+        'doc': 'largest number of viewpoints of any plan', 'min': 1,
+        'max': MAX_VIEWPOINTS_LIMIT})
+    export_directory: str = field(default='', metadata={
+        'doc': 'folder for plan.json, plan.geojson, plan.kml and plan-<vehicle>.plan; empty: none'
+    })
+
+    def __post_init__(self) -> None:
+        require_one_of('default_method', self.default_method, tuple(METHODS))
+        require_one_of('grid', self.grid, tuple(GRIDS))
+        require_count('max_viewpoints', self.max_viewpoints, 1, MAX_VIEWPOINTS_LIMIT)

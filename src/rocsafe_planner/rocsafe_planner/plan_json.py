@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The complete plan as JSON: names as in SurveyPlan.msg, units in the keys, null for unknown.
+
+Altitudes are metres above the WGS84 ellipsoid. The order of the keys is fixed and nothing depends
+on when or where the plan was made: equal requests give equal files.
+"""
+
+from rocsafe_planner.document import (
+    Document,
+    area_document,
+    camera_document,
+    number,
+    position_document,
+    vehicle_document,
+)
+from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
+
+FORMAT_VERSION = 1
+
+
+def plan_document(plan: SurveyPlan) -> Document:
+    """Return all that the plan says."""
+    request = plan.request
+    return {
+        'format': 'rocsafe-plan',
+        'format_version': FORMAT_VERSION,
+        **quality_document(plan),
+        'seed': request.seed,
+        'height_agl_m': request.height_agl_m,
+        'spacing_rule': request.spacing_rule,
+        'overlap_fraction': request.overlap_fraction,
+        'grid': request.grid,
+        'spacing_m': plan.spacing_m,
+        'spacing_along_m': plan.spacing_along_m,
+        'budget_s': request.budget_s,
+        'max_viewpoints': request.max_viewpoints,
+        'region': area_document(request.area),
+        'camera': camera_document(request.camera),
+        'vehicles': [vehicle_document(vehicle) for vehicle in request.vehicles],
+        'routes': [_route(route) for route in plan.routes],
+    }
+
+
+def quality_document(plan: SurveyPlan) -> Document:
+    """Return the plan's name and figures without its routes."""
+    return {
+        'plan_id': plan.plan_id,
+        'method': plan.request.method,
+        'viewpoint_count': plan.viewpoint_count,
+        'makespan_s': plan.makespan_s,
+        'longest_route_m': plan.longest_route_m,
+        'total_length_m': plan.total_length_m,
+        'lower_bound_s': plan.lower_bound_s,
+        'lower_bound_method': plan.lower_bound_method,
+        'gap_fraction': plan.gap_fraction,
+        'region_area_m2': plan.region_area_m2,
+        'covered_area_m2': plan.covered_area_m2,
+        'covered_fraction': plan.covered_fraction,
+    }
+
+
+def _route(route: Route) -> Document:
+    return {
+        'vehicle': route.vehicle.name,
+        'home': position_document(route.vehicle.home),
+        'length_m': route.length_m,
+        'duration_s': route.duration_s,
+        'viewpoints': [_viewpoint(viewpoint) for viewpoint in route.viewpoints],
+    }
+
+
+def _viewpoint(viewpoint: Viewpoint) -> Document:
+    return {
+        'id': viewpoint.id,
+        **position_document(viewpoint.position),
+        'height_agl_m': number(viewpoint.height_agl_m),
+        'yaw_rad': viewpoint.yaw_rad,
+    }

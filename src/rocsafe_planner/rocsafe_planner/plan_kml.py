@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plan for Google Earth: KML 2.2, heights relative to the ground."""
+
+from collections.abc import Iterable, Sequence
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from rocsafe_planner.plan import Route, SurveyPlan
+from rocsafe_planner.plan_geojson import area_rings
+from rocsafe_planner.route_colors import kml_color
+
+_NAMESPACE = 'http://www.opengis.net/kml/2.2'
+_DOT = 'http://maps.google.com/mapfiles/kml/shapes/placemark_circle.png'
+_HOME = 'http://maps.google.com/mapfiles/kml/shapes/heliport.png'
+
+
+def plan_kml(plan: SurveyPlan) -> str:
+    """Return a document with a folder for the region and one for each vehicle."""
+    root = Element('kml', xmlns=_NAMESPACE)
+    document = SubElement(root, 'Document')
+    name = plan.request.area.name or 'survey'
+    _text(document, 'name', f'ROCSAFE plan {plan.plan_id}: {name}')
+    _text(document, 'description', _summary(plan))
+    _region_style(document)
+    for index in range(len(plan.routes)):
+        _vehicle_style(document, index)
+    _region(document, plan)
+    for index, route in enumerate(plan.routes):
+        _vehicle(document, route, index)
+    ElementTree.indent(root)
+    body = ElementTree.tostring(root, encoding='unicode')
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'
+
+
+def _summary(plan: SurveyPlan) -> str:
+    return (
+        f'{plan.viewpoint_count} photographs at {plan.request.height_agl_m:g} m above ground, '
+        f'{100.0 * plan.covered_fraction:.1f} % of {plan.region_area_m2:.0f} m2 covered, '
+        f'{plan.makespan_s:.0f} s (no plan is shorter than {plan.lower_bound_s:.0f} s)'
+    )
+
+
+def _region_style(document: Element) -> None:
+    style = SubElement(document, 'Style', id='region')
+    _text(SubElement(style, 'LineStyle'), 'color', 'ffffffff')
+    _text(SubElement(style, 'PolyStyle'), 'color', '30ffffff')
+
+
+def _vehicle_style(document: Element, index: int) -> None:
+    style = SubElement(document, 'Style', id=f'vehicle{index}')
+    icon_style = SubElement(style, 'IconStyle')
+    _text(icon_style, 'color', kml_color(index))
+    _text(icon_style, 'scale', '0.5')
+    _text(SubElement(icon_style, 'Icon'), 'href', _DOT)
+    _text(SubElement(style, 'LabelStyle'), 'scale', '0.6')
+    line = SubElement(style, 'LineStyle')
+    _text(line, 'color', kml_color(index))
+    _text(line, 'width', '3')
+
+
+def _region(document: Element, plan: SurveyPlan) -> None:
+    folder = _folder(document, 'Region')
+    placemark = _placemark(folder, plan.request.area.name or 'region', 'region')
+    polygon = SubElement(placemark, 'Polygon')
+    _text(polygon, 'tessellate', '1')
+    outer, *inner = area_rings(plan.request.area)
+    for tag, ring in (('outerBoundaryIs', outer), *(('innerBoundaryIs', hole) for hole in inner)):
+        linear = SubElement(SubElement(polygon, tag), 'LinearRing')
+        _text(linear, 'coordinates', _places((lon, lat, 0.0) for lon, lat in ring))
+
+
+def _vehicle(document: Element, route: Route, index: int) -> None:
+    vehicle = route.vehicle
+    folder = _folder(document, vehicle.name)
+    _text(folder, 'description', f'{len(route.viewpoints)} photographs, {route.length_m:.0f} m, '
+                                 f'{route.duration_s:.0f} s')
+    home = (vehicle.home.longitude_deg, vehicle.home.latitude_deg)
+    home_mark = _placemark(folder, f'{vehicle.name} home', f'vehicle{index}')
+    icon_style = SubElement(SubElement(home_mark, 'Style'), 'IconStyle')
+    _text(SubElement(icon_style, 'Icon'), 'href', _HOME)
+    _geometry(home_mark, 'Point', [(*home, 0.0)])
+    stops = [
+        (v.position.longitude_deg, v.position.latitude_deg, v.height_agl_m)
+        for v in route.viewpoints
+    ]
+    if not stops:
+        return
+    height = stops[0][2]
+    line = [(*home, 0.0), (*home, height), *stops, (*home, height), (*home, 0.0)]
+    _geometry(_placemark(folder, f'{vehicle.name} route', f'vehicle{index}'), 'LineString', line)
+    shots = _folder(folder, 'Viewpoints')
+    for viewpoint, stop in zip(route.viewpoints, stops, strict=True):
+        _geometry(_placemark(shots, str(viewpoint.id), f'vehicle{index}'), 'Point', [stop])
+
+
+def _folder(parent: Element, name: str) -> Element:
+    folder = SubElement(parent, 'Folder')
+    _text(folder, 'name', name)
+    return folder
+
+
+def _placemark(parent: Element, name: str, style: str) -> Element:
+    placemark = SubElement(parent, 'Placemark')
+    _text(placemark, 'name', name)
+    _text(placemark, 'styleUrl', f'#{style}')
+    return placemark
+
+
+def _geometry(parent: Element, tag: str, places: Sequence[tuple[float, float, float]]) -> None:
+    geometry = SubElement(parent, tag)
+    _text(geometry, 'altitudeMode', 'relativeToGround')
+    _text(geometry, 'coordinates', _places(places))
+
+
+def _places(places: Iterable[tuple[float, float, float]]) -> str:
+    return ' '.join(f'{lon:.9f},{lat:.9f},{height:g}' for lon, lat, height in places)
+
+
+def _text(parent: Element, tag: str, text: str) -> None:
+    SubElement(parent, tag).text = _printable(text)
+
+
+def _printable(text: str) -> str:
+    """Return `text` without control characters, which XML cannot carry."""
+    return ''.join(c for c in text if c >= ' ' or c in '\t\n')

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One vehicle's route as a QGroundControl plan (`.plan`, file format version 1).
+
+Take-off, then at each viewpoint a waypoint with the vehicle's hover time as hold and one
+photograph, then return to launch. A waypoint's heading is the planned one. Altitudes are relative
+to home (MAV_FRAME_GLOBAL_RELATIVE_ALT). QGroundControl wants the home's altitude above mean sea
+level, which a plan about the ellipsoid does not know: it is written as 0, and nothing is relative
+to it. Cruise speed is what QGroundControl estimates times with; set the vehicle's own parameter
+to the same value.
+"""
+
+import math
+from typing import Any
+
+from rocsafe_geo.angle import heading_of_yaw_rad
+from rocsafe_planner.document import Document
+from rocsafe_planner.plan import Route, Viewpoint
+
+# MAVLink common message set.
+_NAV_WAYPOINT = 16
+_NAV_RETURN_TO_LAUNCH = 20
+_NAV_TAKEOFF = 22
+_IMAGE_START_CAPTURE = 2000
+_FRAME_MISSION = 2
+_FRAME_RELATIVE_ALTITUDE = 3
+# QGroundControl's own.
+_ALTITUDE_RELATIVE = 1
+_FIRMWARE_GENERIC = 0
+_VEHICLE_MULTIROTOR = 2
+
+
+def route_qgroundcontrol(route: Route) -> Document:
+    """Return the plan of a route; no mission items if it has no viewpoints."""
+    home = route.vehicle.home
+    return {
+        'fileType': 'Plan',
+        'version': 1,
+        'groundStation': 'QGroundControl',
+        'geoFence': {'circles': [], 'polygons': [], 'version': 2},
+        'rallyPoints': {'points': [], 'version': 2},
+        'mission': {
+            'version': 2,
+            'firmwareType': _FIRMWARE_GENERIC,
+            'vehicleType': _VEHICLE_MULTIROTOR,
+            'globalPlanAltitudeMode': _ALTITUDE_RELATIVE,
+            'cruiseSpeed': route.vehicle.cruise_speed_mps,
+            'hoverSpeed': route.vehicle.cruise_speed_mps,
+            'plannedHomePosition': [home.latitude_deg, home.longitude_deg, 0.0],
+            'items': _items(route),
+        },
+    }
+
+
+def _items(route: Route) -> list[Document]:
+    if not route.viewpoints:
+        return []
+    home, height = route.vehicle.home, route.viewpoints[0].height_agl_m
+    items = [_place(_NAV_TAKEOFF, [0, 0, 0, None], home.latitude_deg, home.longitude_deg, height)]
+    for viewpoint in route.viewpoints:
+        items.append(_waypoint(viewpoint, route.vehicle.hover_s))
+        items.append(_item(_IMAGE_START_CAPTURE, _FRAME_MISSION, [0, 0, 1, *[None] * 4]))
+    items.append(_item(_NAV_RETURN_TO_LAUNCH, _FRAME_MISSION, [0] * 7))
+    return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]
+
+
+def _waypoint(viewpoint: Viewpoint, hold_s: float) -> Document:
+    heading_deg = round(math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)), 6) % 360.0
+    place = viewpoint.position
+    return _place(
+        _NAV_WAYPOINT, [hold_s, 0, 0, heading_deg],
+        place.latitude_deg, place.longitude_deg, viewpoint.height_agl_m,
+    )
+
+
+def _place(
+    command: int, first: list[Any], latitude_deg: float, longitude_deg: float, height_m: float
+) -> Document:
+    """Return an item at a place; `first` are the command's own four parameters."""
+    params = [*first, round(latitude_deg, 9), round(longitude_deg, 9), height_m]
+    return {
+        **_item(command, _FRAME_RELATIVE_ALTITUDE, params),
+        'Altitude': height_m,
+        'AltitudeMode': _ALTITUDE_RELATIVE,
+        'AMSLAltAboveTerrain': None,
+    }
+
+
+def _item(command: int, frame: int, params: list[Any]) -> Document:
+    return {
+        'type': 'SimpleItem',
+        'autoContinue': True,
+        'command': command,
+        'frame': frame,
+        'params': params,
+    }

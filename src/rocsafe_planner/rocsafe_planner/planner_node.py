@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The planner as a ROS node: `ros2 run rocsafe_planner planner`."""
+
+from functools import partial
+
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.task import Future
+
+from rocsafe_interfaces.action import PlanSurvey
+from rocsafe_interfaces.msg import SurveyPlan
+from rocsafe_planner.conversions import (
+    feedback,
+    message_of_plan,
+    request_of_goal,
+    result_of_error,
+    result_of_plan,
+)
+from rocsafe_planner.errors import PlannerError, PlanningCancelledError
+from rocsafe_planner.options import PlannerOptions
+from rocsafe_planner.plan_files import write_plan
+from rocsafe_planner.planning import Progress, plan_survey
+from rocsafe_planner.planning_job import PlanningJob
+from rocsafe_planner.request import SurveyRequest
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.run import run
+from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
+
+# How often a running job is looked at, on the wall clock: simulated time may stand still.
+WATCH_PERIOD_S = 0.1
+
+Job = PlanningJob[SurveyPlan]
+
+
+class PlannerNode(Node):
+    """Plans surveys on request.
+
+    Actions: `plan_survey`. Publishes: `plan` (latched), the newest plan. Parameters: see
+    `PlannerOptions`. Goals are planned at the same time, each in its own thread; a timer per goal
+    reports its progress.
+    """
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__('planner', **kwargs)
+        self._options = declare_options(self, PlannerOptions)
+        self._plan_publisher = create_publisher(self, PLAN)
+        self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._server = ActionServer(
+            self,
+            PlanSurvey,
+            PLAN_SURVEY.name,
+            execute_callback=self._execute,
+            cancel_callback=lambda _goal: CancelResponse.ACCEPT,
+        )
+
+    def destroy_node(self) -> None:
+        """Take down the action server with the node."""
+        self._server.destroy()
+        super().destroy_node()
+
+    async def _execute(self, goal: ServerGoalHandle) -> PlanSurvey.Result:
+        """Plan in a thread, wait for it without blocking, publish the plan."""
+        try:
+            request = request_of_goal(goal.request, self._options)
+            message = await self._planned(goal, request)
+        except (PlannerError, ValueError) as error:
+            return self._refuse(goal, error)
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._plan_publisher.publish(message)
+        self.get_logger().info(f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
+                               f'no plan is below {message.lower_bound_s:.0f} s')
+        goal.succeed()
+        return result_of_plan(message)
+
+    async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
+        """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
+        job = Job(partial(self._plan, request))
+        done = Future()
+        timer = self.create_timer(
+            WATCH_PERIOD_S, partial(_watch, job, goal, done), clock=self._wall_clock
+        )
+        await done
+        self.destroy_timer(timer)
+        return job.result()
+
+    def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
+        """Plan and export; runs in the job's thread."""
+        plan = plan_survey(request, on_progress)
+        if self._options.export_directory:
+            write_plan(plan, self._options.export_directory)
+        return message_of_plan(plan)
+
+    def _refuse(
+        self, goal: ServerGoalHandle, error: PlannerError | ValueError
+    ) -> PlanSurvey.Result:
+        """Say why there is no plan."""
+        if isinstance(error, PlanningCancelledError):
+            goal.canceled()
+        else:
+            self.get_logger().error(str(error))
+            goal.abort()
+        return result_of_error(error)
+
+
+def _watch(job: Job, goal: ServerGoalHandle, done: Future) -> None:
+    """Report a job's progress; wake its goal when it is done."""
+    if done.done():
+        return
+    if goal.is_cancel_requested:
+        job.cancel()
+    progress = job.progress
+    goal.publish_feedback(
+        feedback(progress.elapsed_s, progress.makespan_s, progress.lower_bound_s)
+    )
+    if job.is_done:
+        done.set_result(None)
+
+
+def main() -> int:
+    """Run the planner until it is asked to stop."""
+    return run(PlannerNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The planner node over real topics and actions."""
+
+import json
+import math
+
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from rocsafe_interfaces.action import PlanSurvey
+from rocsafe_interfaces.msg import CameraSpec, GeoPoint, GeoPolygon, Region, VehicleSpec
+from rocsafe_planner.planner_node import PlannerNode
+from rocsafe_ros.topics import PLAN, create_subscription
+
+DEADLINE_S = 20.0
+RECTANGLE = [(53.27959959, -9.0617270785), (53.2805257315, -9.0621271428),
+             (53.2801009832, -9.0648776011), (53.2791748417, -9.0644775368)]
+FIELD = [(53.28323, -9.062691), (53.28215, -9.055781), (53.27884, -9.057240),
+         (53.27887, -9.065051), (53.28164, -9.067411)]
+
+
+def goal(corners=RECTANGLE, **changes):
+    """Return a goal for one vehicle over the seed's survey rectangle."""
+    vehicle = VehicleSpec(
+        name='rav1', home=GeoPoint(latitude=53.28, longitude=-9.07, altitude=12.0),
+        cruise_speed_mps=8.0, acceleration_mps2=2.5, climb_rate_mps=3.0, descent_rate_mps=2.0,
+        hover_s=2.0, endurance_s=10_000.0)
+    points = [GeoPoint(latitude=lat, longitude=lon, altitude=math.nan) for lat, lon in corners]
+    values = {
+        'region': Region(name='rectangle', boundary=GeoPolygon(points=points)),
+        'camera': CameraSpec(
+            horizontal_fov_rad=math.radians(60.0), image_width_px=640, image_height_px=480),
+        'vehicles': [vehicle], 'height_agl_m': 32.0, 'spacing_rule': 'iou',
+        'overlap_fraction': 0.2, **changes}
+    return PlanSurvey.Goal(**values)
+
+
+class Desk:
+    """A planner node, and a client that asks it."""
+
+    def __init__(self, ros, **parameters):
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        self.ros = ros
+        self.node = PlannerNode(context=ros.context, parameter_overrides=overrides)
+        self.client_node = Node('client', context=ros.context)
+        self.feedback, self.plans = [], []
+        self.client = ActionClient(self.client_node, PlanSurvey, 'plan_survey')
+        create_subscription(self.client_node, PLAN, self.plans.append)
+        ros.executor.add_node(self.node)
+        ros.executor.add_node(self.client_node)
+        ros.spin_until(self.client.server_is_ready, DEADLINE_S)
+
+    def wait_for(self, future):
+        """Spin until a future is done and return its result."""
+        self.ros.spin_until(future.done, DEADLINE_S)
+        return future.result()
+
+    def send(self, request):
+        """Return the handle of an accepted goal."""
+        return self.wait_for(self.client.send_goal_async(
+            request, feedback_callback=lambda message: self.feedback.append(message.feedback)))
+
+    def ask(self, request):
+        """Return the result of a goal."""
+        return self.wait_for(self.send(request).get_result_async()).result
+
+    def close(self):
+        """Take both nodes down."""
+        self.client.destroy()
+        self.client_node.destroy_node()
+        self.node.destroy_node()
+
+
+@pytest.fixture
+def open_desk(ros):
+    """Give a function that opens a desk with parameters; close them all after the test."""
+    desks = []
+
+    def open_one(**parameters):
+        desks.append(Desk(ros, **parameters))
+        return desks[-1]
+
+    yield open_one
+    for desk in desks:
+        desk.close()
+
+
+def test_a_goal_gets_its_plan(open_desk, tmp_path):
+    """Result, latched topic and exported file hold the same plan; feedback ends with its gap."""
+    desk = open_desk(export_directory=str(tmp_path / 'out'))
+    result = desk.ask(goal())
+    assert (result.error_code, result.error_msg) == (PlanSurvey.Result.NONE, '')
+    plan = result.plan
+    assert plan.method == 'paper_greedy'
+    assert plan.spacing_m == pytest.approx(24.634, abs=5e-4)
+    assert plan.lower_bound_s <= plan.makespan_s == plan.routes[0].duration_s
+    assert sorted(v.id for v in plan.routes[0].viewpoints) == list(range(59))
+    desk.ros.spin_until(lambda: desk.plans, DEADLINE_S)
+    assert [(p.plan_id, p.routes, p.header) for p in desk.plans] == [
+        (plan.plan_id, plan.routes, plan.header)]
+    document = json.loads((tmp_path / 'out' / 'plan.json').read_text())
+    assert document['plan_id'] == plan.plan_id
+    assert desk.feedback[-1].best_makespan_s == plan.makespan_s
+    assert desk.feedback[-1].gap_fraction >= plan.gap_fraction - 1e-12
+
+
+@pytest.mark.parametrize(('changes', 'code', 'text'), [
+    ({'height_agl_m': -1.0}, PlanSurvey.Result.INVALID_REQUEST, 'height_agl_m is -1 m: must be'),
+    ({'vehicles': []}, PlanSurvey.Result.INVALID_REQUEST, 'number of vehicles is 0: must be'),
+    ({'region': Region()}, PlanSurvey.Result.INVALID_REQUEST, 'boundary has 0 distinct corners'),
+    ({'max_viewpoints': 9}, PlanSurvey.Result.TOO_MANY_VIEWPOINTS, 'max_viewpoints is 9'),
+])
+def test_a_refusal_says_why(open_desk, changes, code, text):
+    """The result names what was wrong; no plan is published; the node goes on."""
+    desk = open_desk()
+    result = desk.ask(goal(**changes))
+    assert result.error_code == code
+    assert text in result.error_msg
+    assert desk.plans == []
+    assert desk.ask(goal()).error_code == PlanSurvey.Result.NONE
+
+
+def test_a_short_battery_is_refused(open_desk):
+    """The vehicle, the time it needs and its limit are named."""
+    request = goal()
+    request.vehicles[0].endurance_s = 100.0
+    result = open_desk().ask(request)
+    assert result.error_code == PlanSurvey.Result.BEYOND_ENDURANCE
+    assert 'rav1 needs 592 s' in result.error_msg
+    assert 'endurance_s is 100 s' in result.error_msg
+
+
+def test_a_long_planning_can_be_cancelled(open_desk):
+    """The node answers while it plans, and stops when asked to."""
+    desk = open_desk(max_viewpoints=20_000)
+    handle = desk.send(goal(FIELD, height_agl_m=10.0))
+    desk.ros.spin_until(lambda: desk.feedback, DEADLINE_S)
+    desk.wait_for(handle.cancel_goal_async())
+    result = desk.wait_for(handle.get_result_async()).result
+    assert result.error_code == PlanSurvey.Result.CANCELLED
+    assert desk.plans == []
