@@ -35,6 +35,17 @@ def find_executable(package: str, executable: str) -> Path:
     )
 
 
+def require_executables(table: Iterable[ProcessSpec]) -> None:
+    """Make sure that every process of `table` can be started.
+
+    Raises
+    ------
+    SetupError: if an executable is missing.
+    """
+    for spec in table:
+        find_executable(spec.package, spec.executable)
+
+
 def launches(
     table: Iterable[ProcessSpec], run: RunDirectory, config: Path | None = None
 ) -> tuple[Launch, ...]:

@@ -85,6 +85,11 @@ class Mission:
         """Why the mission failed or was cancelled; empty if all is well."""
         return '; '.join(self.faults)
 
+    @property
+    def outcome(self) -> Phase:
+        """How the mission will end, as far as is known now."""
+        return self._outcome
+
     def advance(self, now_s: float, situation: Situation) -> list[Order]:
         """Enter the next phase if this one is over, and return the orders to send now."""
         if self._entered_s is None:
@@ -171,6 +176,10 @@ class Mission:
             self._enter(Phase.REPORTING)
         else:
             self._entered_s = None
+
+    def abandon(self) -> None:
+        """End at once, without products."""
+        self._enter(self._outcome if self._is_cancelled else Phase.CANCELLED)
 
     # The phases.
 

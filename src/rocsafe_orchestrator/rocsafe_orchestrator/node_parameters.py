@@ -20,6 +20,7 @@ LOCK_STEP = {'lock_step': True}
 def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the planner."""
     parameters: Parameters = {
+        'grid': scenario.survey.grid,
         'max_viewpoints': scenario.survey.max_viewpoints,
         'export_directory': str(run.path),
     }

@@ -111,7 +111,7 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
             executable='field',
             node='/radiation_field',
             parameters=node_parameters.field_parameters(scenario),
-            readiness=(Endpoint(spec=topics.QUERY_FIELD), *radiation),
+            readiness=radiation,
         ),
         ProcessSpec(
             name='collector',

@@ -16,7 +16,7 @@ RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'mission', 'mosaic', 'orchestrator', 'plan',
      'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
-LARGEST_SEED = 2**63 - 1
+LARGEST_SEED = 2**31 - 1
 
 
 def _within(name: str, low: float, high: float) -> Callable[[float], float]:
@@ -59,7 +59,7 @@ class Block(BaseModel):
 class ClockBlock(Block):
     """Simulated time: `speed` simulated seconds a second, 0 = as fast as the machine can."""
 
-    speed: float = Field(default=0.0, ge=0.0, le=10_000.0)
+    speed: float = Field(default=0.0, ge=0.0, le=1000.0)
     step_s: float = Field(default=0.1, ge=0.001, le=1.0)
     start: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_START
 
@@ -89,6 +89,7 @@ class SurveyBlock(Block):
     height_agl_m: float = Field(gt=0.0, le=500.0)
     spacing_rule: Literal['iou', 'linear'] = 'iou'
     overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
+    grid: Literal['axis_aligned', 'rotated'] = 'axis_aligned'
     method: str = ''
     budget_s: float = Field(default=0.0, ge=0.0, le=3600.0)
     max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
@@ -112,6 +113,7 @@ class SimulationBlock(Block):
     gps_horizontal_std_m: float = Field(default=0.02, ge=0.0, le=100.0)
     gps_vertical_std_m: float = Field(default=0.04, ge=0.0, le=100.0)
     tilt_std_deg: float = Field(default=0.5, ge=0.0, le=20.0)
+    attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
 
 
 class VehicleBlock(Block):
@@ -125,7 +127,12 @@ class VehicleBlock(Block):
     descent_rate_mps: float = Field(default=1.5, gt=0.0, le=50.0)
     hover_s: float = Field(default=1.0, ge=0.0, le=600.0)
     endurance_s: float = Field(default=1500.0, gt=0.0, le=604_800.0)
-    reserve_fraction: float = Field(default=0.1, ge=0.0, lt=1.0)
+    reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
+
+    @property
+    def usable_endurance_s(self) -> float:
+        """Flight time that a plan may use: the reserve is kept."""
+        return self.endurance_s * (1.0 - self.reserve_fraction)
 
 
 class SourceBlock(Block):

@@ -20,7 +20,6 @@ from rocsafe_orchestrator.process_values import (
     Launch,
     ProcessEvent,
     ProcessEventKind,
-    RestartPolicy,
 )
 
 # A process refuses its parameters with this code: starting it again would change nothing.
@@ -168,7 +167,7 @@ class Supervisor:
             return self._event(child, ProcessEventKind.DONE, how)
         policy = child.launch.restart
         if code == EXIT_USAGE or child.restarts >= policy.limit:
-            return self._event(child, ProcessEventKind.GAVE_UP, _why(child.launch, how, policy))
+            return self._event(child, ProcessEventKind.GAVE_UP, _why(child, how))
         child.start_at_s = self._clock() + policy.pause_s(child.restarts)
         return self._event(child, ProcessEventKind.ENDED, how)
 
@@ -194,10 +193,10 @@ def last_line(path: Path, longest: int = 300) -> str:
     return lines[-1][:longest] if lines else ''
 
 
-def _why(launch: Launch, how: str, policy: RestartPolicy) -> str:
+def _why(child: _Child, how: str) -> str:
     """Return why a process is not started again, with its own last words."""
-    times = f' after {policy.limit} restarts' if policy.limit else ''
-    words = last_line(launch.log)
+    times = f' after {child.restarts} restarts' if child.restarts else ''
+    words = last_line(child.launch.log)
     return f'{how}{times}' + (f': {words}' if words else '')
 
 

@@ -9,18 +9,18 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.scenario_blocks import CameraBlock, SurveyBlock
 
 
-def spacing_m(survey: SurveyBlock, camera: CameraBlock) -> float:
-    """Return the distance between neighbouring viewpoints, metres.
+def spacing_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:
+    """Return the distances between neighbouring viewpoints across and along, metres.
 
     Smyth et al. (2018), section IV: with footprint F = 2 h tan(fov / 2) and overlap y the rule
-    ``iou`` gives F (1 - y) / (1 + y), surveyors' rule ``linear`` F (1 - y).
+    ``iou`` gives F (1 - y) / (1 + y), surveyors' rule ``linear`` F (1 - y). Across is the side of
+    the image's width, along that of its height.
     """
     half_angle = math.radians(camera.horizontal_fov_deg) / 2.0
-    footprint = 2.0 * survey.height_agl_m * math.tan(half_angle)
     overlap = survey.overlap_fraction
-    if survey.spacing_rule == 'iou':
-        return footprint * (1.0 - overlap) / (1.0 + overlap)
-    return footprint * (1.0 - overlap)
+    part = (1.0 - overlap) / (1.0 + overlap) if survey.spacing_rule == 'iou' else 1.0 - overlap
+    across = 2.0 * survey.height_agl_m * math.tan(half_angle) * part
+    return across, across * camera.image_height_px / camera.image_width_px
 
 
 def area_m2(area: SurveyArea) -> float:
@@ -38,4 +38,4 @@ def fewest_viewpoints(area: SurveyArea, survey: SurveyBlock, camera: CameraBlock
     Tiles that touch the boundary are flown too, so that the plan has more: by about half the
     boundary's length over the spacing.
     """
-    return math.ceil(area_m2(area) / spacing_m(survey, camera) ** 2)
+    return math.ceil(area_m2(area) / math.prod(spacing_m(survey, camera)))

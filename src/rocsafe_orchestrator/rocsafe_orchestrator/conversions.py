@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenario and status <-> messages."""
+
+import math
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_interfaces.action import FlyRoute, PlanSurvey
+from rocsafe_interfaces.msg import (
+    CameraSpec,
+    MissionState,
+    RadiationReading,
+    Region,
+    VehicleSpec,
+    VehicleState,
+)
+from rocsafe_orchestrator.scenario import Scenario
+from rocsafe_orchestrator.scenario_blocks import CameraBlock, VehicleBlock
+from rocsafe_orchestrator.status import FlightState, RunStatus, VehicleStatus
+from rocsafe_ros.conversions import point_of_position, position_of_point, region_of_area
+
+# What a flight that did not end as planned is called.
+_FAULTS = {
+    FlyRoute.Result.REJECTED: 'refused its route',
+    FlyRoute.Result.CANCELLED: 'was cancelled',
+    FlyRoute.Result.RETURNED_EARLY: 'returned early by request',
+    FlyRoute.Result.BATTERY_LOW: 'returned early to keep its reserve of battery',
+    FlyRoute.Result.ABORTED: 'aborted its flight',
+}
+
+
+def region_of_scenario(scenario: Scenario) -> Region:
+    """Return the region to survey, without a stamp."""
+    return region_of_area(scenario.area())
+
+
+def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
+    """Return the request to the planner."""
+    survey = scenario.survey
+    return PlanSurvey.Goal(
+        region=region_of_scenario(scenario),
+        camera=camera_spec(scenario.camera),
+        vehicles=[_vehicle_spec(scenario, vehicle) for vehicle in scenario.vehicles],
+        height_agl_m=survey.height_agl_m,
+        spacing_rule=survey.spacing_rule,
+        overlap_fraction=survey.overlap_fraction,
+        method=survey.method,
+        budget_s=survey.budget_s,
+        seed=scenario.seed,
+        max_viewpoints=survey.max_viewpoints,
+    )
+
+
+def camera_spec(camera: CameraBlock) -> CameraSpec:
+    """Return what planning needs to know of the camera."""
+    return CameraSpec(
+        horizontal_fov_rad=math.radians(camera.horizontal_fov_deg),
+        image_width_px=camera.image_width_px,
+        image_height_px=camera.image_height_px,
+    )
+
+
+def _vehicle_spec(scenario: Scenario, vehicle: VehicleBlock) -> VehicleSpec:
+    return VehicleSpec(
+        name=vehicle.name,
+        home=point_of_position(scenario.ground_position(vehicle.home)),
+        cruise_speed_mps=vehicle.cruise_speed_mps,
+        acceleration_mps2=vehicle.acceleration_mps2,
+        climb_rate_mps=vehicle.climb_rate_mps,
+        descent_rate_mps=vehicle.descent_rate_mps,
+        hover_s=vehicle.hover_s,
+        endurance_s=vehicle.usable_endurance_s,
+    )
+
+
+def status_of_vehicle(message: VehicleState) -> VehicleStatus:
+    """Return what a vehicle says about itself; a state that we do not know is unknown."""
+    known = message.state in FlightState.__members__.values()
+    return VehicleStatus(
+        name=message.vehicle,
+        state=FlightState(message.state) if known else FlightState.UNKNOWN,
+        time_s=message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec,
+        viewpoint_count=message.viewpoint_count,
+        viewpoints_visited=message.viewpoints_visited,
+        shots_taken=message.shots_taken,
+        shots_pending=message.shots_pending,
+        battery_fraction=message.battery_fraction,
+    )
+
+
+def position_of_reading(message: RadiationReading) -> GeoPosition | None:
+    """Return where a reading was taken, None without a fix."""
+    if math.isnan(message.position.latitude) or math.isnan(message.position.longitude):
+        return None
+    return position_of_point(message.position)
+
+
+def fault_of_flight(result: FlyRoute.Result) -> str:
+    """Return what went wrong with a flight, empty if nothing did."""
+    if result.outcome == FlyRoute.Result.COMPLETED:
+        return ''
+    fault = _FAULTS.get(result.outcome, f'ended with outcome {result.outcome}')
+    visited = f'after {result.viewpoints_visited} viewpoints'
+    return f'{fault} {visited}' + (f': {result.error_msg}' if result.error_msg else '')
+
+
+def mission_state(
+    status: RunStatus, mission_id: str, vehicles: list[VehicleState]
+) -> MissionState:
+    """Return `status` as a message, without a stamp."""
+    peak = status.peak
+    return MissionState(
+        mission_id=mission_id,
+        phase=int(status.phase),
+        text=status.text,
+        images_stored=status.images_stored,
+        images_expected=status.images_expected,
+        highest_dose_rate_usvh=math.nan if peak is None else peak.dose_rate_usvh,
+        highest_dose_rate_vehicle='' if peak is None else peak.vehicle,
+        mission_time_s=status.flight_time_s,
+        wall_time_s=status.wall_time_s,
+        vehicles=vehicles,
+    )

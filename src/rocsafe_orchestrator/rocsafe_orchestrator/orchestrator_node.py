@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orchestrator's ROS side: requests to the nodes, and what they say."""
+
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
+from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.options import OrchestratorOptions
+from rocsafe_orchestrator.processes import Endpoint, ProcessSpec
+from rocsafe_orchestrator.requests_node import Requests
+from rocsafe_orchestrator.scenario import Scenario
+from rocsafe_orchestrator.status import Monitor, RunStatus
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.parameters import declare_options
+
+NAME = 'orchestrator'
+
+
+class OrchestratorNode(Node):
+    """Sees and shows the mission: what the nodes say, which are ready, what phase it is.
+
+    Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
+    ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
+    Its `requests` call the other nodes.
+    """
+
+    def __init__(self, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
+        super().__init__(NAME)
+        self.options = declare_options(self, OrchestratorOptions)
+        self._scenario = scenario
+        self._monitor = monitor
+        self._mission_id = mission_id
+        self._states: dict[str, VehicleState] = {}
+        self._steps: dict[str, int] = {}
+        self._steps_watch: Any = None
+        self.requests = Requests(self, scenario, monitor)
+        self._wire()
+
+    def _wire(self) -> None:
+        names = self._scenario.vehicle_names
+        self._state = topics.create_publisher(self, topics.MISSION_STATE)
+        self._region = topics.create_publisher(self, topics.REGION)
+        for name in names:
+            topics.create_subscription(self, topics.STATE, self._on_state, name)
+            on_reading = partial(self._on_reading, name)
+            topics.create_subscription(self, topics.RADIATION, on_reading, name)
+        topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
+
+    def publish_region(self) -> None:
+        """Publish what is surveyed."""
+        region = conversions.region_of_scenario(self._scenario)
+        region.header.stamp = self.get_clock().now().to_msg()
+        region.header.frame_id = 'earth'
+        self._region.publish(region)
+
+    def has_company(self) -> bool:
+        """Return whether another orchestrator is at work in this ROS domain."""
+        names = self.get_node_names_and_namespaces()
+        return names.count((NAME, '/')) > 1
+
+    def ready(self, table: Iterable[ProcessSpec]) -> frozenset[str]:
+        """Return the names of the processes whose endpoints all exist."""
+        return frozenset(
+            spec.name
+            for spec in table
+            if all(self._exists(endpoint, spec) for endpoint in spec.readiness)
+        )
+
+    def _exists(self, endpoint: Endpoint, spec: ProcessSpec) -> bool:
+        if endpoint.kind != 'topic':
+            return self.requests.is_ready(endpoint)
+        publishers = self.get_publishers_info_by_topic(f'/{endpoint.name.lstrip("/")}')
+        # Everybody in lock-step publishes on one topic.
+        is_shared = endpoint.spec is topics.STEP_DONE
+        return any(not is_shared or found.node_name == spec.name for found in publishers)
+
+    def publish(self, status: RunStatus) -> None:
+        """Publish the state of the mission."""
+        state = conversions.mission_state(status, self._mission_id, list(self._states.values()))
+        state.header.stamp = self.get_clock().now().to_msg()
+        self._state.publish(state)
+
+    # Who holds up simulated time.
+
+    def watch_steps(self, is_wanted: bool) -> None:
+        """Listen to the steps that the participants report, or stop listening."""
+        if is_wanted and self._steps_watch is None:
+            self._steps.clear()
+            self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_step)
+        elif not is_wanted and self._steps_watch is not None:
+            self.destroy_subscription(self._steps_watch)
+            self._steps_watch = None
+
+    def waiting_for(self, participants: Iterable[str]) -> tuple[str, ...]:
+        """Return the participants that have not done the newest step; all done: the world."""
+        if self._steps_watch is None:
+            return ()
+        newest = max(self._steps.values(), default=0)
+        behind = tuple(name for name in participants if self._steps.get(name, -1) < newest)
+        return behind or ('world',)
+
+    # What the nodes say.
+
+    def _on_state(self, message: VehicleState) -> None:
+        self._states[message.vehicle] = message
+        self._monitor.on_vehicle(conversions.status_of_vehicle(message))
+
+    def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
+        position = conversions.position_of_reading(message)
+        if position is not None:
+            self._monitor.on_dose_rate(vehicle, message.dose_rate_usvh, position)
+
+    def _on_receipt(self, message: ShotReceipt) -> None:
+        if message.status == ShotReceipt.REJECTED:
+            self._monitor.on_rejected(message.shot_id, message.reason)
+        else:
+            self._monitor.on_stored(message.shot_id)
+
+    def _on_step(self, message: StepDone) -> None:
+        self._steps[message.participant] = ns_of_stamp(message.step)
+
+
+@contextmanager
+def ros_session(config: Path | None = None) -> Iterator[None]:
+    """Initialise ROS, with the parameters of the file `config`, and shut it down at the end.
+
+    Signals are left alone: a mission handles them itself.
+
+    Raises
+    ------
+    SetupError: if ROS cannot start.
+    """
+    arguments = [] if config is None else ['--ros-args', '--params-file', str(config)]
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except Exception as error:  # rclpy's own error classes are not public
+        raise SetupError(f'cannot start ROS: {str(error).strip().splitlines()[0]}') from error
+    try:
+        yield
+    finally:
+        rclpy.try_shutdown()
+
+
+class Spinner:
+    """Serves a node for a while, again and again."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._executor = EventsExecutor()
+        self._executor.add_node(node)
+
+    def spin_for(self, duration_s: float) -> None:
+        """Handle everything that comes within `duration_s`."""
+        end = time.monotonic() + duration_s
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def close(self) -> None:
+        """Destroy the node."""
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+
+
+def main() -> int:
+    """Run `rocsafe run` with the arguments of this process."""
+    from rocsafe_orchestrator.cli import main as rocsafe
+
+    return rocsafe(['run', *sys.argv[1:]])

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests to the nodes that fly a mission, and their answers."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.action import ActionClient
+from rclpy.client import Client
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from rocsafe_interfaces.action import FlyRoute, PlanSurvey
+from rocsafe_interfaces.msg import Route, SurveyPlan
+from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.mission import Mission
+from rocsafe_orchestrator.processes import Endpoint
+from rocsafe_orchestrator.request import Order, OrderKind
+from rocsafe_orchestrator.scenario import Scenario
+from rocsafe_orchestrator.status import Monitor
+from rocsafe_ros import topics
+
+
+class Requests:
+    """Clients of ``plan_survey``, ``<vehicle>/fly_route``, ``world/run`` and ``mosaic/save``.
+
+    Parameters
+    ----------
+    node: whose clients these are.
+    monitor: told how many photographs the plan wants.
+    """
+
+    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:
+        self._scenario = scenario
+        self._monitor = monitor
+        self._mission: Mission | None = None
+        self._plan: SurveyPlan | None = None
+        self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
+        self._vehicles = {
+            name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
+            for name in scenario.vehicle_names
+        }
+        self._services: dict[str, Client] = {
+            spec.name: node.create_client(spec.call_type, spec.name)
+            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC)
+        }
+        self._send: dict[OrderKind, Callable[[Order], None]] = {
+            OrderKind.PLAN: self._send_plan,
+            OrderKind.FLY: self._send_fly,
+            OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
+            OrderKind.SAVE_MOSAIC: partial(self._call, topics.SAVE_MOSAIC, Trigger.Request()),
+        }
+
+    def begin(self, mission: Mission) -> None:
+        """Report answers to `mission` from now on."""
+        self._mission = mission
+
+    def send(self, order: Order) -> None:
+        """Send `order` to the node that carries it out."""
+        self._send[order.kind](order)
+
+    def is_ready(self, endpoint: Endpoint) -> bool:
+        """Return whether the server of a service or an action can be reached."""
+        if endpoint.kind == 'service':
+            return bool(self._services[endpoint.name].service_is_ready())
+        client = self._vehicles.get(endpoint.vehicle, self._planner)
+        return bool(client.server_is_ready())
+
+    def _send_plan(self, order: Order) -> None:
+        goal = conversions.plan_goal(self._scenario)
+        self._send_goal(self._planner, goal, order, self._on_plan)
+
+    def _send_fly(self, order: Order) -> None:
+        if self._plan is None:
+            return
+        routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
+        goal = FlyRoute.Goal(route=routes[order.vehicle], plan_id=self._plan.plan_id)
+        self._send_goal(self._vehicles[order.vehicle], goal, order, self._on_flight)
+
+    def _send_goal(
+        self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
+    ) -> None:
+        sent = client.send_goal_async(goal)
+        sent.add_done_callback(partial(self._on_goal, order, on_result))
+
+    def _on_goal(self, order: Order, on_result: Callable[..., None], future: Any) -> None:
+        handle = future.result()
+        if self._mission is None or handle is None:
+            return
+        if not handle.accepted:
+            self._mission.refused(order, f'{order.vehicle or "planner"}: request was not accepted')
+            return
+        self._mission.accepted(order)
+        handle.get_result_async().add_done_callback(partial(on_result, order))
+
+    def _on_plan(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is None:
+            return
+        if result.error_code != result.NONE:
+            self._mission.refused(order, f'planner: {result.error_msg}')
+            return
+        self._plan = result.plan
+        routed = [route for route in result.plan.routes if route.viewpoints]
+        self._monitor.images_expected = sum(len(route.viewpoints) for route in routed)
+        self._mission.planned([route.vehicle for route in routed])
+
+    def _on_flight(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is not None:
+            fault = conversions.fault_of_flight(result)
+            self._mission.flown(order.vehicle, result.shots_taken, fault)
+
+    def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:
+        client = self._services[spec.name]
+        client.call_async(request).add_done_callback(partial(self._on_answer, spec, order))
+
+    def _on_answer(self, spec: topics.CallSpec, order: Order, future: Any) -> None:
+        answer = future.result()
+        if self._mission is None or answer is None:
+            return
+        if answer.success:
+            self._mission.answered(order)
+        else:
+            self._mission.refused(order, f'{spec.name}: {answer.message}')

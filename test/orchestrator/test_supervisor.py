@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Processes are kept running, and certainly ended. Children are small Python programs."""
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.process_values import (
+    NEVER,
+    Launch,
+    ProcessEvent,
+    ProcessEventKind,
+    RestartPolicy,
+)
+from rocsafe_orchestrator.supervisor import Supervisor, last_line
+
+DEADLINE_S = 10.0
+SLEEP = 'import time; time.sleep(60)'
+STUBBORN = f'import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); print("up"); {SLEEP}'
+# Ignores SIGINT in a grandchild as well, and ends itself when asked.
+PARENT = (
+    'import subprocess, sys, time\n'
+    f'child = subprocess.Popen([sys.executable, "-c", {STUBBORN!r}])\n'
+    'print(child.pid)\n'
+    'time.sleep(60)\n'
+)
+QUICK = RestartPolicy(limit=2, first_pause_s=0.0, longest_pause_s=0.0)
+
+MakeSupervisor = Callable[..., Supervisor]
+
+
+@pytest.fixture
+def supervise(tmp_path: Path) -> Iterator[MakeSupervisor]:
+    """Give a function that makes a supervisor of programs by name; all end with the test."""
+    made: list[Supervisor] = []
+
+    def make(
+        programs: dict[str, str], restart: RestartPolicy = NEVER, is_task: bool = False
+    ) -> Supervisor:
+        launches = [
+            Launch(
+                name=name,
+                command=(sys.executable, '-u', '-S', '-c', program),
+                log=tmp_path / f'{name}.log',
+                restart=restart,
+                is_task=is_task,
+            )
+            for name, program in programs.items()
+        ]
+        made.append(Supervisor(launches))
+        return made[-1]
+
+    yield make
+    for supervisor in made:
+        supervisor.stop(deadline_s=0.0)
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Poll until `condition` is true; fail at the deadline."""
+    end = time.monotonic() + DEADLINE_S
+    while not condition():
+        assert time.monotonic() < end, 'deadline'
+        time.sleep(0.01)
+
+
+def events_until(supervisor: Supervisor, kind: ProcessEventKind) -> list[ProcessEvent]:
+    """Poll `supervisor` until something of `kind` happened and return all that happened."""
+    events: list[ProcessEvent] = []
+
+    def has_happened() -> bool:
+        events.extend(supervisor.poll())
+        return any(event.kind is kind for event in events)
+
+    wait_for(has_happened)
+    return events
+
+
+def is_alive(pid: int) -> bool:
+    """Return whether a process with this id runs; a zombie does not."""
+    try:
+        return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
+    except OSError:
+        return False
+
+
+def test_process_is_restarted_after_kill(supervise: MakeSupervisor) -> None:
+    """A process that was killed runs again, with a new id."""
+    supervisor = supervise({'node': SLEEP}, QUICK)
+    supervisor.start('node')
+    first = supervisor.pid_of('node')
+    assert first is not None
+    os.kill(first, signal.SIGKILL)
+    events = events_until(supervisor, ProcessEventKind.RESTARTED)
+    assert [event.text for event in events] == ['was ended by SIGKILL', 'started again (1 of 2)']
+    assert supervisor.pid_of('node') not in (None, first)
+    assert supervisor.restarts == {'node': 1}
+
+
+def test_restarts_have_a_limit_and_the_last_words_are_told(supervise: MakeSupervisor) -> None:
+    """A process that always fails is given up, with the last line of its log."""
+    supervisor = supervise({'node': 'raise RuntimeError("no luck")'}, QUICK)
+    supervisor.start('node')
+    events = events_until(supervisor, ProcessEventKind.GAVE_UP)
+    assert events[-1].text == 'ended with exit code 1 after 2 restarts: RuntimeError: no luck'
+    assert supervisor.restarts == {'node': 2}
+    assert not supervisor.running
+
+
+def test_wrong_parameters_are_not_tried_again(supervise: MakeSupervisor) -> None:
+    """Exit code 2 says that the parameters are wrong: a restart would not help."""
+    supervisor = supervise({'node': 'print("speed = -1"); raise SystemExit(2)'}, QUICK)
+    supervisor.start('node')
+    events = events_until(supervisor, ProcessEventKind.GAVE_UP)
+    assert [event.text for event in events] == ['ended with exit code 2: speed = -1']
+
+
+def test_node_that_ends_with_0_has_failed(supervise: MakeSupervisor) -> None:
+    """A node runs until it is asked to stop: an end of its own accord is no success."""
+    supervisor = supervise({'node': 'pass'})
+    supervisor.start('node')
+    events = events_until(supervisor, ProcessEventKind.GAVE_UP)
+    assert [event.text for event in events] == ['ended with exit code 0']
+
+
+def test_task_that_ends_with_0_is_done(supervise: MakeSupervisor) -> None:
+    """A task is done when it ends with code 0."""
+    supervisor = supervise({'task': 'pass'}, is_task=True)
+    supervisor.start('task')
+    events = events_until(supervisor, ProcessEventKind.DONE)
+    assert [event.name for event in events] == ['task']
+
+
+def test_pauses_double_up_to_a_limit() -> None:
+    """Back-off: 1, 2, 4, then no longer than 5 s."""
+    policy = RestartPolicy(limit=9, first_pause_s=1.0, longest_pause_s=5.0)
+    assert [policy.pause_s(restarts) for restarts in range(5)] == [1.0, 2.0, 4.0, 5.0, 5.0]
+
+
+def test_restart_waits_for_its_pause(tmp_path: Path) -> None:
+    """Nothing is started again before the pause is over."""
+    now = [0.0]
+    policy = RestartPolicy(limit=1, first_pause_s=5.0, longest_pause_s=5.0)
+    command = (sys.executable, '-S', '-c', 'pass')
+    launch = Launch(name='node', command=command, log=tmp_path / 'node.log', restart=policy)
+    supervisor = Supervisor([launch], clock=lambda: now[0])
+    supervisor.start('node')
+    events_until(supervisor, ProcessEventKind.ENDED)
+    now[0] = 4.9
+    assert supervisor.poll() == []
+    now[0] = 5.0
+    assert [event.kind for event in supervisor.poll()] == [ProcessEventKind.RESTARTED]
+    supervisor.stop(deadline_s=0.0)
+
+
+def test_stop_asks_all_before_it_waits(supervise: MakeSupervisor) -> None:
+    """Two processes that each take 0.5 s to end take 0.5 s together."""
+    slow = (
+        'import signal, sys, time\n'
+        'signal.signal(signal.SIGINT, lambda *_: (time.sleep(0.5), sys.exit(0)))\n'
+        'print("up"); time.sleep(60)'
+    )
+    supervisor = supervise({'a': slow, 'b': slow})
+    start_and_wait_for_output(supervisor, 'a', 'b')
+    begin = time.monotonic()
+    supervisor.stop()
+    assert 0.5 <= time.monotonic() - begin < 0.95
+    assert not supervisor.running
+
+
+def test_stubborn_process_is_killed_at_the_deadline(supervise: MakeSupervisor) -> None:
+    """A process that ignores the request to end does not outlive the deadline."""
+    supervisor = supervise({'node': STUBBORN})
+    start_and_wait_for_output(supervisor, 'node')
+    pid = supervisor.pid_of('node')
+    assert pid is not None
+    supervisor.stop(deadline_s=0.2)
+    assert not is_alive(pid)
+
+
+def test_hurry_ends_the_wait(supervise: MakeSupervisor) -> None:
+    """When the user asks twice nobody waits for the deadline."""
+    supervisor = supervise({'node': STUBBORN})
+    start_and_wait_for_output(supervisor, 'node')
+    begin = time.monotonic()
+    supervisor.stop(deadline_s=30.0, must_hurry=lambda: True)
+    assert time.monotonic() - begin < 5.0
+    assert not supervisor.running
+
+
+@pytest.mark.parametrize('ending', ['stop', 'crash'])
+def test_grandchildren_end_with_their_parent(supervise: MakeSupervisor, ending: str) -> None:
+    """What a process has started is ended with it, whether it was stopped or killed."""
+    supervisor = supervise({'node': PARENT})
+    start_and_wait_for_output(supervisor, 'node')
+    grandchild = int(last_line(log_of(supervisor, 'node')))
+    assert is_alive(grandchild)
+    if ending == 'stop':
+        supervisor.stop(deadline_s=2.0)
+    else:
+        os.kill(supervisor.pid_of('node') or 0, signal.SIGKILL)
+        events_until(supervisor, ProcessEventKind.GAVE_UP)
+    wait_for(lambda: not is_alive(grandchild))
+
+
+def test_stop_leaves_no_zombie(supervise: MakeSupervisor) -> None:
+    """Ended processes are reaped."""
+    supervisor = supervise({'node': SLEEP})
+    supervisor.start('node')
+    pid = supervisor.pid_of('node')
+    supervisor.stop()
+    assert not Path(f'/proc/{pid}').exists()
+
+
+def test_stop_cancels_a_restart(supervise: MakeSupervisor) -> None:
+    """A process that was about to be started again is not after `stop`."""
+    supervisor = supervise({'node': 'pass'}, RestartPolicy(limit=5, first_pause_s=0.0))
+    supervisor.start('node')
+    events_until(supervisor, ProcessEventKind.ENDED)
+    supervisor.stop()
+    assert supervisor.poll() == []
+    assert not supervisor.running
+
+
+def test_missing_executable_is_a_setup_error(tmp_path: Path) -> None:
+    """What cannot be started is named in one line."""
+    launch = Launch(name='node', command=('/no/such/file',), log=tmp_path / 'node.log')
+    with pytest.raises(SetupError, match='node: cannot start /no/such/file: No such file'):
+        Supervisor([launch]).start('node')
+
+
+def test_ctrl_c_of_the_terminal_does_not_reach_children(supervise: MakeSupervisor) -> None:
+    """Children lead sessions of their own: only the supervisor hears the terminal."""
+    supervisor = supervise({'node': SLEEP})
+    supervisor.start('node')
+    pid = supervisor.pid_of('node')
+    assert pid is not None
+    assert os.getsid(pid) == pid
+
+
+def start_and_wait_for_output(supervisor: Supervisor, *names: str) -> None:
+    """Start processes and wait until each has written its first line."""
+    for name in names:
+        supervisor.start(name)
+    for name in names:
+        wait_for(lambda name=name: last_line(log_of(supervisor, name)))  # type: ignore[misc]
+
+
+def log_of(supervisor: Supervisor, name: str) -> Path:
+    """Return the log file of a process."""
+    return supervisor._children[name].launch.log
