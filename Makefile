@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+# Every target sets up what it needs first; a second time that takes a moment.
+#   make mission SCENARIO=config/scenarios/other.yaml    another mission
+#   make test ARGS='test/geo -k area'                    some of the tests
+#   make setup PYTHON=python3.11                         another Python than the first that fits
+
+SCENARIO ?= config/scenarios/derailment.yaml
+ARGS ?=
+CHECKED := src tools test $(wildcard benchmarks)
+.DEFAULT_GOAL := help
+# Empty unless the user names one.
+export PYTHON
+
+.PHONY: help
+help: ## show this list
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1|/p' $(MAKEFILE_LIST) | awk -F'|' '{ printf "%-16s %s\n", $$1, $$2 }'
+
+.PHONY: setup
+setup: ## make the workspace ready: environment, ROS 2, build, commands
+	@sh tools/setup.sh
+
+.PHONY: mission
+mission: ## set up and fly the derailment mission
+	@sh tools/setup.sh
+	@.venv/bin/rocsafe run $(SCENARIO)
+
+.PHONY: test
+test: ## set up and pass the tests
+	@sh tools/setup.sh --dev
+	@. ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
+	    python -m pytest -p pytest_timeout -p _hypothesis_pytestplugin $(ARGS)
+
+.PHONY: check
+check: ## set up and check style and types
+	@sh tools/setup.sh --dev
+	@. ./env.sh && ruff check && ruff format --check && mypy $(CHECKED)
+
+.PHONY: bench
+bench: ## set up and measure a mission: speed, start-up, memory, size of the fleet
+	@sh tools/setup.sh --dev
+	@. ./env.sh && python benchmarks/mission.py $(ARGS)
+
+.PHONY: docs
+docs: ## write the tables of the README that are made from the code
+	@sh tools/setup.sh
+	@. ./env.sh && python tools/readme_tables.py
+
+.PHONY: clean
+clean: ## remove all that set-up, checks and tests made; runs/ stays
+	@sh tools/setup.sh --clean

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The build of all packages, and the commands that run them."""
+
+import os
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+
+from workspace import records
+from workspace.environment import build_environment, capture, shell_script
+from workspace.layout import Layout
+from workspace.packages import remove
+from workspace.processes import run_logged
+from workspace.ros import SystemRos
+
+# Started by the environment's own Python, so that the executables it installs start with it too.
+_COLCON = 'import sys; from colcon_core.command import main; sys.exit(main())'
+_EXIT_NOT_SET_UP = 3
+
+
+def build(layout: Layout, environment: Mapping[str, str]) -> None:
+    """Build and install every package with colcon."""
+    command = [
+        str(layout.python),
+        '-c',
+        _COLCON,
+        'build',
+        '--symlink-install',
+        '--base-paths',
+        'src',
+    ]
+    options = [
+        f'-DPython3_EXECUTABLE={layout.python}',
+        '-DBUILD_TESTING=OFF',
+        '--no-warn-unused-cli',
+    ]
+    run_logged(
+        [*command, '--cmake-args', *options],
+        layout.logs / 'build.log',
+        build_environment(environment, layout),
+        folder=layout.root,
+    )
+
+
+def clear(layout: Layout) -> None:
+    """Remove what earlier builds left."""
+    remove(layout.build)
+    remove(layout.install)
+
+
+def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_in: bool) -> None:
+    """Write the environment of the workspace and the commands that start in it.
+
+    Parameters
+    ----------
+    token: tells this build from others.
+    stand_in: whether a ``ros2`` command is needed.
+    """
+    captured = capture(layout, ros)
+    records.write_text(layout.environment_script, shell_script(layout, captured, token))
+    executable = layout.install / 'rocsafe_orchestrator/lib/rocsafe_orchestrator/rocsafe'
+    _write_command(layout, 'rocsafe', f'exec {shlex.quote(str(executable))} "$@"')
+    if stand_in:
+        start = f'exec {shlex.quote(str(layout.python))} -m rocsafe_ros.ros2_cli "$@"'
+        _write_command(layout, 'ros2', f'{_prefer_real_ros2(layout)}\n{start}')
+    else:
+        remove(layout.venv / 'bin/ros2')
+
+
+def real_ros2(layout: Layout, path: str) -> Path | None:
+    """Return the ``ros2`` command on `path` that is not our stand-in."""
+    for folder in path.split(os.pathsep):
+        command = Path(folder) / 'ros2'
+        if folder and os.access(command, os.X_OK) and not command.is_relative_to(layout.venv):
+            return command
+    return None
+
+
+def _write_command(layout: Layout, name: str, start: str) -> None:
+    script = shlex.quote(str(layout.environment_script))
+    lines = [
+        '#!/bin/sh',
+        f'# Made by tools/workspace: {name} in the environment of the built workspace.',
+        f'if [ ! -r {script} ]; then',
+        f'    echo "{name}: this folder was moved or cleaned: run make setup" >&2',
+        f'    exit {_EXIT_NOT_SET_UP}',
+        'fi',
+        f'. {script}',
+        start,
+        '',
+    ]
+    records.write_text(layout.venv / 'bin' / name, '\n'.join(lines), mode=0o755)
+
+
+def _prefer_real_ros2(layout: Layout) -> str:
+    own = shlex.quote(str(layout.venv / 'bin'))
+    return '\n'.join(
+        [
+            '# A real ros2 that has come onto the PATH since is never shadowed.',
+            'IFS=:',
+            'for folder in $PATH; do',
+            f'    if [ "$folder" != {own} ] && [ -x "$folder/ros2" ]; then',
+            '        unset IFS',
+            '        exec "$folder/ros2" "$@"',
+            '    fi',
+            'done',
+            'unset IFS',
+        ]
+    )

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a set-up ends early."""
+
+
+class SetupError(Exception):
+    """Something the user has to change; the text is the one line that is shown."""
+
+
+class CommandError(SetupError):
+    """A command of a stage failed; `log_text` is everything it said."""
+
+    def __init__(self, message: str, log_text: str) -> None:
+        super().__init__(message)
+        self.log_text = log_text
+
+
+class Interrupted(BaseException):
+    """A signal asked to stop; like KeyboardInterrupt it is no error."""
+
+    def __init__(self, signal_number: int) -> None:
+        super().__init__(signal_number)
+        self.exit_code = 128 + signal_number

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The virtual environment and what pip puts into it."""
+
+import json
+import platform
+import re
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from workspace.errors import CommandError, SetupError
+from workspace.layout import Layout
+from workspace.machine import BasePython
+from workspace.processes import run_logged
+from workspace.ros import SystemRos
+
+# What a library of the system must be to be used with a system's ROS: its module, the name and
+# the lowest version that will do. What is older or missing comes, pinned, from python.txt.
+SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
+    'colcon_core': ('colcon-common-extensions', (0, 12)),
+    'cv2': ('opencv-python-headless', (4, 5)),
+    'mcap': ('mcap', (1, 0)),
+    'piexif': ('piexif', (1, 1)),
+    'PIL': ('pillow', (9, 0)),
+    'pydantic': ('pydantic', (2, 0)),
+    'pyproj': ('pyproj', (3, 4)),
+    'rasterio': ('rasterio', (1, 3)),
+    'rich': ('rich', (13, 0)),
+    'setuptools': ('setuptools', (59, 0)),
+    'shapely': ('shapely', (2, 0)),
+    'yaml': ('PyYAML', (5, 4)),
+}
+# Importing everything takes seconds; a minute means that something hangs.
+_INSPECT_LIMIT_S = 120.0
+
+_INSPECT = """
+import importlib, importlib.metadata, json, sys
+versions = {}
+for module, distribution in json.loads(sys.argv[1]).items():
+    try:
+        loaded = importlib.import_module(module)
+        version = getattr(loaded, '__version__', None) or getattr(loaded, 'VERSION', None)
+        if not isinstance(version, str):
+            version = importlib.metadata.version(distribution)
+    except Exception:
+        version = ''
+    versions[module] = version
+print(json.dumps(versions))
+"""
+
+_NETWORK_SIGNS = re.compile(
+    'name resolution|NewConnectionError|Failed to establish|Network is unreachable|'
+    'Connection refused|ConnectTimeout|ReadTimeout|ProxyError|CERTIFICATE_VERIFY_FAILED'
+)
+
+
+def make_venv(
+    layout: Layout, python: BasePython, ros: SystemRos | None, environment: Mapping[str, str]
+) -> None:
+    """Make the virtual environment anew, whatever was there."""
+    remove(layout.venv)
+    options = ['--system-site-packages'] if ros else []
+    command = [str(python.executable), '-I', '-m', 'venv', *options, str(layout.venv)]
+    # Not run by its own Python yet, so nothing of an activated environment may reach it.
+    bare = {name: value for name, value in environment.items() if name != 'PYTHONPATH'}
+    run_logged(command, layout.logs / 'venv.log', bare)
+    # The wheels bring package.xml files, which colcon would take for packages to build.
+    (layout.venv / 'COLCON_IGNORE').touch()
+
+
+def install_wheels(layout: Layout, environment: Mapping[str, str]) -> None:
+    """Install ROS and every library at its pinned version."""
+    folder = layout.requirements
+    arguments = [f'-r{folder}/ros.txt', f'-r{folder}/python.txt', f'-c{folder}/constraints.txt']
+    _pip(layout, 'packages', arguments, environment)
+
+
+def install_missing(layout: Layout, environment: Mapping[str, str]) -> list[str]:
+    """Install, for a system's ROS, the libraries it lacks; return their requirements.
+
+    numpy stays the system's: its ROS messages are compiled against it.
+    """
+    modules = {module: name for module, (name, _) in SYSTEM_MINIMA.items()} | {'numpy': 'numpy'}
+    found = _versions(layout, modules, environment)
+    if not found['numpy']:
+        raise SetupError(
+            'the sourced ROS has no numpy; on Debian or Ubuntu: sudo apt install python3-numpy'
+        )
+    constraint = layout.cache / 'system-numpy.txt'
+    constraint.write_text(f'numpy=={found["numpy"]}\n')
+    pins = pinned(layout.requirements / 'python.txt')
+    wanted = [
+        pins[name.lower()]
+        for module, (name, minimum) in SYSTEM_MINIMA.items()
+        if _numbers(found[module]) < minimum
+    ]
+    if wanted:
+        _pip(layout, 'packages', [*wanted, f'-c{constraint}'], environment)
+    return wanted
+
+
+def install_development(layout: Layout, ros: SystemRos | None, env: Mapping[str, str]) -> None:
+    """Install what the checks and the tests need beyond the nodes."""
+    folder = layout.requirements
+    constraints = layout.cache / 'system-numpy.txt' if ros else folder / 'constraints.txt'
+    _pip(layout, 'development', [f'-r{folder}/dev.txt', f'-c{constraints}'], env)
+
+
+def pinned(requirements: Path) -> dict[str, str]:
+    """Return the requirement lines of a file by lower-case name."""
+    lines = (line.split('#')[0].strip() for line in requirements.read_text().splitlines())
+    return {line.split('==')[0].lower(): line for line in lines if line}
+
+
+def remove(path: Path) -> None:
+    """Remove a file, link or folder, if it is there.
+
+    Raises
+    ------
+    SetupError: if the system does not allow it.
+    """
+    try:
+        if path.is_symlink() or path.is_file():
+            path.unlink()
+        elif path.exists():
+            shutil.rmtree(path)
+    except OSError as error:
+        raise SetupError(f'cannot remove {error.filename}: {error.strerror}') from error
+
+
+def _pip(
+    layout: Layout, log_name: str, arguments: Sequence[str], environment: Mapping[str, str]
+) -> None:
+    command = [str(layout.python), '-m', 'pip', 'install', '--prefer-binary', *arguments]
+    try:
+        run_logged(command, layout.logs / f'{log_name}.log', environment)
+    except CommandError as error:
+        raise _explained(error) from error
+
+
+def _explained(failure: CommandError) -> SetupError:
+    """Return one line for the failures of pip that have one cause."""
+    if 'No space left on device' in failure.log_text:
+        return SetupError('no space is left on the disk: make room and run this again')
+    if _NETWORK_SIGNS.search(failure.log_text):
+        return SetupError(
+            'the package index cannot be reached: connect this machine to it, or name a mirror '
+            'by PIP_INDEX_URL, and run this again'
+        )
+    absent = re.search(r'No matching distribution found for (\S+)', failure.log_text)
+    if absent:
+        return SetupError(
+            f'the package index has no {absent.group(1)} for this Python on '
+            f'{platform.machine()} with {" ".join(platform.libc_ver())}'
+        )
+    return failure
+
+
+def _versions(
+    layout: Layout, modules: Mapping[str, str], environment: Mapping[str, str]
+) -> dict[str, str]:
+    try:
+        answer = subprocess.run(
+            [layout.python, '-c', _INSPECT, json.dumps(modules)],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            env=environment,
+            timeout=_INSPECT_LIMIT_S,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError) as error:
+        raise SetupError(f'{layout.python} cannot list its libraries: {error}') from error
+    versions: dict[str, str] = json.loads(answer.stdout.splitlines()[-1])
+    return versions
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in re.findall(r'\d+', version)[:3])
