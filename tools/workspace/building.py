@@ -20,22 +20,11 @@ _EXIT_NOT_SET_UP = 3
 
 def build(layout: Layout, environment: Mapping[str, str]) -> None:
     """Build and install every package with colcon."""
-    command = [
-        str(layout.python),
-        '-c',
-        _COLCON,
-        'build',
-        '--symlink-install',
-        '--base-paths',
-        'src',
-    ]
-    options = [
-        f'-DPython3_EXECUTABLE={layout.python}',
-        '-DBUILD_TESTING=OFF',
-        '--no-warn-unused-cli',
-    ]
+    python = str(layout.python)
+    command = [python, '-c', _COLCON, *'build --symlink-install --base-paths src'.split()]
+    cmake = [f'-DPython3_EXECUTABLE={python}', '-DBUILD_TESTING=OFF', '--no-warn-unused-cli']
     run_logged(
-        [*command, '--cmake-args', *options],
+        [*command, '--cmake-args', *cmake],
         layout.logs / 'build.log',
         build_environment(environment, layout),
         folder=layout.root,

@@ -139,7 +139,9 @@ def shell_script(layout: Layout, captured: Mapping[str, str], token: str) -> str
         if name not in _PATHS:
             lines.append(f'export {name}={shlex.quote(value)}')
             continue
-        entries = ':'.join(entry for entry in value.split(':') if entry not in _default_path())
+        # An empty entry would stand for the current folder.
+        added = [entry for entry in value.split(':') if entry and entry not in _default_path()]
+        entries = ':'.join(added)
         if entries:
             lines.append(f'export {name}={shlex.quote(entries)}"${{{name}:+:${name}}}"')
     return '\n'.join([*lines, 'fi', ''])
