@@ -18,25 +18,45 @@ from rocsafe_planner.planner_node import PlannerNode
 from rocsafe_ros.topics import PLAN, create_subscription
 
 DEADLINE_S = 20.0
-RECTANGLE = [(53.27959959, -9.0617270785), (53.2805257315, -9.0621271428),
-             (53.2801009832, -9.0648776011), (53.2791748417, -9.0644775368)]
-FIELD = [(53.28323, -9.062691), (53.28215, -9.055781), (53.27884, -9.057240),
-         (53.27887, -9.065051), (53.28164, -9.067411)]
+RECTANGLE = [
+    (53.27959959, -9.0617270785),
+    (53.2805257315, -9.0621271428),
+    (53.2801009832, -9.0648776011),
+    (53.2791748417, -9.0644775368),
+]
+FIELD = [
+    (53.28323, -9.062691),
+    (53.28215, -9.055781),
+    (53.27884, -9.057240),
+    (53.27887, -9.065051),
+    (53.28164, -9.067411),
+]
 
 
 def goal(corners=RECTANGLE, **changes):
     """Return a goal for one vehicle over the seed's survey rectangle."""
     vehicle = VehicleSpec(
-        name='rav1', home=GeoPoint(latitude=53.28, longitude=-9.07, altitude=12.0),
-        cruise_speed_mps=8.0, acceleration_mps2=2.5, climb_rate_mps=3.0, descent_rate_mps=2.0,
-        hover_s=2.0, endurance_s=10_000.0)
+        name='rav1',
+        home=GeoPoint(latitude=53.28, longitude=-9.07, altitude=12.0),
+        cruise_speed_mps=8.0,
+        acceleration_mps2=2.5,
+        climb_rate_mps=3.0,
+        descent_rate_mps=2.0,
+        hover_s=2.0,
+        endurance_s=10_000.0,
+    )
     points = [GeoPoint(latitude=lat, longitude=lon, altitude=math.nan) for lat, lon in corners]
     values = {
         'region': Region(name='rectangle', boundary=GeoPolygon(points=points)),
         'camera': CameraSpec(
-            horizontal_fov_rad=math.radians(60.0), image_width_px=640, image_height_px=480),
-        'vehicles': [vehicle], 'height_agl_m': 32.0, 'spacing_rule': 'iou',
-        'overlap_fraction': 0.2, **changes}
+            horizontal_fov_rad=math.radians(60.0), image_width_px=640, image_height_px=480
+        ),
+        'vehicles': [vehicle],
+        'height_agl_m': 32.0,
+        'spacing_rule': 'iou',
+        'overlap_fraction': 0.2,
+        **changes,
+    }
     return PlanSurvey.Goal(**values)
 
 
@@ -62,8 +82,11 @@ class Desk:
 
     def send(self, request):
         """Return the handle of an accepted goal."""
-        return self.wait_for(self.client.send_goal_async(
-            request, feedback_callback=lambda message: self.feedback.append(message.feedback)))
+        return self.wait_for(
+            self.client.send_goal_async(
+                request, feedback_callback=lambda message: self.feedback.append(message.feedback)
+            )
+        )
 
     def ask(self, request):
         """Return the result of a goal."""
@@ -102,19 +125,31 @@ def test_a_goal_gets_its_plan(open_desk, tmp_path):
     assert sorted(v.id for v in plan.routes[0].viewpoints) == list(range(59))
     desk.ros.spin_until(lambda: desk.plans, DEADLINE_S)
     assert [(p.plan_id, p.routes, p.header) for p in desk.plans] == [
-        (plan.plan_id, plan.routes, plan.header)]
+        (plan.plan_id, plan.routes, plan.header)
+    ]
     document = json.loads((tmp_path / 'out' / 'plan.json').read_text())
     assert document['plan_id'] == plan.plan_id
     assert desk.feedback[-1].best_makespan_s == plan.makespan_s
     assert desk.feedback[-1].gap_fraction >= plan.gap_fraction - 1e-12
 
 
-@pytest.mark.parametrize(('changes', 'code', 'text'), [
-    ({'height_agl_m': -1.0}, PlanSurvey.Result.INVALID_REQUEST, 'height_agl_m is -1 m: must be'),
-    ({'vehicles': []}, PlanSurvey.Result.INVALID_REQUEST, 'number of vehicles is 0: must be'),
-    ({'region': Region()}, PlanSurvey.Result.INVALID_REQUEST, 'boundary has 0 distinct corners'),
-    ({'max_viewpoints': 9}, PlanSurvey.Result.TOO_MANY_VIEWPOINTS, 'max_viewpoints is 9'),
-])
+@pytest.mark.parametrize(
+    ('changes', 'code', 'text'),
+    [
+        (
+            {'height_agl_m': -1.0},
+            PlanSurvey.Result.INVALID_REQUEST,
+            'height_agl_m is -1 m: must be',
+        ),
+        ({'vehicles': []}, PlanSurvey.Result.INVALID_REQUEST, 'number of vehicles is 0: must be'),
+        (
+            {'region': Region()},
+            PlanSurvey.Result.INVALID_REQUEST,
+            'boundary has 0 distinct corners',
+        ),
+        ({'max_viewpoints': 9}, PlanSurvey.Result.TOO_MANY_VIEWPOINTS, 'max_viewpoints is 9'),
+    ],
+)
 def test_a_refusal_says_why(open_desk, changes, code, text):
     """The result names what was wrong; no plan is published; the node goes on."""
     desk = open_desk()

@@ -43,9 +43,12 @@ def planned_duration_s(airframe: Airframe, route: Route, height_m: float) -> flo
 
 def level(route: Route, height_m: float) -> Route:
     """Return `route` with all viewpoints at one height."""
-    return replace(route, waypoints=tuple(
-        replace(w, position_enu=(*w.position_enu[:2], height_m)) for w in route.waypoints
-    ))
+    return replace(
+        route,
+        waypoints=tuple(
+            replace(w, position_enu=(*w.position_enu[:2], height_m)) for w in route.waypoints
+        ),
+    )
 
 
 @settings(max_examples=40, deadline=None)
@@ -58,9 +61,7 @@ def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: Route
     at_s(vehicle, 1e6)
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.duration_s == pytest.approx(
-        planned_duration_s(airframe, route, 32.0), abs=1e-9
-    )
+    assert summary.duration_s == pytest.approx(planned_duration_s(airframe, route, 32.0), abs=1e-9)
     assert summary.outcome is Outcome.COMPLETED
 
 

@@ -21,7 +21,7 @@ _EXIT_NOT_SET_UP = 3
 def build(layout: Layout, environment: Mapping[str, str]) -> None:
     """Build and install every package with colcon."""
     python = str(layout.python)
-    command = [python, '-c', _COLCON, *'build --symlink-install --base-paths src'.split()]
+    command = [python, '-c', _COLCON, 'build', '--symlink-install', '--base-paths', 'src']
     cmake = [f'-DPython3_EXECUTABLE={python}', '-DBUILD_TESTING=OFF', '--no-warn-unused-cli']
     run_logged(
         [*command, '--cmake-args', *cmake],

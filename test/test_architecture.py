@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who may import whom, read from the source, so that the rules of CONTRIBUTING.md cannot rot."""
+
+import ast
+import sys
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).resolve().parents[1] / 'src'
+STANDARD = sys.stdlib_module_names | {'__future__'}
+MESSAGES = {
+    'action_msgs',
+    'builtin_interfaces',
+    'diagnostic_msgs',
+    'geometry_msgs',
+    'nav_msgs',
+    'rcl_interfaces',
+    'rocsafe_interfaces',
+    'rosgraph_msgs',
+    'sensor_msgs',
+    'std_msgs',
+    'std_srvs',
+    'unique_identifier_msgs',
+    'visualization_msgs',
+}
+# Import name of a library and its rosdep key, where they are not the same.
+ROSDEP_KEYS = {
+    'PIL': 'python3-pil',
+    'cv2': 'python3-opencv',
+    # The key that brings the pure reader and writer of MCAP along; it has none of its own.
+    'mcap': 'mcap-ros2-support',
+    'numpy': 'python3-numpy',
+    'piexif': 'python3-piexif',
+    'pydantic': 'python3-pydantic',
+    'pydantic_core': 'python3-pydantic',
+    'pyproj': 'python3-pyproj',
+    'rasterio': 'python3-rasterio',
+    'rich': 'python3-rich',
+    'shapely': 'python3-shapely',
+    'yaml': 'python3-yaml',
+}
+NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
+DOMAINS = {
+    'rocsafe_planner',
+    'rocsafe_sim',
+    'rocsafe_radiation',
+    'rocsafe_mapping',
+    'rocsafe_mavlink',
+}
+# One physics: what is simulated and what is estimated share these modules.
+SHARED_PHYSICS = {'rocsafe_radiation.physics', 'rocsafe_radiation.detector'}
+EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
+CLOCKS = {
+    'time.time',
+    'time.time_ns',
+    'time.monotonic',
+    'time.monotonic_ns',
+    'time.perf_counter',
+    'time.perf_counter_ns',
+    'time.sleep',
+    'datetime.now',
+    'datetime.utcnow',
+    'datetime.today',
+    'date.today',
+    'os.environ',
+    'os.getenv',
+}
+# Modules beside a node's event loop, with the clock they may read and why.
+EXEMPT_CLOCKS = {
+    'rocsafe_planner.planning_job': {'time.monotonic'},  # tells how long a thread has worked
+}
+# Of numpy.random, what makes a generator from a seed; all else draws from the global one.
+SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}
+
+
+@dataclass(frozen=True)
+class Module:
+    """One source file of a package, with what it imports."""
+
+    path: Path
+
+    @property
+    def package(self) -> str:
+        """Package that it belongs to."""
+        return self.path.relative_to(SOURCES).parts[0]
+
+    @property
+    def name(self) -> str:
+        """Dotted name."""
+        return '.'.join(self.path.relative_to(SOURCES / self.package).with_suffix('').parts)
+
+    @property
+    def kind(self) -> str:
+        """Its place in the rules: node, conversions or core."""
+        if self.path.stem.endswith('_node'):
+            return 'node'
+        return 'conversions' if self.path.stem == 'conversions' else 'core'
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """Syntax tree."""
+        return ast.parse(self.path.read_text(), filename=str(self.path))
+
+    @cached_property
+    def imports(self) -> set[str]:
+        """Dotted names of the modules it imports, wherever in the file."""
+        found = set()
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Import):
+                found |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found.add(str(node.module))
+                found |= {f'{node.module}.{alias.name}' for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                raise AssertionError(f'{self.name} line {node.lineno}: relative import')
+        return found
+
+    @property
+    def roots(self) -> set[str]:
+        """First parts of the imported names."""
+        return {name.split('.')[0] for name in self.imports}
+
+    @cached_property
+    def accesses(self) -> set[str]:
+        """Dotted names that it reads, such as ``time.time``."""
+        return {
+            ast.unparse(node)
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Attribute) and _is_dotted(node)
+        }
+
+
+def _is_dotted(node: ast.expr) -> bool:
+    while isinstance(node, ast.Attribute):
+        node = node.value
+    return isinstance(node, ast.Name)
+
+
+MODULES = [Module(path) for path in sorted(SOURCES.glob('*/rocsafe_*/**/*.py'))]
+NODES = [module for module in MODULES if module.kind == 'node']
+CONVERSIONS = [module for module in MODULES if module.kind == 'conversions']
+CORES = [module for module in MODULES if module.kind == 'core' and module.package in DOMAINS] + [
+    module for module in MODULES if module.package == 'rocsafe_geo'
+]
+MANIFESTS = sorted(SOURCES.glob('*/package.xml'))
+
+
+def each(modules: list[Module]) -> pytest.MarkDecorator:
+    """Make one test a module."""
+    return pytest.mark.parametrize('module', modules, ids=[module.name for module in modules])
+
+
+def test_every_kind_of_module_is_found():
+    """The rules below look at something."""
+    assert NODES
+    assert CONVERSIONS
+    assert {module.package for module in CORES} >= {'rocsafe_geo', 'rocsafe_planner'}
+
+
+@each([module for module in MODULES if module.package == 'rocsafe_geo'])
+def test_geo_stands_on_numbers_alone(module):
+    """rocsafe_geo imports numpy, pyproj and shapely, nothing of ROS."""
+    assert module.roots <= STANDARD | {'rocsafe_geo', 'numpy', 'pyproj', 'shapely'}
+
+
+@each(CORES)
+def test_core_knows_neither_ros_nor_messages(module):
+    """Cores can be used and tested on a machine without ROS."""
+    assert not module.roots & (MESSAGES | {'rclpy', 'rocsafe_ros'})
+    own = {name for name in module.imports if name.startswith(f'{module.package}.')}
+    assert not {name for name in own if name.split('.')[1].endswith(('_node', 'conversions'))}
+
+
+@each(CORES)
+def test_core_reads_no_clock_and_no_global_generator(module):
+    """Time and generators come in as arguments, so every run can be replayed from its seed."""
+    assert not module.accesses & CLOCKS - EXEMPT_CLOCKS.get(module.name, set())
+    assert 'random' not in module.roots
+    drawn = {name.rsplit('.', 1)[1] for name in module.accesses if '.random.' in name}
+    drawn |= {name.rsplit('.', 1)[1] for name in module.imports if 'numpy.random.' in name}
+    assert drawn <= SEEDED
+
+
+@each(CONVERSIONS)
+def test_conversions_know_no_rclpy(module):
+    """Messages are values: converting them needs no node."""
+    allowed = {module.package, 'rocsafe_geo', 'rocsafe_ros', 'numpy'} | MESSAGES | STANDARD
+    assert module.roots <= allowed
+    assert 'rclpy' not in module.roots
+    if module.package != 'rocsafe_ros':
+        of_ros = {name for name in module.imports if name.startswith('rocsafe_ros.')}
+        assert all(name.startswith('rocsafe_ros.conversions') for name in of_ros)
+
+
+@each(NODES)
+def test_node_does_no_arithmetic(module):
+    """A node converts, calls and publishes; numbers belong to the core."""
+    assert not module.roots & NUMERICAL
+    ours = {module.package, 'rocsafe_ros', 'rocsafe_geo', 'rclpy'}
+    assert module.roots <= ours | MESSAGES | STANDARD
+
+
+@each([module for module in MODULES if module.package in DOMAINS])
+def test_domains_do_not_know_each_other(module):
+    """Domain packages meet in messages only, except for the one physics."""
+    foreign = {
+        name
+        for name in module.imports
+        if name.split('.')[0] in (DOMAINS | {'rocsafe_orchestrator'}) - {module.package}
+    }
+    if module.package == 'rocsafe_sim':
+        foreign = {
+            name
+            for name in foreign
+            if '.'.join(name.split('.')[:2]) not in SHARED_PHYSICS | {'rocsafe_radiation'}
+        }
+    assert not foreign
+
+
+@each([module for module in MODULES if module.package in ('rocsafe_orchestrator', 'rocsafe_ros')])
+def test_orchestrator_and_ros_know_no_domain(module):
+    """The orchestrator reaches the domains by messages and process names only."""
+    assert not module.roots & DOMAINS
+    if module.package == 'rocsafe_ros':
+        assert 'rocsafe_orchestrator' not in module.roots
+
+
+@each(MODULES)
+def test_module_has_a_name_and_says_what_it_is(module):
+    """No drawer names; licence and docstring first."""
+    assert not set(module.path.relative_to(SOURCES).with_suffix('').parts) & EMPTY_NAMES
+    assert module.path.read_text().startswith('# SPDX-License-Identifier: Apache-2.0\n')
+    assert ast.get_docstring(module.tree)
+
+
+def declared(manifest: Path) -> set[str]:
+    """Return the keys of the dependencies that a package needs to run."""
+    root = ElementTree.parse(manifest).getroot()  # noqa: S314 - our own files
+    kinds = ('depend', 'exec_depend', 'buildtool_depend', 'build_depend', 'test_depend')
+    return {str(item.text).strip() for kind in kinds for item in root.findall(kind)}
+
+
+@pytest.mark.parametrize('manifest', MANIFESTS, ids=lambda path: path.parent.name)
+def test_package_declares_what_it_imports(manifest):
+    """A package that imports another names it in package.xml, by its rosdep key."""
+    modules = [module for module in MODULES if module.package == manifest.parent.name]
+    imported = {root for module in modules for root in module.roots} - STANDARD
+    wanted = {ROSDEP_KEYS.get(root, root) for root in imported - {manifest.parent.name}}
+    assert wanted - declared(manifest) == set()
+
+
+@pytest.mark.parametrize('manifest', MANIFESTS, ids=lambda path: path.parent.name)
+def test_dependencies_are_names_that_rosdep_knows(manifest):
+    """``rosdep install`` on a sourced Jazzy resolves every dependency."""
+    lines = Path(__file__).with_name('rosdep_names.txt').read_text().splitlines()
+    known = {line for line in lines if line and not line.startswith('#')}
+    ours = {path.parent.name for path in MANIFESTS}
+    assert declared(manifest) - ours - known == set()
