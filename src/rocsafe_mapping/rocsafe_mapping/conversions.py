@@ -5,10 +5,17 @@ import math
 
 from sensor_msgs.msg import CameraInfo, NavSatFix
 
-from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
+from rocsafe_interfaces.msg import GeotaggedImage, Mosaic, ShotReceipt
+from rocsafe_mapping.mosaic import MapExtent
 from rocsafe_mapping.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.store import Answer, Status
-from rocsafe_ros.conversions import has_position, ns_of_stamp, quaternion_values
+from rocsafe_ros.conversions import (
+    EARTH_FRAME,
+    has_position,
+    ns_of_stamp,
+    point_of_position,
+    quaternion_values,
+)
 
 RECEIPT_STATUS = {
     Status.STORED: ShotReceipt.STORED,
@@ -52,6 +59,7 @@ def intrinsics_of_message(info: CameraInfo) -> Intrinsics:
     ------
     ValueError: naming the field, its value and the limit.
     """
+    is_distorted = any(info.d)
     return Intrinsics(
         width_px=info.width,
         height_px=info.height,
@@ -59,7 +67,8 @@ def intrinsics_of_message(info: CameraInfo) -> Intrinsics:
         fy_px=float(info.k[4]),
         cx_px=float(info.k[2]),
         cy_px=float(info.k[5]),
-        distortion=_floats(info.d) if any(info.d) else (),
+        distortion_model=info.distortion_model if is_distorted else '',
+        distortion=_floats(info.d) if is_distorted else (),
     )
 
 
@@ -73,6 +82,21 @@ def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:
         path='' if answer.path is None else str(answer.path),
         reason=answer.reason,
     )
+
+
+def mosaic_message(extent: MapExtent, images_placed: int, preview_png: bytes) -> Mosaic:
+    """Return the map as a message, without a stamp and a file."""
+    message = Mosaic(
+        images_placed=images_placed,
+        epsg_code=extent.epsg,
+        ground_resolution_m=extent.resolution_m,
+        south_west=point_of_position(extent.south_west),
+        north_east=point_of_position(extent.north_east),
+    )
+    message.header.frame_id = EARTH_FRAME
+    message.preview.format = 'png'
+    message.preview.data = preview_png
+    return message
 
 
 def _floats(values: object) -> tuple[float, ...]:

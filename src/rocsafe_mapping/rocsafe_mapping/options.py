@@ -4,6 +4,8 @@
 import math
 from dataclasses import dataclass, field
 
+# Room for any one photograph, however its edges fall on the map's grid.
+SMALLEST_MAX_PIXELS = 512 * 512
 STORE_DOC = 'directory of the image store'
 
 
@@ -38,7 +40,7 @@ class MosaicOptions:
         default=25_000_000,
         metadata={
             'doc': 'limit of width times height of the map; a larger one gets coarser pixels',
-            'min': 65_536,
+            'min': SMALLEST_MAX_PIXELS,
             'max': 2**31,
         },
     )

@@ -22,7 +22,8 @@ class Intrinsics:
     width_px, height_px: size of the image.
     fx_px, fy_px: focal lengths.
     cx_px, cy_px: principal point.
-    distortion: coefficients of OpenCV's order (k1, k2, p1, p2, k3, ...); empty for none.
+    distortion_model: of sensor_msgs/CameraInfo, e.g. ``plumb_bob``; empty for none.
+    distortion: its coefficients; empty for none.
     """
 
     width_px: int
@@ -31,6 +32,7 @@ class Intrinsics:
     fy_px: float
     cx_px: float
     cy_px: float
+    distortion_model: str = ''
     distortion: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
