@@ -98,7 +98,7 @@ class Module:
         """Its place in the rules: node, conversions or core."""
         if self.path.stem.endswith('_node'):
             return 'node'
-        return 'conversions' if self.path.stem == 'conversions' else 'core'
+        return 'conversions' if self.path.stem.endswith('conversions') else 'core'
 
     @cached_property
     def tree(self) -> ast.Module:

@@ -26,6 +26,7 @@ from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.errors import JournalError
 from rocsafe_sim.flight_record import Outcome
 from rocsafe_sim.journal import read_journal, write_journal
+from rocsafe_sim.observation import ShotDue
 from rocsafe_sim.route import Route, Waypoint
 from rocsafe_sim.segment import Mode
 from rocsafe_sim.vehicle import Vehicle
@@ -75,7 +76,8 @@ def test_never_faster_than_allowed_and_ends_at_home(
     A change of height that outlasts its leg counts as part of it.
     """
     limits = airframe.limits
-    shots, last = [], None
+    shots: list[ShotDue] = []
+    last = None
     for seen in steps(vehicle_on(route, airframe), step_s):
         east, north, up = seen.pose.velocity_enu
         assert math.hypot(east, north) <= limits.cruise_speed_mps * (1 + 1e-9)

@@ -37,6 +37,7 @@ from rocsafe_interfaces.msg import (
     VehicleState,
 )
 from rocsafe_interfaces.srv import QueryRadiationField
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
 STREAM_DEPTH = 600
@@ -220,9 +221,17 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
     return f'{vehicle}/{spec.name}'
 
 
+def _name_from(node: Node, spec: TopicSpec, vehicle: str) -> str:
+    """Return the name under which `node` reaches `spec`."""
+    name = name_of(spec, vehicle)
+    if spec.scope is Scope.FLEET and isinstance(node, VehicleScopeNode):
+        return name if name.startswith('/') else f'{node.fleet_namespace}/{name}'
+    return name
+
+
 def create_publisher(node: Node, spec: TopicSpec, vehicle: str = '') -> Publisher:
     """Publish `spec` from `node`, below `vehicle` if the node stands outside its namespace."""
-    return node.create_publisher(spec.message_type, name_of(spec, vehicle), spec.qos)
+    return node.create_publisher(spec.message_type, _name_from(node, spec, vehicle), spec.qos)
 
 
 def create_subscription(
@@ -244,5 +253,5 @@ def create_subscription(
         durability=spec.qos.durability,
     )
     return node.create_subscription(
-        spec.message_type, name_of(spec, vehicle), callback, qos, raw=raw
+        spec.message_type, _name_from(node, spec, vehicle), callback, qos, raw=raw
     )

@@ -79,7 +79,22 @@ class Vehicle:
         shots = tuple(self._run_to(time_ns))
         self.time_ns = time_ns
         self._touch_down()
-        return self._observation(shots)
+        return self.observe(shots)
+
+    def observe(self, shots: tuple[ShotDue, ...] = ()) -> Observation:
+        """Return what is true as of the last step and the last order."""
+        flight, course, time_ns = self.flight, self._course, self.time_ns
+        visited = 0 if flight is None else flight.visited
+        return Observation(
+            time_ns=time_ns,
+            pose=self._pose(time_ns),
+            mode=self.mode,
+            viewpoints_visited=visited,
+            shots_taken=self._record.shots_taken,
+            battery_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            distance_flown_m=self._distance_m(time_ns),
+            shots=shots,
+        )
 
     def fly_route(self, route: Route) -> None:
         """Fly `route`; one that is being flown, or has just been flown, is not begun again.
@@ -275,20 +290,6 @@ class Vehicle:
 
     def _distance_m(self, time_ns: int) -> float:
         return 0.0 if self._course is None else self._course.distance_m(time_ns)
-
-    def _observation(self, shots: tuple[ShotDue, ...]) -> Observation:
-        flight, course, time_ns = self.flight, self._course, self.time_ns
-        visited = 0 if flight is None else flight.visited
-        return Observation(
-            time_ns=time_ns,
-            pose=self._pose(time_ns),
-            mode=self.mode,
-            viewpoints_visited=visited,
-            shots_taken=self._record.shots_taken,
-            battery_fraction=1.0 if course is None else course.charge_fraction(time_ns),
-            distance_flown_m=self._distance_m(time_ns),
-            shots=shots,
-        )
 
 
 def _cut_short(flight: FlightRecord, ending: Outcome, text: str) -> FlightRecord:

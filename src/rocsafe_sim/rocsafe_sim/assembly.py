@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""RAVs put together from options."""
+
+import math
+from pathlib import Path
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.camera import GroundCamera
+from rocsafe_sim.ground import Ground
+from rocsafe_sim.options import PROCEDURAL, VehicleOptions
+from rocsafe_sim.orthophoto import OrthophotoGround
+from rocsafe_sim.procedural_ground import ProceduralGround
+from rocsafe_sim.rav import Rav, RavParts
+from rocsafe_sim.scenery.catalogue import make_scene
+from rocsafe_sim.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle import Vehicle
+
+
+def make_ground(options: VehicleOptions) -> Ground:
+    """Return the ground that the cameras see.
+
+    Raises
+    ------
+    GroundError: if it is a file that cannot be read.
+    """
+    if options.ground == PROCEDURAL:
+        return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
+    return OrthophotoGround(Path(options.ground), options.frame())
+
+
+def make_rav(
+    options: VehicleOptions, name: str, home: GeoPosition, ground: Ground, spool: Path | None
+) -> Rav:
+    """Return the RAV called `name` that stands at `home`, on the ground.
+
+    Raises
+    ------
+    JournalError: if `spool` holds what cannot be read.
+    """
+    frame = options.frame()
+    east, north, _ = frame.enu_of(home).tolist()
+    parts = RavParts(
+        name=name,
+        frame=frame,
+        noise=SensorNoise(
+            seed=options.seed,
+            vehicle=name,
+            gps_horizontal_std_m=options.gps_horizontal_std_m,
+            gps_vertical_std_m=options.gps_vertical_std_m,
+            tilt_std_rad=math.radians(options.tilt_std_deg),
+            attitude_std_rad=math.radians(options.attitude_std_deg),
+        ),
+        camera=GroundCamera(options.lens(), ground),
+        jpeg_quality=options.jpeg_quality,
+    )
+    return Rav(parts, Vehicle(options.airframe(), (east, north, 0.0)), spool)

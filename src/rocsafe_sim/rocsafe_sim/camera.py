@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A pinhole camera over flat ground."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
+from rocsafe_sim.errors import GroundError
+from rocsafe_sim.ground import Ground, GroundBounds
+from rocsafe_sim.route import Enu
+from rocsafe_sim.scenery.canvas import Image
+
+# Interpolation reads one texel beyond; one more for rounding.
+_MARGIN_TEXELS = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class GroundCamera:
+    """Sees `ground`, the plane up = 0, through `lens`."""
+
+    lens: PinholeCamera
+    ground: Ground
+
+    def photograph(self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64]) \
+            -> Image:
+        """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
+
+        The ground is sampled at most as coarse as the picture's own pixels below the camera, so
+        that neither detail is lost nor fine texture aliased.
+
+        Raises
+        ------
+        GroundError: if the horizon would be seen, or the ground has no picture there.
+        """
+        try:
+            corners = ground_corners(self.lens, position_enu, rotation_enu_from_optical)
+        except ValueError as error:
+            raise GroundError(f'camera at {position_enu}: {error}') from error
+        resolution_m = position_enu[2] / self.lens.focal_px
+        patch = self.ground.patch(_around(corners, resolution_m), resolution_m)
+        homography = ground_homography(self.lens, position_enu, rotation_enu_from_optical)
+        size = (self.lens.image_width_px, self.lens.image_height_px)
+        return cv2.warpPerspective(
+            patch.image,
+            homography @ np.linalg.inv(patch.pixel_from_ground),
+            size,
+            flags=cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+
+
+def _around(corners: NDArray[np.float64], resolution_m: float) -> GroundBounds:
+    margin = _MARGIN_TEXELS * resolution_m
+    west, south = (corners.min(axis=0) - margin).tolist()
+    east, north = (corners.max(axis=0) + margin).tolist()
+    return GroundBounds(west_m=west, south_m=south, east_m=east, north_m=north)
+
+
+def jpeg_of(image: Image, quality: int) -> bytes:
+    """Return `image` (blue, green, red) as a JPEG file of `quality` 1 to 100."""
+    is_done, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not is_done:
+        raise GroundError(f'no JPEG of an image of shape {image.shape}')
+    return data.tobytes()

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``fleet``: many simulated vehicles in one process."""
+
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_ros.lockstep import Participant
+from rocsafe_ros.parameters import ParameterError, declare_options
+from rocsafe_ros.run import run
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.assembly import make_ground, make_rav
+from rocsafe_sim.cadence import floor_to
+from rocsafe_sim.errors import SimError
+from rocsafe_sim.options import FleetOptions
+from rocsafe_sim.rav import Rav
+from rocsafe_sim.vehicle_node import VehicleInterface
+
+
+class FleetNode(Node):
+    """Simulates all vehicles of `vehicles`, each behind a lean node in its own namespace.
+
+    In lock-step it is one participant, ``fleet``, idle when all vehicles are.
+    """
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('fleet', **node_options)
+        options = declare_options(self, FleetOptions)
+        self._period_ns = options.fix_period_ns
+        self._participant: Participant | None = None
+        self.vehicle_nodes = [
+            VehicleScopeNode(
+                'rav',
+                namespace=f'{self.get_namespace().rstrip("/")}/{name}',
+                start_parameter_services=False,
+                enable_rosout=False,
+                use_global_arguments=False,
+                **node_options,
+            )
+            for name in options.vehicles
+        ]
+        self._interfaces = [
+            VehicleInterface(node, rav, options.fix_period_ns, self._on_busy)
+            for node, rav in zip(self.vehicle_nodes, _ravs(options), strict=True)
+        ]
+        if options.lock_step:
+            self._participant = Participant(self, self.get_name(), self._on_step)
+        else:
+            self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
+
+    def _on_step(self, time_ns: int) -> bool:
+        are_idle = [interface.step(time_ns) for interface in self._interfaces]
+        return all(are_idle)
+
+    def _on_busy(self) -> None:
+        if self._participant is not None:
+            self._participant.report(is_idle=False)
+
+    def _on_timer(self) -> None:
+        self._on_step(floor_to(self.get_clock().now().nanoseconds, self._period_ns))
+
+
+def _ravs(options: FleetOptions) -> list[Rav]:
+    """Return the vehicles; they share one ground, and with it its tiles."""
+    homes = zip(options.home_latitudes_deg, options.home_longitudes_deg, strict=True)
+    spool = Path(options.spool_directory) if options.spool_directory else None
+    try:
+        ground = make_ground(options)
+        return [
+            make_rav(
+                options, name, GeoPosition(*home, 0.0), ground, spool and spool / name
+            )
+            for name, home in zip(options.vehicles, homes, strict=True)
+        ]
+    except (SimError, OSError) as error:
+        raise ParameterError(f'fleet: {error}') from error
+
+
+def make_nodes() -> list[Node]:
+    """Return the fleet's node and those of its vehicles."""
+    fleet = FleetNode()
+    return [fleet, *fleet.vehicle_nodes]
+
+
+def main() -> int:
+    """Run the nodes until asked to stop."""
+    return run(make_nodes)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The action fly_route of a simulated vehicle."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse
+
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_ros import topics
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.cadence import is_due
+from rocsafe_sim.conversions import refusal_message, result_message, route_of
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight_record import Outcome
+from rocsafe_sim.rav import Rav
+
+FEEDBACK_PERIOD_NS = 1_000_000_000
+
+
+class FlyRouteServer:
+    """Serves fly_route: any number of goals may join one flight, and all end with it.
+
+    A goal is executed, as rclpy calls it, when its flight has ended. No coroutine waits for that:
+    rclpy's executors resume a waiting coroutine again and again, which takes a processor.
+
+    `on_order` is called after the vehicle was given an order.
+    """
+
+    def __init__(self, node: VehicleScopeNode, rav: Rav, on_order: Callable[[], None]) -> None:
+        self._node = node
+        self._rav = rav
+        self._on_order = on_order
+        self._has_time = False
+        self._early: list[Any] = []
+        self._flying: list[Any] = []
+        self._refusals: dict[bytes, FlyRoute.Result] = {}
+        self._server = ActionServer(
+            node,
+            topics.FLY_ROUTE.call_type,
+            topics.FLY_ROUTE.name,
+            execute_callback=self._result,
+            handle_accepted_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+        )
+
+    def after_step(self, time_ns: int) -> None:
+        """Let goals begin, give feedback, and end the goals of a flight that has ended."""
+        self._has_time = True
+        while self._early:
+            self._on_goal(self._early.pop(0))
+        self.end_goals()
+        if self._flying and is_due(time_ns, FEEDBACK_PERIOD_NS):
+            feedback = self._feedback()
+            for goal in self._flying:
+                goal.publish_feedback(feedback)
+
+    def end_goals(self) -> None:
+        """End the goals if the flight has ended."""
+        if self._rav.vehicle.summary() is not None:
+            ended, self._flying = self._flying, []
+            for goal in ended:
+                goal.execute()
+
+    def _on_goal(self, goal: Any) -> None:
+        if not self._has_time:
+            self._early.append(goal)
+            return
+        refusal = self._begin(goal.request)
+        if refusal is not None:
+            self._refusals[bytes(goal.goal_id.uuid)] = refusal
+            goal.execute()
+            return
+        self._flying.append(goal)
+        self.end_goals()
+
+    def _begin(self, request: FlyRoute.Goal) -> FlyRoute.Result | None:
+        """Order the flight; return why not, if it is refused."""
+        name = self._rav.parts.name
+        if request.route.vehicle not in ('', name):
+            return refusal_message(f'{name}: the route is for {request.route.vehicle}')
+        try:
+            route = route_of(request.route, request.plan_id, self._rav.parts.frame)
+            self._rav.vehicle.fly_route(route)
+        except (CommandRefusedError, ValueError) as error:
+            return refusal_message(f'{name}: {error}')
+        self._on_order()
+        return None
+
+    def _result(self, goal: Any) -> FlyRoute.Result:
+        refusal = self._refusals.pop(bytes(goal.goal_id.uuid), None)
+        summary = self._rav.vehicle.summary()
+        if refusal is not None or summary is None:
+            goal.abort()
+            return refusal or refusal_message(f'{self._rav.parts.name}: the flight goes on')
+        if goal.is_cancel_requested:
+            goal.canceled()
+        elif summary.outcome is Outcome.COMPLETED:
+            goal.succeed()
+        else:
+            goal.abort()
+        return result_message(summary)
+
+    def _on_cancel(self, _goal: Any) -> CancelResponse:
+        self._rav.vehicle.cancel()
+        self._on_order()
+        # The goal is not yet marked as being cancelled: that follows this callback.
+        self._node.executor.create_task(self.end_goals)
+        return CancelResponse.ACCEPT
+
+    def _feedback(self) -> FlyRoute.Feedback:
+        flight = self._rav.vehicle.flight
+        left_m, left_s = self._rav.vehicle.left()
+        return FlyRoute.Feedback(
+            viewpoint_index=0 if flight is None else flight.visited,
+            viewpoint_count=0 if flight is None else len(flight.route.waypoints),
+            distance_left_m=left_m,
+            time_left_s=left_s,
+        )

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scenes by name."""
+
+from collections.abc import Callable, Mapping
+
+from rocsafe_sim.scenery.scene import Scene
+
+
+def bare_scene(seed: int) -> Scene:  # noqa: ARG001 - all scenes are made alike
+    """Return a meadow with nothing on it."""
+    return Scene(())
+
+
+SCENES: Mapping[str, Callable[[int], Scene]] = {'none': bare_scene}
+
+
+def make_scene(name: str, seed: int) -> Scene:
+    """Return the scene called `name`.
+
+    Raises
+    ------
+    ValueError: if there is none.
+    """
+    if name not in SCENES:
+        raise ValueError(f'scene is {name!r}: must be one of {", ".join(SCENES)}')
+    return SCENES[name](seed)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photographs that a vehicle keeps until somebody else has them safe."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rocsafe_sim.errors import JournalError
+from rocsafe_sim.journal import write_atomically
+from rocsafe_sim.shot import Shot, shot_of, shot_record
+
+# An unacknowledged photograph is sent again after this much wall time,
+RESEND_S = 1.0
+# but no more than so many at once, lest the receiver drowns when it comes back.
+RESEND_BURST = 20
+
+
+class ShotStore:
+    """Photographs without a receipt, in memory and, if a folder is given, on disk.
+
+    A photograph is on disk as ``<shot_id>.jpg`` and, written after it, ``<shot_id>.json``: one
+    without the other is the trace of a kill and does not count.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self._folder = folder
+        self._pending: dict[str, Shot] = {}
+        self._sent_s: dict[str, float] = {}
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._pending = {shot.shot_id: shot for shot in _stored_shots(folder)}
+
+    def __len__(self) -> int:
+        """Return how many photographs wait for a receipt."""
+        return len(self._pending)
+
+    def add(self, shot: Shot) -> None:
+        """Keep `shot`: once this returns, a kill does not lose it."""
+        self._pending[shot.shot_id] = shot
+        if self._folder is not None:
+            write_atomically(self._folder / f'{shot.shot_id}.jpg', shot.jpeg)
+            write_atomically(self._folder / f'{shot.shot_id}.json', shot_record(shot))
+
+    def take_receipt(self, shot_id: str, sha256: str) -> bool:
+        """Forget a photograph that is safe elsewhere; return whether it was the one kept here.
+
+        A receipt for other bytes, or of a photograph that is not kept (any more), does nothing.
+        """
+        shot = self._pending.get(shot_id)
+        if shot is None or shot.sha256 != sha256:
+            return False
+        del self._pending[shot_id]
+        self._sent_s.pop(shot_id, None)
+        if self._folder is not None:
+            (self._folder / f'{shot_id}.json').unlink(missing_ok=True)
+            (self._folder / f'{shot_id}.jpg').unlink(missing_ok=True)
+        return True
+
+    def mark_sent(self, shot_id: str, wall_s: float) -> None:
+        """Note that a photograph was sent at a wall time."""
+        if shot_id in self._pending:
+            self._sent_s[shot_id] = wall_s
+
+    def overdue(self, wall_s: float) -> list[Shot]:
+        """Return the photographs to be sent (again) at a wall time, oldest first."""
+        due = [
+            shot for shot_id, shot in self._pending.items()
+            if wall_s - self._sent_s.get(shot_id, -RESEND_S) >= RESEND_S
+        ]
+        return due[:RESEND_BURST]
+
+
+def _stored_shots(folder: Path) -> Iterator[Shot]:
+    for path in sorted(folder.glob('*-*.json')):
+        try:
+            yield shot_of(path.read_bytes(), path.with_suffix('.jpg').read_bytes())
+        except (OSError, ValueError) as error:
+            raise JournalError(f'{path}: {error}') from error

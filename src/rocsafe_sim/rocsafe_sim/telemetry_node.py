@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a simulated vehicle's node says of itself at each step."""
+
+from builtin_interfaces.msg import Time
+from nav_msgs.msg import Path
+from std_msgs.msg import Header
+
+from rocsafe_interfaces.msg import VehicleState
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.cadence import is_due
+from rocsafe_sim.conversions import (
+    MAP_FRAME,
+    STATES,
+    battery_message,
+    fix_message,
+    odometry_message,
+    path_pose,
+    velocity_message,
+)
+from rocsafe_sim.marker_conversions import route_markers
+from rocsafe_sim.observation import Observation
+from rocsafe_sim.rav import Rav
+from rocsafe_sim.route import Route
+
+SLOW_PERIOD_NS = 1_000_000_000
+# A track nobody looks at is published this seldom, for those who come later.
+UNSEEN_PATH_PERIOD_NS = 10_000_000_000
+
+
+class Telemetry:
+    """Publishes ground_truth/fix, fix, velocity, odom, battery_state, state, path and markers."""
+
+    def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
+        self._rav = rav
+        self._fix_period_ns = fix_period_ns
+        self._name = rav.parts.name
+        self._truth = topics.create_publisher(node, topics.GROUND_TRUTH_FIX)
+        self._fix = topics.create_publisher(node, topics.FIX)
+        self._velocity = topics.create_publisher(node, topics.VELOCITY)
+        self._odom = topics.create_publisher(node, topics.ODOM)
+        self._battery = topics.create_publisher(node, topics.BATTERY_STATE)
+        self._state = topics.create_publisher(node, topics.STATE)
+        self._path = topics.create_publisher(node, topics.PATH)
+        self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
+        self._track = Path(header=Header(frame_id=MAP_FRAME))
+        self._said: tuple[object, ...] = ()
+        self._shown: Route | None = None
+
+    def publish(self, seen: Observation) -> None:
+        """Publish what is due at a step, position first."""
+        stamp = stamp_of_ns(seen.time_ns)
+        if is_due(seen.time_ns, self._fix_period_ns):
+            self._publish_motion(seen, stamp)
+        if is_due(seen.time_ns, SLOW_PERIOD_NS):
+            self._battery.publish(battery_message(seen, stamp, f'{self._name}/base_link'))
+            self._publish_path(seen, stamp)
+            self._publish_state(seen, stamp)
+        elif self._news(seen) != self._said:
+            self._publish_state(seen, stamp)
+        self._publish_markers()
+
+    def publish_state(self, seen: Observation) -> None:
+        """Publish the state between two steps, if an order or a receipt changed it."""
+        if self._news(seen) != self._said:
+            self._publish_state(seen, stamp_of_ns(seen.time_ns))
+
+    def _publish_motion(self, seen: Observation, stamp: Time) -> None:
+        fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
+        gps, noise = f'{self._name}/gps', self._rav.parts.noise
+        self._truth.publish(fix_message(fix.true_position, stamp, gps, None))
+        self._fix.publish(fix_message(fix.position, stamp, gps, noise))
+        self._velocity.publish(velocity_message(seen.pose, stamp))
+        self._odom.publish(odometry_message(seen.pose, fix.position_enu, stamp, self._name))
+
+    def _publish_state(self, seen: Observation, stamp: Time) -> None:
+        self._said = self._news(seen)
+        flight = self._rav.vehicle.flight
+        message = VehicleState(
+            header=Header(stamp=stamp, frame_id=f'{self._name}/base_link'),
+            vehicle=self._name,
+            state=STATES[seen.mode],
+            is_simulated=True,
+            viewpoints_visited=seen.viewpoints_visited,
+            shots_taken=seen.shots_taken,
+            shots_pending=len(self._rav.shots),
+            battery_fraction=seen.battery_fraction,
+            distance_flown_m=seen.distance_flown_m,
+        )
+        if flight is not None:
+            message.plan_id = flight.route.plan_id
+            message.viewpoint_count = len(flight.route.waypoints)
+            message.text = flight.text
+        self._state.publish(message)
+
+    def _news(self, seen: Observation) -> tuple[object, ...]:
+        flight = self._rav.vehicle.flight
+        why = None if flight is None else (flight.route.plan_id, flight.text)
+        return seen.mode, seen.viewpoints_visited, seen.shots_taken, len(self._rav.shots), why
+
+    def _publish_path(self, seen: Observation, stamp: Time) -> None:
+        if not seen.mode.is_airborne:
+            return
+        self._track.header.stamp = stamp
+        self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
+        is_seen = self._path.get_subscription_count() > 0
+        if is_seen or is_due(seen.time_ns, UNSEEN_PATH_PERIOD_NS):
+            self._path.publish(self._track)
+
+    def _publish_markers(self) -> None:
+        flight = self._rav.vehicle.flight
+        if flight is not None and flight.route is not self._shown:
+            self._shown = flight.route
+            self._markers.publish(route_markers(flight.route))

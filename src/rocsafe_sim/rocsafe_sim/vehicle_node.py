@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ROS side of one simulated vehicle, whichever process it lives in."""
+
+from collections.abc import Callable
+
+from std_srvs.srv import Trigger
+
+from rocsafe_ros import topics
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.fly_route_node import FlyRouteServer
+from rocsafe_sim.rav import Rav
+from rocsafe_sim.shot_sender_node import ShotSender
+from rocsafe_sim.telemetry_node import Telemetry
+
+
+class VehicleInterface:
+    """Everything of a vehicle's namespace: topics, services and the action.
+
+    Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
+    camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
+    fly_route.
+
+    Parameters
+    ----------
+    node : in the vehicle's namespace.
+    rav : the vehicle.
+    fix_period_ns : simulated time between fixes.
+    on_busy : called when an order wakes an idle vehicle.
+    """
+
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        rav: Rav,
+        fix_period_ns: int,
+        on_busy: Callable[[], None],
+    ) -> None:
+        self._rav = rav
+        self._log = node.get_logger()
+        self._on_busy = on_busy
+        self._telemetry = Telemetry(node, rav, fix_period_ns)
+        self._sender = ShotSender(node, rav, self._publish_state)
+        self._flights = FlyRouteServer(node, rav, self._after_order)
+        self._add_service(node, topics.HOLD, rav.vehicle.hold)
+        self._add_service(node, topics.RESUME, rav.vehicle.resume)
+        self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
+        self._add_service(node, topics.LAND, rav.vehicle.land)
+        self._publish_state()
+
+    def step(self, time_ns: int) -> bool:
+        """Advance the vehicle to `time_ns` and publish all of it; return whether it is idle."""
+        vehicle = self._rav.vehicle
+        if time_ns < vehicle.time_ns:
+            self._log.warning('time ran backwards: waiting until it is back', once=True)
+            return vehicle.is_idle
+        seen, shots = self._rav.step(time_ns)
+        self._telemetry.publish(seen)
+        for shot in shots:
+            self._sender.publish(shot)
+        self._flights.after_step(time_ns)
+        return vehicle.is_idle
+
+    def _publish_state(self) -> None:
+        self._telemetry.publish_state(self._rav.vehicle.observe())
+
+    def _after_order(self) -> None:
+        self._rav.keep_journal()
+        self._publish_state()
+        if not self._rav.vehicle.is_idle:
+            self._on_busy()
+
+    def _add_service(
+        self, node: VehicleScopeNode, spec: topics.CallSpec, order: Callable[[], None]
+    ) -> None:
+        def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            try:
+                order()
+            except CommandRefusedError as refusal:
+                response.message = f'{self._rav.parts.name}: {refusal}'
+                return response
+            self._after_order()
+            response.success = True
+            return response
+
+        node.create_service(spec.call_type, spec.name, on_call)

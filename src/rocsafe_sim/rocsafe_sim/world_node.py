@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``world``: simulated time in lock-step, and what lies on the ground."""
+
+import time
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_srvs.srv import SetBool
+
+from rocsafe_interfaces.msg import StepDone
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.run import run
+from rocsafe_sim.clockwork import Clockwork, Pace
+from rocsafe_sim.marker_conversions import scene_markers
+from rocsafe_sim.options import WorldOptions
+from rocsafe_sim.scenery.catalogue import make_scene
+
+# How often waiting is looked at where no report comes in.
+TICK_S = 0.1
+DIAGNOSE_S = 1.0
+
+
+class WorldNode(Node):
+    """Publishes /clock, each time when all participants have done the one before.
+
+    Subscribes: sim/step_done. Publishes: /clock, scene/markers, /diagnostics. Service: world/run.
+    """
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('world', **node_options)
+        options = declare_options(self, WorldOptions)
+        self._clockwork = Clockwork(
+            Pace(start_ns=options.start_ns, step_ns=options.step_ns, speed=options.speed),
+            options.participants,
+            time.monotonic(),
+            is_running=options.autostart,
+            pauses_when_idle=options.pause_when_idle,
+        )
+        self._missing: list[str] = []
+        self._clock_out = topics.create_publisher(self, topics.CLOCK)
+        self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
+        self._markers = topics.create_publisher(self, topics.SCENE_MARKERS)
+        self._markers.publish(scene_markers(make_scene(options.scene, options.seed)))
+        topics.create_subscription(self, topics.STEP_DONE, self._on_step_done)
+        self.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        tick_s = min(TICK_S, options.step_s / options.speed) if options.speed else TICK_S
+        self.create_timer(tick_s, self._advance, clock=steady)
+        self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
+
+    def _on_step_done(self, report: StepDone) -> None:
+        self._clockwork.take(
+            report.participant, ns_of_stamp(report.step), is_idle=report.is_idle
+        )
+        self._advance()
+
+    def _advance(self) -> None:
+        due_ns = self._clockwork.due(time.monotonic())
+        if due_ns is not None:
+            self._clock_out.publish(ClockMessage(clock=stamp_of_ns(due_ns)))
+
+    def _on_run(
+        self, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
+        self._clockwork.run(is_running=request.data)
+        response.success = True
+        response.message = 'time runs' if request.data else 'time is paused'
+        self.get_logger().info(response.message)
+        self._advance()
+        return response
+
+    def _diagnose(self) -> None:
+        missing = self._clockwork.missing(time.monotonic())
+        if missing and missing != self._missing:
+            self.get_logger().warning(f'time waits for {", ".join(missing)}')
+        self._missing = missing
+        waiting = f'waits for {", ".join(missing)}'
+        status = DiagnosticStatus(
+            name='world: lock-step',
+            hardware_id='world',
+            level=DiagnosticStatus.WARN if missing else DiagnosticStatus.OK,
+            message=waiting if missing else _running_text(self._clockwork.is_running),
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = stamp_of_ns(self._clockwork.time_ns)
+        self._diagnostics.publish(message)
+
+
+def _running_text(is_running: bool) -> str:
+    return 'time runs' if is_running else 'time is paused'
+
+
+def main() -> int:
+    """Run the node until it is asked to stop."""
+    return run(WorldNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())
