@@ -65,3 +65,11 @@ def jpeg_of(image: Image, quality: int) -> bytes:
     if not is_done:
         raise GroundError(f'no JPEG of an image of shape {image.shape}')
     return data.tobytes()
+
+
+def image_of(jpeg: bytes) -> Image:
+    """Return the image (blue, green, red) of a JPEG file."""
+    pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
+    if pixels is None:
+        raise GroundError(f'no image in {len(jpeg)} bytes that should be a JPEG file')
+    return pixels

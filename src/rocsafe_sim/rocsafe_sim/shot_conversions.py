@@ -3,7 +3,6 @@
 
 from array import array
 
-import cv2
 import numpy as np
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
@@ -11,6 +10,7 @@ from std_msgs.msg import Header
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
+from rocsafe_sim.camera import image_of
 from rocsafe_sim.conversions import fix_message
 from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.shot import Shot
@@ -50,7 +50,7 @@ def compressed_message(shot: Shot) -> CompressedImage:
 
 def raw_image_message(shot: Shot) -> Image:
     """Return the picture itself, 8 bits blue, green, red."""
-    pixels = cv2.imdecode(np.frombuffer(shot.jpeg, np.uint8), cv2.IMREAD_COLOR)
+    pixels = image_of(shot.jpeg)
     height, width, _ = pixels.shape
     message = Image(
         header=shot_header(shot), height=height, width=width, encoding='bgr8', step=3 * width
