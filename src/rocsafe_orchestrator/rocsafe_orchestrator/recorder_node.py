@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The recorder of a run: every topic worth keeping, as received, into MCAP segments."""
 
+import sys
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rclpy.clock import Clock, ClockType
-from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
@@ -53,8 +54,8 @@ class RecorderNode(Node):
     that time stands still while it is deaf.
     """
 
-    def __init__(self, context: Context | None = None) -> None:
-        super().__init__('recorder', context=context)
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('recorder', **node_options)
         self._options = declare_options(self, RecorderOptions)
         self._segment = SegmentWriter(
             Path(self._options.output_directory), MessageDefinitions.of_environment()
@@ -127,3 +128,7 @@ class RecorderNode(Node):
 def main() -> int:
     """Run the recorder."""
     return run(RecorderNode)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
