@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading the image store of a run as far as the report needs it."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.run_record import Photograph
+
+MANIFEST = 'manifest.jsonl'
+
+
+def read_photographs(directory: Path) -> tuple[Photograph, ...]:
+    """Return the photographs that the manifest of an image store lists, by time, each once.
+
+    Lines or records that cannot be read are left out: the store's own node says so in its log.
+    """
+    photographs: dict[str, Photograph] = {}
+    for name in _listed(directory / MANIFEST):
+        photograph = _photograph(directory / f'{name}.json')
+        if photograph is not None:
+            photographs[name] = photograph
+    return tuple(sorted(photographs.values(), key=lambda shot: (shot.time_ns, shot.shot_id)))
+
+
+def _listed(manifest: Path) -> Iterator[str]:
+    if not manifest.is_file():
+        return
+    for line in manifest.read_text(encoding='utf-8', errors='replace').splitlines():
+        try:
+            name = json.loads(line)['shot_id']
+        except (ValueError, KeyError, TypeError):
+            continue
+        # The name becomes part of a path.
+        if isinstance(name, str) and name == Path(name).name:
+            yield name
+
+
+def _photograph(sidecar: Path) -> Photograph | None:
+    try:
+        record = json.loads(sidecar.read_text(encoding='utf-8'))
+        return Photograph(
+            shot_id=sidecar.stem,
+            vehicle=str(record['vehicle']),
+            viewpoint_id=int(record['viewpoint_id']),
+            time_ns=int(record['time_ns']),
+            position=_position(record),
+            path=sidecar.with_suffix('.jpg'),
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _position(record: dict[str, Any]) -> GeoPosition:
+    altitude = record['altitude_m']
+    return GeoPosition(
+        latitude_deg=float(record['latitude_deg']),
+        longitude_deg=float(record['longitude_deg']),
+        altitude_m=float('nan') if altitude is None else float(altitude),
+    )

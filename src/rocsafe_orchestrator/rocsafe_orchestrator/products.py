@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The products of a run: recording, table of readings, summary and report."""
+
+import json
+from pathlib import Path
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.finalising import finalise
+from rocsafe_orchestrator.readings_table import write_readings
+from rocsafe_orchestrator.report import report_page
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.run_reading import read_run
+from rocsafe_orchestrator.run_record import RunRecord
+from rocsafe_orchestrator.summary import RunSummary, summarise
+
+
+def write_products(run_directory: Path) -> RunSummary:
+    """Write or renew all products of the run in `run_directory`, and return its figures.
+
+    Works on a run that was cut off anywhere: what is missing is told in summary and report. May
+    be repeated.
+
+    Raises
+    ------
+    ValueError: if there is no such directory.
+    OSError: if a product cannot be written.
+    """
+    run = RunDirectory(run_directory.resolve())
+    if not run.path.is_dir():
+        raise ValueError(f'{run_directory} is no run directory')
+    finalise(run.path, [run.scenario, run.run_info, run.plan])
+    record = read_run(run.path)
+    summary = summarise(record)
+    readings = record.log.readings if record.log else ()
+    write_readings(run.readings, readings, mission_frame(record))
+    _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
+    _write_text(run.report, report_page(record, summary, mission_frame(record)))
+    return summary
+
+
+def mission_frame(record: RunRecord) -> LocalFrame | None:
+    """Return the local frame of the run: the scenario's, else about the plan's region."""
+    if record.scenario is not None:
+        return LocalFrame(record.scenario.origin_position())
+    return None
+
+
+def _write_text(path: Path, text: str) -> None:
+    """Replace `path` as a whole: a reader sees the old file or the new one."""
+    temporary = path.with_name(path.name + '.tmp')
+    temporary.write_text(text, encoding='utf-8')
+    temporary.replace(path)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What happened in a run, in the order in which it did."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rocsafe_orchestrator.report import formats
+from rocsafe_orchestrator.report.charts import Flight
+from rocsafe_orchestrator.report.markup import Markup, element
+from rocsafe_orchestrator.run_record import RunRecord
+from rocsafe_orchestrator.summary import RunSummary, flight_ns
+
+_NS_PER_S = 1_000_000_000
+# A list that nobody reads to its end says less.
+_MOST_EVENTS = 60
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Event:
+    """Something that happened `time_s` seconds after the first take-off."""
+
+    time_s: float
+    text: str
+
+
+def start_ns(record: RunRecord) -> int:
+    """Return the first take-off, or the first thing recorded if nobody took off."""
+    samples = record.log.samples.values() if record.log else ()
+    starts = [flight[0] for flight in map(flight_ns, samples) if flight is not None]
+    if starts:
+        return min(starts)
+    return record.log.facts.start_ns if record.log else 0
+
+
+def flights(record: RunRecord, zero_ns: int) -> tuple[Flight, ...]:
+    """Return the flight of each vehicle that took off, in the order of the vehicles."""
+    samples = record.log.samples if record.log else {}
+    routes = record.plan.routes if record.plan else ()
+    planned = {route.vehicle: route.duration_s for route in routes}
+    found = ((name, flight_ns(samples.get(name, ()))) for name in record.vehicles)
+    return tuple(
+        Flight(
+            vehicle=name,
+            start_s=(flight[0] - zero_ns) / _NS_PER_S,
+            end_s=(flight[1] - zero_ns) / _NS_PER_S,
+            planned_s=planned.get(name),
+        )
+        for name, flight in found
+        if flight is not None
+    )
+
+
+def events(record: RunRecord, summary: RunSummary, zero_ns: int) -> tuple[Event, ...]:
+    """Return all events, the earliest first."""
+    return tuple(sorted((*_of_flights(record, zero_ns), *_of_mission(record, summary, zero_ns))))
+
+
+def event_list(listed: tuple[Event, ...]) -> Markup:
+    """Return events as a list with times since the first take-off."""
+    shown = listed[:_MOST_EVENTS]
+    items = [
+        element(
+            'li',
+            element('time', formats.clock(max(event.time_s, 0.0))),
+            element('span', event.text),
+        )
+        for event in shown
+    ]
+    if len(listed) > len(shown):
+        items.append(element('li', f'and {len(listed) - len(shown)} more', class_='more'))
+    return element('ol', items, class_='events')
+
+
+def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:
+    samples = record.log.samples if record.log else {}
+    for flight in flights(record, zero_ns):
+        yield Event(flight.start_s, f'{flight.vehicle} takes off')
+        last = samples[flight.vehicle][-1]
+        if last.is_airborne:
+            yield Event(flight.end_s, f'{flight.vehicle} is heard for the last time, in the air')
+        else:
+            shots = f'{last.shots_taken} photographs'
+            yield Event(flight.end_s, f'{flight.vehicle} lands with {shots}')
+
+
+def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterator[Event]:
+    top = summary.highest_reading
+    if top is not None:
+        dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
+        seconds = (top.time_ns - zero_ns) / _NS_PER_S
+        yield Event(seconds, f'{top.vehicle} measures the highest dose rate, {dose_rate}')
+    if record.photographs:
+        last = record.photographs[-1]
+        seconds = (last.time_ns - zero_ns) / _NS_PER_S
+        yield Event(seconds, f'{last.vehicle} takes the last photograph')
+    for sample in record.log.mission if record.log else ():
+        if sample.phase.is_over:
+            reason = f': {sample.text}' if sample.text else ''
+            yield Event(
+                (sample.time_ns - zero_ns) / _NS_PER_S,
+                f'mission {sample.phase.name.lower()}{reason}',
+            )
+            return

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything on the map in map coordinates, thinned out to what can be seen and embedded.
+
+Map coordinates are metres east and south of the mission origin: those of SVG, north up.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.run_record import Reading, RunRecord, Track
+
+FloatArray = NDArray[np.float64]
+Point = tuple[float, float]
+# Tracks keep what is seen at the closest zoom.
+TRACK_TOLERANCE_M = 0.1
+# All readings on the page, and all positions of the replay.
+MOST_READINGS = 9000
+MOST_REPLAY_POSITIONS = 12_000
+_NS_PER_S = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class DosePoint:
+    """The highest of some readings that follow each other; time in s since the first take-off."""
+
+    x: float
+    y: float
+    time_s: float
+    dose_rate_usvh: float
+    vehicle: str
+
+
+@dataclass(frozen=True, slots=True)
+class PhotoPoint:
+    """Where a photograph was taken."""
+
+    x: float
+    y: float
+    time_s: float
+    shot_id: str
+    vehicle: str
+    viewpoint_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class SourcePoint:
+    """A true source of the scenario."""
+
+    x: float
+    y: float
+    name: str
+    sigma_usvps: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayTrack:
+    """Positions of a vehicle: each array has shape (n,)."""
+
+    time_s: FloatArray
+    x: FloatArray
+    y: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapData:
+    """What the map shows."""
+
+    frame: LocalFrame
+    vehicles: tuple[str, ...]
+    region: tuple[tuple[Point, ...], ...]
+    routes: Mapping[str, tuple[Point, ...]]
+    viewpoints: Mapping[str, tuple[Point, ...]]
+    tracks: Mapping[str, tuple[Point, ...]]
+    replay: Mapping[str, ReplayTrack]
+    readings: tuple[DosePoint, ...]
+    readings_per_point: int
+    photos: tuple[PhotoPoint, ...]
+    homes: Mapping[str, Point]
+    sources: tuple[SourcePoint, ...]
+
+
+def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
+    """Return the map of a run; `start_ns` is its time zero."""
+    tracks = record.log.tracks if record.log else {}
+    readings = record.log.readings if record.log else ()
+    stride = max(-(-len(readings) // MOST_READINGS), 1)
+    return MapData(
+        frame=frame,
+        vehicles=record.vehicles,
+        region=_region(record, frame),
+        routes=_routes(record, frame),
+        viewpoints=_viewpoints(record, frame),
+        tracks={name: _thinned(frame, track) for name, track in tracks.items()},
+        replay=_replay(tracks, frame, start_ns),
+        readings=tuple(_dose_points(readings, frame, start_ns, stride)),
+        readings_per_point=stride,
+        photos=_photos(record, frame, start_ns),
+        homes=_homes(record, frame),
+        sources=_sources(record, frame),
+    )
+
+
+def points(frame: LocalFrame, positions: Iterable[GeoPosition]) -> tuple[Point, ...]:
+    """Return `positions` in map coordinates."""
+    listed = list(positions)
+    if not listed:
+        return ()
+    return _xy(
+        frame,
+        np.array([p.latitude_deg for p in listed]),
+        np.array([p.longitude_deg for p in listed]),
+        np.array([p.altitude_m for p in listed]),
+    )
+
+
+def _xy(frame: LocalFrame, lat: FloatArray, lon: FloatArray, alt: FloatArray) -> tuple[Point, ...]:
+    enu = frame.to_enu(lat, lon, alt)
+    return tuple(zip(enu[:, 0].tolist(), (-enu[:, 1]).tolist(), strict=True))
+
+
+def _region(record: RunRecord, frame: LocalFrame) -> tuple[tuple[Point, ...], ...]:
+    if record.plan is not None:
+        area = record.plan.region
+    elif record.scenario is not None:
+        area = record.scenario.area()
+    else:
+        return ()
+    return tuple(points(frame, ring) for ring in (area.boundary, *area.holes))
+
+
+def _routes(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
+    routes = record.plan.routes if record.plan else ()
+    return {
+        route.vehicle: points(
+            frame, (route.home, *(v.position for v in route.viewpoints), route.home)
+        )
+        for route in routes
+        if route.viewpoints
+    }
+
+
+def _viewpoints(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
+    routes = record.plan.routes if record.plan else ()
+    return {r.vehicle: points(frame, (v.position for v in r.viewpoints)) for r in routes}
+
+
+def _homes(record: RunRecord, frame: LocalFrame) -> dict[str, Point]:
+    if record.plan is not None:
+        homes = {route.vehicle: route.home for route in record.plan.routes}
+    elif record.scenario is not None:
+        scenario = record.scenario
+        homes = {v.name: scenario.ground_position(v.home) for v in scenario.vehicles}
+    else:
+        return {}
+    return dict(zip(homes, points(frame, homes.values()), strict=True))
+
+
+def _sources(record: RunRecord, frame: LocalFrame) -> tuple[SourcePoint, ...]:
+    if record.scenario is None:
+        return ()
+    sources = record.scenario.radiation.sources
+    places = points(frame, (record.scenario.ground_position(s.position) for s in sources))
+    return tuple(
+        SourcePoint(x, y, source.name, source.sigma_usvps)
+        for (x, y), source in zip(places, sources, strict=True)
+    )
+
+
+def _photos(record: RunRecord, frame: LocalFrame, start_ns: int) -> tuple[PhotoPoint, ...]:
+    shots = record.photographs
+    places = points(frame, (shot.position for shot in shots))
+    return tuple(
+        PhotoPoint(
+            x, y, (shot.time_ns - start_ns) / _NS_PER_S, shot.shot_id, shot.vehicle,
+            shot.viewpoint_id,
+        )
+        for (x, y), shot in zip(places, shots, strict=True)
+    )  # fmt: skip
+
+
+def _thinned(frame: LocalFrame, track: Track) -> tuple[Point, ...]:
+    """Return a track without the points that nobody would miss."""
+    places = _xy(frame, track.latitude_deg, track.longitude_deg, track.altitude_m)
+    if len(places) < 3:
+        return places
+    line = shapely.simplify(shapely.LineString(places), TRACK_TOLERANCE_M)
+    return tuple((float(x), float(y)) for x, y in line.coords)
+
+
+def _replay(
+    tracks: Mapping[str, Track], frame: LocalFrame, start_ns: int
+) -> dict[str, ReplayTrack]:
+    most = max(MOST_REPLAY_POSITIONS // max(len(tracks), 1), 2)
+    replay = {}
+    for name, track in tracks.items():
+        kept = slice(None, None, max(-(-len(track.time_ns) // most), 1))
+        places = np.array(
+            _xy(frame, track.latitude_deg[kept], track.longitude_deg[kept], track.altitude_m[kept])
+        )
+        times = (track.time_ns[kept] - start_ns) / _NS_PER_S
+        replay[name] = ReplayTrack(time_s=times, x=places[:, 0], y=places[:, 1])
+    return replay
+
+
+def _dose_points(
+    readings: Sequence[Reading], frame: LocalFrame, start_ns: int, stride: int
+) -> Iterable[DosePoint]:
+    """Yield the highest of every `stride` readings of a vehicle, where its position is known."""
+    by_vehicle: dict[str, list[Reading]] = {}
+    for reading in readings:
+        if np.isfinite(reading.latitude_deg + reading.longitude_deg):
+            by_vehicle.setdefault(reading.vehicle, []).append(reading)
+    for vehicle, own in by_vehicle.items():
+        groups = (own[first : first + stride] for first in range(0, len(own), stride))
+        tops = [max(group, key=lambda reading: reading.dose_rate_usvh) for group in groups]
+        columns = np.array([(r.latitude_deg, r.longitude_deg, r.altitude_m) for r in tops]).T
+        for (x, y), top in zip(_xy(frame, *columns), tops, strict=True):
+            seconds = (top.time_ns - start_ns) / _NS_PER_S
+            yield DosePoint(x, y, seconds, top.dose_rate_usvh, vehicle)
