@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orchestrator's ROS side, against servers that answer as they are told."""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from rclpy.action import ActionServer, GoalResponse
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from rocsafe_interfaces.action import FlyRoute, PlanSurvey
+from rocsafe_interfaces.msg import (
+    GeoPoint,
+    MissionState,
+    RadiationReading,
+    Region,
+    Route,
+    ShotReceipt,
+    StepDone,
+    SurveyPlan,
+    VehicleState,
+    Viewpoint,
+)
+from rocsafe_orchestrator.mission import Mission, Situation
+from rocsafe_orchestrator.options import OrchestratorOptions
+from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
+from rocsafe_orchestrator.phase import Phase
+from rocsafe_orchestrator.processes import crew_of, process_table
+from rocsafe_orchestrator.request import Order, OrderKind
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.scenario_file import read_scenario
+from rocsafe_orchestrator.status import FlightState, Monitor, RunStatus
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import stamp_of_ns
+
+DEADLINE_S = 10.0
+
+
+class Servers(Node):
+    """Planner, two vehicles, world and map maker that answer as they are told."""
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('servers', **node_options)
+        self.plan_error = ''
+        self.outcomes = {'rav1': FlyRoute.Result.COMPLETED, 'rav2': FlyRoute.Result.COMPLETED}
+        self.accepts = True
+        self.saves = True
+        self.asked: list[str] = []
+        self.goals: list[PlanSurvey.Goal] = []
+        self._actions = [ActionServer(self, PlanSurvey, 'plan_survey', self._plan)]
+        for name in self.outcomes:
+            self._actions.append(
+                ActionServer(
+                    self,
+                    FlyRoute,
+                    f'{name}/fly_route',
+                    lambda handle, name=name: self._fly(name, handle),
+                    goal_callback=self._judge,
+                )
+            )
+        self.create_service(SetBool, 'world/run', self._run)
+        self.create_service(Trigger, 'mosaic/save', self._save)
+
+    def _plan(self, handle: Any) -> PlanSurvey.Result:
+        self.goals.append(handle.request)
+        handle.succeed()
+        if self.plan_error:
+            return PlanSurvey.Result(
+                error_code=PlanSurvey.Result.BEYOND_ENDURANCE, error_msg=self.plan_error
+            )
+        viewpoints = [Viewpoint(id=0), Viewpoint(id=1)]
+        routes = [Route(vehicle='rav1', viewpoints=viewpoints), Route(vehicle='rav2')]
+        return PlanSurvey.Result(plan=SurveyPlan(plan_id='p', routes=routes))
+
+    def _judge(self, _request: Any) -> GoalResponse:
+        return GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
+
+    def _fly(self, name: str, handle: Any) -> FlyRoute.Result:
+        self.asked.append(f'{name} {handle.request.plan_id}')
+        handle.succeed()
+        outcome = self.outcomes[name]
+        return FlyRoute.Result(outcome=outcome, shots_taken=2, viewpoints_visited=2)
+
+    def _run(self, request: Any, answer: Any) -> Any:
+        self.asked.append(f'run {request.data}')
+        answer.success = True
+        return answer
+
+    def _save(self, _request: Any, answer: Any) -> Any:
+        answer.success, answer.message = self.saves, '' if self.saves else 'disk full'
+        return answer
+
+
+class Stage:
+    """An orchestrator's node with its mission, among servers."""
+
+    def __init__(self, ros: Any, scenario_path: Path) -> None:
+        self.ros = ros
+        self.scenario = read_scenario(scenario_path)
+        self.table = process_table(self.scenario, RunDirectory(Path('run')))
+        self.monitor = Monitor(self.scenario.vehicle_names)
+        self.node = OrchestratorNode(self.scenario, self.monitor, 'run', context=ros.context)
+        self.mission = Mission(crew_of(self.scenario, self.table), OrchestratorOptions())
+        self.node.requests.begin(self.mission)
+        self.servers = Servers(context=ros.context)
+        ros.executor.add_node(self.node)
+        ros.executor.add_node(self.servers)
+        self.everybody = frozenset(spec.name for spec in self.table)
+        self.until(lambda: all(map(self.is_server_ready, self.endpoints())))
+
+    def endpoints(self) -> Iterator[Any]:
+        """Return what has to be served."""
+        return (e for spec in self.table for e in spec.readiness if e.kind != 'topic')
+
+    def is_server_ready(self, endpoint: Any) -> bool:
+        """Return whether the orchestrator reaches a server."""
+        return self.node.requests.is_ready(endpoint)
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Spin until a condition holds."""
+        self.ros.spin_until(condition, DEADLINE_S)
+
+    def advance_to(self, phase: Phase) -> None:
+        """Carry out the mission's orders until it is in `phase`."""
+        situation = Situation(ready=self.everybody, images_stored=2)
+
+        def is_there() -> bool:
+            for order in self.mission.advance(0.0, situation):
+                self.node.requests.send(order)
+            return self.mission.phase is phase
+
+        self.until(is_there)
+
+
+@pytest.fixture
+def stage(ros: Any, small: Callable[..., Path]) -> Iterator[Stage]:
+    """Give a stage, and clear it afterwards."""
+    made = Stage(ros, small())
+    yield made
+    made.servers.destroy_node()
+    made.node.destroy_node()
+
+
+def test_orders_are_carried_out_up_to_the_report(stage: Stage) -> None:
+    """Plan, flight of the routed vehicle, clock and map are asked for over ROS."""
+    stage.advance_to(Phase.REPORTING)
+    assert stage.mission.text == ''
+    assert stage.servers.asked == ['rav1 p', 'run True']
+    assert stage.monitor.images_expected == 2
+
+
+def test_planner_is_told_the_scenario(stage: Stage) -> None:
+    """Region, fleet, camera and seed arrive in the units of the message."""
+    stage.advance_to(Phase.FLYING)
+    goal = stage.servers.goals[0]
+    assert len(goal.region.boundary.points) == 4
+    assert [vehicle.name for vehicle in goal.vehicles] == ['rav1', 'rav2']
+    assert goal.vehicles[0].endurance_s == pytest.approx(1350.0)
+    assert goal.camera.horizontal_fov_rad == pytest.approx(math.radians(60.0))
+    assert (goal.height_agl_m, goal.spacing_rule, goal.overlap_fraction) == (32.0, 'iou', 0.2)
+
+
+def test_refused_plan_is_told(stage: Stage) -> None:
+    """The planner's reason becomes the mission's."""
+    stage.servers.plan_error = 'route of rav2 is too long'
+    stage.advance_to(Phase.REPORTING)
+    assert stage.mission.text == 'planner: route of rav2 is too long'
+
+
+def test_flight_with_a_fault_is_told(stage: Stage) -> None:
+    """A vehicle that came back early makes the mission fail, after the map."""
+    stage.servers.outcomes['rav1'] = FlyRoute.Result.BATTERY_LOW
+    stage.advance_to(Phase.REPORTING)
+    assert stage.mission.outcome is Phase.FAILED
+    assert stage.mission.text.startswith('rav1: returned early to keep its reserve of battery')
+
+
+def test_refused_route_is_told(stage: Stage) -> None:
+    """A vehicle that does not take its route is named."""
+    stage.servers.accepts = False
+    stage.advance_to(Phase.COLLECTING)
+    assert stage.mission.text == 'rav1: request was not accepted'
+
+
+def test_map_that_cannot_be_written_is_told(stage: Stage) -> None:
+    """The map maker's reason becomes the mission's."""
+    stage.servers.saves = False
+    stage.advance_to(Phase.REPORTING)
+    assert stage.mission.text == 'mosaic/save: disk full'
+
+
+def test_what_nodes_say_is_gathered(stage: Stage) -> None:
+    """States, readings and receipts reach the monitor."""
+    state = topics.create_publisher(stage.servers, topics.STATE, 'rav1')
+    reading = topics.create_publisher(stage.servers, topics.RADIATION, 'rav1')
+    receipts = topics.create_publisher(stage.servers, topics.RECEIPTS)
+
+    def is_gathered() -> bool:
+        message = VehicleState(vehicle='rav1', state=VehicleState.FLYING, viewpoints_visited=3)
+        state.publish(message)
+        place = GeoPoint(latitude=53.28, longitude=-9.06, altitude=98.0)
+        reading.publish(RadiationReading(dose_rate_usvh=5.0, position=place))
+        nowhere = GeoPoint(latitude=math.nan, longitude=math.nan, altitude=math.nan)
+        reading.publish(RadiationReading(dose_rate_usvh=9.0, position=nowhere))
+        receipts.publish(ShotReceipt(shot_id='rav1-00000', status=ShotReceipt.STORED))
+        receipts.publish(ShotReceipt(shot_id='rav1-00001', status=ShotReceipt.REJECTED))
+        monitor = stage.monitor
+        rav1 = monitor.vehicles[0]
+        return (
+            rav1.state is FlightState.FLYING
+            and rav1.viewpoints_visited == 3
+            and monitor.peak is not None
+            and monitor.peak.dose_rate_usvh == 5.0
+            and monitor.images_stored == 1
+            and list(monitor.rejections) == ['rav1-00001']
+        )
+
+    stage.until(is_gathered)
+
+
+def test_late_subscriber_gets_region_and_state(stage: Stage) -> None:
+    """Region and mission state are latched."""
+    stage.node.publish_region()
+    stage.node.publish(RunStatus(phase=Phase.PLANNING, wall_time_s=3.0))
+    regions: list[Region] = []
+    states: list[MissionState] = []
+    topics.create_subscription(stage.servers, topics.REGION, regions.append)
+    topics.create_subscription(stage.servers, topics.MISSION_STATE, states.append)
+    stage.until(lambda: bool(regions and states))
+    assert regions[0].name == 'small'
+    assert (states[0].phase, states[0].mission_id) == (MissionState.PLANNING, 'run')
+    assert math.isnan(states[0].highest_dose_rate_usvh)
+
+
+def test_who_holds_up_time_is_found(stage: Stage) -> None:
+    """Those who have not done the newest step are waited for; if all have, it is the world."""
+    steps = topics.create_publisher(stage.servers, topics.STEP_DONE)
+    names = ('rav1', 'rav2')
+    assert stage.node.waiting_for(names) == ()
+    stage.node.watch_steps(True)
+
+    def say(**done_ns: int) -> None:
+        for name, time_ns in done_ns.items():
+            steps.publish(StepDone(step=stamp_of_ns(time_ns), participant=name))
+
+    def is_waiting_for(*expected: str, **done_ns: int) -> bool:
+        say(**done_ns)
+        return stage.node.waiting_for(names) == expected
+
+    stage.until(lambda: is_waiting_for('rav2', rav1=200, rav2=100))
+    stage.until(lambda: is_waiting_for('world', rav1=200, rav2=200))
+    stage.node.watch_steps(False)
+    assert stage.node.waiting_for(names) == ()
+
+
+def test_second_orchestrator_in_a_domain_is_seen(stage: Stage) -> None:
+    """Two missions in one domain would fly each other's vehicles."""
+    assert not stage.node.has_company()
+    other = Node('orchestrator', context=stage.ros.context)
+    try:
+        stage.until(stage.node.has_company)
+    finally:
+        other.destroy_node()
+
+
+def test_route_without_a_plan_is_not_flown(stage: Stage) -> None:
+    """A route cannot be flown before there is a plan: the order is passed over."""
+    stage.node.requests.send(Order(kind=OrderKind.FLY, vehicle='rav1'))
+    assert stage.servers.asked == []
