@@ -34,7 +34,7 @@ class Scenario(Block):
     region: RegionBlock
     survey: SurveyBlock
     camera: CameraBlock = CameraBlock()
-    scene: str = 'derailment'
+    scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=300)
     radiation: RadiationBlock = RadiationBlock()

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a scenario to parameter files and commands."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from rocsafe_mapping.options import CollectorOptions, MosaicOptions
+from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
+from rocsafe_orchestrator.launches import child_environment, find_executable, launches
+from rocsafe_orchestrator.mission import REPORT
+from rocsafe_orchestrator.processes import ProcessSpec, crew_of, process_table
+from rocsafe_orchestrator.recorder_node import RecorderOptions
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.scenario_file import read_scenario
+from rocsafe_planner.options import PlannerOptions
+from rocsafe_radiation.options import FieldOptions
+from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
+
+OPTIONS: dict[str, Any] = {
+    'planner': PlannerOptions,
+    'world': WorldOptions,
+    'rav': RavOptions,
+    'fleet': FleetOptions,
+    'field': FieldOptions,
+    'collector': CollectorOptions,
+    'mosaic': MosaicOptions,
+    'recorder': RecorderOptions,
+}
+FLEET = {'simulation.processes': 'fleet'}
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> RunDirectory:
+    """Give an empty run directory."""
+    directory = RunDirectory(tmp_path / 'run')
+    directory.parameters.mkdir(parents=True)
+    return directory
+
+
+@pytest.fixture
+def workspace(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[tuple[ProcessSpec, ...]], Path]:
+    """Give a function that installs empty executables for a table into a prefix of their own."""
+
+    def install(table: tuple[ProcessSpec, ...]) -> Path:
+        for spec in table:
+            path = tmp_path / 'prefix' / 'lib' / spec.package / spec.executable
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch(mode=0o755)
+        monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere{os.pathsep}{tmp_path / "prefix"}')
+        return tmp_path / 'prefix'
+
+    return install
+
+
+@pytest.mark.parametrize('changes', [{}, FLEET], ids=['per_vehicle', 'fleet'])
+def test_every_parameter_is_an_option_of_its_node(
+    changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """No node refuses what it is started with: names, types and ranges fit its options."""
+    for spec in process_table(read_scenario(small(changes)), run):
+        values = {
+            key: tuple(value) if isinstance(value, list) else value
+            for key, value in spec.parameters.items()
+        }
+        OPTIONS[spec.executable](**values)
+
+
+def test_vehicles_are_processes_of_their_own_or_one(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """The table has a `rav` a vehicle, or one `fleet`, and the world waits for them."""
+    each = process_table(read_scenario(small()), run)
+    one = process_table(read_scenario(small(FLEET)), run)
+    fleet_level = {'recorder', 'planner', 'world', 'radiation_field', 'collector', 'mosaic'}
+    assert {spec.name for spec in each} == fleet_level | {'rav1', 'rav2'}
+    assert {spec.name for spec in one} == fleet_level | {'fleet'}
+    worlds = [next(s for s in table if s.name == 'world') for table in (each, one)]
+    assert worlds[0].parameters['participants'] == ['rav1', 'rav2', 'radiation_field', 'recorder']
+    assert worlds[1].parameters['participants'] == ['fleet', 'radiation_field', 'recorder']
+
+
+def test_crew_names_the_process_of_each_vehicle(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """The mission knows whose restart concerns which vehicle."""
+    scenario = read_scenario(small(FLEET))
+    crew = crew_of(scenario, process_table(scenario, run))
+    assert crew.vehicle_processes == {'rav1': 'fleet', 'rav2': 'fleet'}
+
+
+def test_source_stands_on_the_ground_above_the_ellipsoid(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """Height above the ground and the ground's altitude add up."""
+    changes = {'origin.ground_altitude_m': 66.0, 'radiation.sources[0].height_m': 1.5}
+    table = process_table(read_scenario(small(changes)), run)
+    field = next(spec for spec in table if spec.name == 'radiation_field')
+    assert field.parameters['source_altitudes_m'] == [67.5]
+
+
+def test_command_starts_the_executable_in_its_namespace(
+    small: Callable[..., Path],
+    run: RunDirectory,
+    workspace: Callable[[tuple[ProcessSpec, ...]], Path],
+) -> None:
+    """A vehicle runs in its namespace with its own parameter file, after the user's."""
+    table = process_table(read_scenario(small()), run)
+    prefix = workspace(table)
+    config = Path('my.yaml')
+    launch = next(launch for launch in launches(table, run, config) if launch.name == 'rav2')
+    assert launch.command == (
+        str(prefix / 'lib' / 'rocsafe_sim' / 'rav'),
+        '--ros-args',
+        '-r',
+        '__ns:=/rav2',
+        '--params-file',
+        'my.yaml',
+        '--params-file',
+        str(run.parameters / 'rav2.yaml'),
+    )
+    parameters = yaml.safe_load((run.parameters / 'rav2.yaml').read_text())
+    assert parameters['/rav2/rav']['ros__parameters']['home_latitude_deg'] == 53.2795
+    assert launch.log == run.logs / 'rav2.log'
+
+
+def test_empty_lists_are_not_written(
+    small: Callable[..., Path],
+    run: RunDirectory,
+    workspace: Callable[[tuple[ProcessSpec, ...]], Path],
+) -> None:
+    """ROS cannot read the type of an empty list: a mission without sources leaves them out."""
+    table = process_table(read_scenario(small({'radiation': {}})), run)
+    workspace(table)
+    launches(table, run)
+    assert 'source_names' not in (run.parameters / 'radiation_field.yaml').read_text()
+
+
+def test_products_are_made_by_a_task_that_is_not_repeated(
+    small: Callable[..., Path],
+    run: RunDirectory,
+    workspace: Callable[[tuple[ProcessSpec, ...]], Path],
+) -> None:
+    """The report runs once, in a process of its own."""
+    table = process_table(read_scenario(small()), run)
+    workspace(table)
+    report = next(launch for launch in launches(table, run) if launch.name == REPORT)
+    assert report.is_task
+    assert report.restart.limit == 0
+    assert report.command[-2:] == ('report', str(run.path))
+
+
+def test_missing_executable_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A workspace that is not built or not sourced is a matter of set-up."""
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    with pytest.raises(SetupError, match='executable rav of package rocsafe_sim') as caught:
+        find_executable('rocsafe_sim', 'rav')
+    assert caught.value.exit_code == EXIT_SETUP
+    assert 'make setup' in str(caught.value)
+
+
+def test_children_know_their_supervisor(run: RunDirectory) -> None:
+    """Nodes end when the process that started them does, and log into the run directory."""
+    environment = child_environment(run)
+    assert environment['ROCSAFE_SUPERVISOR_PID'] == str(os.getpid())
+    assert environment['ROS_LOG_DIR'].startswith(str(run.path))
