@@ -363,5 +363,5 @@ def test_previews_are_due_as_work_is_done():
         if due[-1]:
             mosaic.preview_png()
             assert not mosaic.is_preview_due
-    assert all(due[:7])
-    assert 12 <= sum(due) <= 24
+    assert all(due[:4])
+    assert 8 <= sum(due) <= 18

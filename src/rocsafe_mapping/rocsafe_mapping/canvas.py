@@ -159,7 +159,10 @@ class Canvas:
 
 def _shrunk(rgba: Rgba, side: int) -> Rgba:
     """Return the average of the covered pixels, shape (side, side, 4)."""
-    small = cv2.resize(rgba, (side, side), interpolation=cv2.INTER_AREA).astype(np.float32)
+    reduced: Rgba = cv2.resize(rgba, (side, side), interpolation=cv2.INTER_AREA)
+    if reduced[..., 3].min() == OPAQUE:
+        return reduced
+    small = reduced.astype(np.float32)
     # Uncovered pixels are black: the average is too dark by the share that is covered.
     cover = small[..., 3:] / OPAQUE
     colours = np.divide(small[..., :3], cover, out=np.zeros_like(small[..., :3]), where=cover > 0)

@@ -74,3 +74,7 @@ class CollectorNode(Node):
 def main() -> int:
     """Run the node until it is asked to stop."""
     return run(CollectorNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

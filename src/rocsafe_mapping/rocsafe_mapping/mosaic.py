@@ -24,8 +24,8 @@ from rocsafe_mapping.shot import ShotRecord
 PREVIEW_SIDE_PX = 1024
 # A preview is due when this many times its own pixels were laid since the last, or this share of
 # all pixels laid: previews then cost less than the map, however fast photographs come.
-PREVIEW_WORK = 4
-PREVIEW_SHARE = 1 / 8
+PREVIEW_WORK = 8
+PREVIEW_SHARE = 1 / 5
 # Favours time over size: a preview is sent once and forgotten.
 PNG_COMPRESSION = 1
 # The map's edges lie on multiples of this many pixels, so that its reductions have no odd edge.

@@ -115,3 +115,7 @@ class MosaicNode(Node):
 def main() -> int:
     """Run the node until it is asked to stop."""
     return run(MosaicNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

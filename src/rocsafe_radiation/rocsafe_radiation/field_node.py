@@ -116,3 +116,7 @@ class FieldNode(Node):
 def main() -> int:
     """Run the node until it is asked to stop."""
     return run(FieldNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())
