@@ -21,7 +21,6 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'cv2': ('opencv-python-headless', (4, 5)),
     'mcap': ('mcap', (1, 0)),
-    'piexif': ('piexif', (1, 1)),
     'PIL': ('pillow', (9, 0)),
     'pydantic': ('pydantic', (2, 0)),
     'pyproj': ('pyproj', (3, 4)),
