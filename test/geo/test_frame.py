@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The local frame against geodesy that shares no code with it."""
 
-import importlib.util
 import math
-import pathlib
 
 import numpy as np
 import pytest
@@ -13,11 +11,7 @@ from hypothesis import strategies as st
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m, ecef_m, offset, slant_distance_m
 
-_spec = importlib.util.spec_from_file_location(
-    'geodesy', pathlib.Path(__file__).with_name('geodesy.py')
-)
-geodesy = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(geodesy)
+from . import geodesy
 
 ONE_MM = 1e-3
 # One origin in each quarter of the globe, one on equator and Greenwich, one beside the

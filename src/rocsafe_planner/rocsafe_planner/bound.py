@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 # Above this, costs are computed row by row (a matrix of 2000 points takes 32 MB), for one forest.
 _DENSE_POINTS = 2000
 # The ascent's effort: points times steps. By count, not by clock: the bound is reproducible.
-_EFFORT = 30_000
+_EFFORT = 20_000
 _MAX_STEPS = 300
 
 

@@ -23,6 +23,8 @@ FloatArray = NDArray[np.float64]
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
+# Corners of footprints are rounded to this before they are united.
+_UNION_GRID_M = 1e-6
 
 SPACING_RULES: dict[str, Callable[[float], float]] = {
     'iou': lambda overlap: (1.0 - overlap) / (1.0 + overlap),
@@ -115,17 +117,17 @@ def cover(polygon: shapely.Polygon, spec: CoverageSpec) -> Coverage:
     """
     axes = GRIDS[spec.grid](polygon)
     turned = shapely.transform(polygon, lambda points: points @ axes)
-    centres = _tile_centres(turned, spec) @ axes.T
-    half_across, half_along = 0.5 * spec.footprint_m[0], 0.5 * spec.footprint_m[1]
+    centres = _tile_centres(turned, spec)
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    footprints = centres[:, None, :] + (corners * (half_across, half_along)) @ axes.T
-    seen = shapely.union_all(shapely.polygons(footprints))
+    footprints = centres[:, None, :] + 0.5 * corners * spec.footprint_m
+    # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
+    seen = shapely.union_all(shapely.polygons(footprints), grid_size=_UNION_GRID_M)
     return Coverage(
-        centres=centres,
+        centres=centres @ axes.T,
         yaw_rad=math.atan2(axes[1, 1], axes[0, 1]),
-        footprints=footprints,
+        footprints=footprints @ axes.T,
         region_area_m2=polygon.area,
-        covered_area_m2=min(polygon.area, polygon.intersection(seen).area),
+        covered_area_m2=min(polygon.area, turned.intersection(seen).area),
     )
 
 

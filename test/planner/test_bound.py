@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lower bound never exceeds the best plan there is."""
+
+from itertools import pairwise, permutations, product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rocsafe_planner.bound import lower_bound
+from rocsafe_planner.forest import FleetCosts, makespan_bound
+from rocsafe_planner.routing import nearest_to_shortest
+
+from .fleets import problem, vehicle
+
+PLACES = st.tuples(st.floats(-300.0, 300.0), st.floats(-300.0, 300.0))
+# Rounding of sums of some thousand seconds.
+ROUNDING_S = 1e-9
+
+
+@st.composite
+def fleets(draw):
+    """Draw vehicles that differ in everything, with homes anywhere."""
+    return tuple(
+        vehicle(
+            f'rav{k}',
+            cruise_speed_mps=draw(st.floats(1.0, 20.0)),
+            acceleration_mps2=draw(st.floats(0.5, 5.0)),
+            climb_rate_mps=draw(st.floats(0.5, 5.0)),
+            hover_s=draw(st.floats(0.0, 20.0)),
+        )
+        for k in range(draw(st.integers(1, 3)))
+    )
+
+
+def best_makespan(world):
+    """Return the optimum: all assignments, all orders."""
+    count, vehicles = len(world.points), range(len(world.vehicles))
+    best_route = {
+        (k, subset): min(world.duration_s(k, order) for order in permutations(subset))
+        for k in vehicles
+        for subset in {tuple(i for i in range(count) if mask >> i & 1)
+                       for mask in range(2**count)}
+    }
+    return min(
+        max(best_route[k, tuple(i for i in range(count) if owner[i] == k)] for k in vehicles)
+        for owner in product(vehicles, repeat=count)
+    )
+
+
+def bound_of(world):
+    """Return the bound, steered by a real plan's makespan."""
+    orders = nearest_to_shortest(world)
+    makespan = max(world.duration_s(k, order) for k, order in enumerate(orders))
+    return lower_bound(world, makespan, lambda _bound: True)
+
+
+@given(st.lists(PLACES, min_size=1, max_size=4), fleets(), st.data())
+def test_bound_holds_against_brute_force(points, vehicles, data):
+    """On every small world, also with unequal vehicles and scattered homes."""
+    homes = [data.draw(PLACES) for _ in vehicles]
+    world = problem(points, homes, vehicles)
+    assert bound_of(world).makespan_s <= best_makespan(world) + ROUNDING_S
+
+
+def test_bound_holds_where_the_papers_does_not():
+    """Two drones above their own waypoints, far apart, need climb, photograph and descent only.
+
+    The paper's bound, half the tour through both, would claim some 130 s of flight more.
+    """
+    places = [(0.0, 0.0), (1000.0, 0.0)]
+    world = problem(places, homes=places)
+    needed = world.duration_s(0, [0])
+    bound = bound_of(world)
+    assert needed == pytest.approx(10 / 3 + 10 / 2 + 2.0)
+    assert bound.makespan_s == pytest.approx(needed)
+
+
+def test_one_far_point_is_bounded_by_its_trip():
+    """With many vehicles and one far point, its trip is the bound, and it is met."""
+    world = problem([(0, 1), (1, 0), (2000, 0)], [(0, 0)] * 3)
+    bound = bound_of(world)
+    assert bound.method == 'farthest_trip'
+    assert bound.makespan_s == pytest.approx(best_makespan(world))
+
+
+def test_bound_is_tight_on_a_ring():
+    """One vehicle and points on a circle about its home's height: the tour is proven optimal."""
+    angles = np.linspace(0.0, 2 * np.pi, 13)[1:-1]
+    points = np.column_stack([100 * np.cos(angles), 100 * np.sin(angles)])
+    world = problem(points, [(100.0, 0.0)])
+    optimum = world.duration_s(0, list(range(11)))
+    bound = bound_of(world)
+    assert bound.method == 'held_karp_forest'
+    assert bound.makespan_s == pytest.approx(optimum, rel=1e-3)
+
+
+def test_bound_comes_close_on_a_survey_grid():
+    """On a grid of 10 by 10 with homes at three corners a simple plan is proven within 25 %."""
+    points = [(25 * i, 25 * j) for j in range(10) for i in range(10)]
+    world = problem(points, [(-25, -25), (250, -25), (250, 250)])
+    orders = nearest_to_shortest(world)
+    makespan = max(world.duration_s(k, order) for k, order in enumerate(orders))
+    assert makespan / 1.25 < bound_of(world).makespan_s <= makespan
+
+
+@given(st.integers(1, 40), st.floats(1.0, 1e4), st.integers(0, 2**32 - 1))
+def test_any_number_of_steps_and_any_target_is_valid(steps, target, seed):
+    """The ascent's settings change how good the bound is, never that it holds."""
+    points = np.random.default_rng(seed).uniform(0.0, 100.0, (4, 2))
+    distances = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
+    costs = FleetCosts(fixed=np.array([1.0, 2.0]), home=distances[:2], row=distances.__getitem__)
+    trips = [
+        max(1.0 + _loop(distances, 0, first), 2.0 + _loop(distances, 1, second))
+        for split in product((0, 1), repeat=4)
+        for first in permutations([i for i in range(4) if split[i] == 0])
+        for second in permutations([i for i in range(4) if split[i] == 1])
+        if first and second
+    ]
+    alone = [offset + _loop(distances, k, order)
+             for k, offset in enumerate((1.0, 2.0)) for order in permutations(range(4))]
+    bound = makespan_bound(costs, target, steps, lambda _bound: True)
+    assert bound <= min(trips + alone) + ROUNDING_S
+
+
+def _loop(distances, home, order):
+    """Return the length from home through the points and back."""
+    stops = [home, *order, home]
+    return sum(distances[a, b] for a, b in pairwise(stops))
+
+
+def test_large_worlds_are_bounded_row_by_row(monkeypatch):
+    """Without a matrix the first forest's bound comes out the same."""
+    points = [(25 * i, 31 * j) for j in range(6) for i in range(7)]
+    world = problem(points, [(0, -50), (200, 200)])
+    monkeypatch.setattr('rocsafe_planner.bound._EFFORT', 1)
+    dense = bound_of(world).makespan_s
+    monkeypatch.setattr('rocsafe_planner.bound._DENSE_POINTS', 1)
+    assert bound_of(world).makespan_s == pytest.approx(dense, rel=1e-12)
+
+
+def test_the_ascent_can_be_ended():
+    """It stops at the first refusal, with a bound that holds."""
+    calls = []
+    world = problem([(25 * i, 0) for i in range(8)], [(0, -50)])
+    full = bound_of(world).makespan_s
+    early = lower_bound(world, 200.0, lambda bound: bool(calls.append(bound)))
+    assert len(calls) == 1
+    assert 0.0 < early.makespan_s <= full

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Viewpoints: the paper's spacing, and an area seen as a whole."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_planner.coverage import CoverageSpec, cover, coverage_spec, spacing_m
+from rocsafe_planner.errors import TooManyViewpointsError
+
+CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
+
+
+def spec(overlap=0.2, rule='iou', grid='axis_aligned', limit=5000, height=32.0):
+    """Return the grid of the paper's camera."""
+    return coverage_spec(CAMERA, height, overlap, rule, grid, limit)
+
+
+@st.composite
+def areas(draw):
+    """Draw star-shaped polygons of some hundred metres, some with a hole about the centre."""
+    count = draw(st.integers(3, 9))
+    radii = draw(st.lists(st.floats(20.0, 300.0), min_size=count, max_size=count))
+    turn = draw(st.floats(0.0, math.tau))
+    angles = turn + math.tau * np.arange(count) / count
+    ring = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+    hole = [0.3 * ring] if draw(st.booleans()) else []
+    return shapely.Polygon(ring, hole)
+
+
+@pytest.mark.parametrize(('fov_deg', 'rule', 'spacing'), [
+    (60.0, 'iou', 24.634), (90.0, 'iou', 42.667), (90.0, 'linear', 51.2)])
+def test_spacing_of_the_paper(fov_deg, rule, spacing):
+    """At 32 m with 20 % overlap the rules give the values of the reference."""
+    footprint = 2.0 * 32.0 * math.tan(math.radians(fov_deg) / 2.0)
+    assert spacing_m(footprint, 0.2, rule) == pytest.approx(spacing, abs=5e-4)
+
+
+@given(st.floats(0.0, 0.9))
+def test_rules_mean_what_they_say(overlap):
+    """Iou shares the fraction of both photographs together, linear that of one."""
+    for rule in ('iou', 'linear'):
+        moved = spacing_m(10.0, overlap, rule)
+        shared, either = 10.0 - moved, 10.0 + moved
+        assert shared / (either if rule == 'iou' else 10.0) == pytest.approx(overlap)
+
+
+def test_overlap_holds_across_and_along():
+    """Each side of the footprint has its own spacing: a 4:3 image overlaps 20 % both ways."""
+    plan = spec()
+    assert plan.spacing_m[0] == pytest.approx(24.634, abs=5e-4)
+    assert plan.spacing_m[1] / plan.spacing_m[0] == pytest.approx(480 / 640)
+
+
+def test_slivers_are_photographed():
+    """Strips less than half a tile wide hold no tile's centre: the paper sees none of them."""
+    plan = CoverageSpec(footprint_m=(12.0, 12.0), spacing_m=(10.0, 10.0), grid='axis_aligned',
+                        max_viewpoints=100)
+    corner = shapely.Polygon([(0, 0), (20, 0), (20, 4), (4, 4), (4, 20), (0, 20)])
+    coverage = cover(corner, plan)
+    assert not any(corner.contains(shapely.Point(centre)) for centre in coverage.centres)
+    assert len(coverage.centres) == 3
+    assert coverage.covered_area_m2 == pytest.approx(corner.area)
+
+
+@pytest.mark.parametrize('sides', [3, 4, 5, 6, 7, 8])
+def test_turned_grids_lose_no_footprint(sides):
+    """Uniting rectangles that nearly share an edge is where GEOS 3.13 loses some of them."""
+    radii = np.random.default_rng(sides).uniform(20.0, 300.0, (20, sides))
+    for turn, ring in enumerate(radii):
+        angles = turn + math.tau * np.arange(sides) / sides
+        area = shapely.Polygon(np.column_stack([ring * np.cos(angles), ring * np.sin(angles)]))
+        coverage = cover(area, spec(overlap=0.0, grid='rotated', height=60.0))
+        assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
+
+
+@settings(max_examples=50)
+@given(areas(), st.sampled_from(['axis_aligned', 'rotated']), st.sampled_from(['iou', 'linear']),
+       st.floats(0.0, 0.6))
+def test_the_whole_area_is_seen(area, grid, rule, overlap):
+    """Whatever the shape, every square metre is inside a footprint."""
+    coverage = cover(area, spec(overlap, rule, grid, height=64.0))
+    assert coverage.region_area_m2 == pytest.approx(area.area)
+    assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
+
+
+@settings(max_examples=50)
+@given(areas())
+def test_tiles_are_those_that_touch(area):
+    """The tiles are those of the circum-rectangle that share ground with the area."""
+    plan = spec(height=64.0)
+    (width, height), (west, south, east, north) = plan.spacing_m, area.bounds
+    columns, rows = math.ceil((east - west) / width), math.ceil((north - south) / height)
+    x, y = np.meshgrid(
+        (west + east) / 2 + width * (np.arange(columns) - (columns - 1) / 2),
+        (south + north) / 2 + height * (np.arange(rows) - (rows - 1) / 2))
+    tiles = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+    shared = shapely.area(shapely.intersection(tiles, area)).ravel()
+    kept = {(round(e, 3), round(n, 3)) for e, n in cover(area, plan).centres}
+    places = [(round(e, 3), round(n, 3)) for e, n in zip(x.ravel(), y.ravel(), strict=True)]
+    # Of tiles that share some square centimetres only, rounding decides.
+    must = {place for place, ground in zip(places, shared, strict=True) if ground > 1e-3}
+    may = {place for place, ground in zip(places, shared, strict=True) if ground > 0.0}
+    assert must <= kept <= may
+
+
+def test_whole_tiles_are_not_rounded_up():
+    """A rectangle of exactly 4 by 3 tiles needs 12 viewpoints, anywhere in the plane."""
+    plan = spec()
+    width, height = plan.spacing_m
+    for east in (0.0, 0.1, 1234.567):
+        rectangle = shapely.box(east, -east, east + 4 * width, -east + 3 * height)
+        assert len(cover(rectangle, plan).centres) == 12
+
+
+def test_covered_area_is_that_of_the_footprints():
+    """Spacing wider than the footprint leaves gaps, and the covered area says so."""
+    plan = CoverageSpec(footprint_m=(5.0, 8.0), spacing_m=(10.0, 10.0), grid='axis_aligned',
+                        max_viewpoints=100)
+    coverage = cover(shapely.box(0, 0, 30, 20), plan)
+    assert coverage.covered_area_m2 == pytest.approx(6 * 5.0 * 8.0)
+
+
+def test_rotated_grid_follows_a_slanted_rectangle():
+    """The grid has as few tiles as the field's own sides allow, and the nose turns with it."""
+    angle = math.radians(30.0)
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    width, height = spec().spacing_m
+    corners = np.array([(0, 0), (4 * width, 0), (4 * width, 3 * height), (0, 3 * height)])
+    field = shapely.Polygon(corners @ turn.T)
+    rotated = cover(field, spec(grid='rotated'))
+    assert len(rotated.centres) == 12
+    assert rotated.yaw_rad == pytest.approx(math.pi / 2 + angle)
+    assert len(cover(field, spec()).centres) > 12
+    assert cover(field, spec()).yaw_rad == pytest.approx(math.pi / 2)
+
+
+def test_limit_is_exact():
+    """As many viewpoints as the limit are planned, one more is refused with both numbers."""
+    ring = shapely.box(0, 0, 400, 300).difference(shapely.box(60, 60, 340, 240))
+    needed = len(cover(ring, spec()).centres)
+    assert len(cover(ring, spec(limit=needed)).centres) == needed
+    with pytest.raises(TooManyViewpointsError, match=rf'at least {needed} .* is {needed - 1}'):
+        cover(ring, spec(limit=needed - 1))
+
+
+def test_hopeless_areas_are_refused_at_once():
+    """A region of 100 km by 100 km is refused before a tile is made."""
+    with pytest.raises(TooManyViewpointsError, match=r'at least 219\d{5} viewpoints 24.63 m by'):
+        cover(shapely.box(0, 0, 1e5, 1e5), spec())
+
+
+@pytest.mark.parametrize(('overlap', 'rule', 'message'), [
+    (1.0, 'iou', 'overlap_fraction is 1: must be from 0 to below 1'),
+    (-0.1, 'iou', 'overlap_fraction is -0.1'),
+    (math.nan, 'iou', 'overlap_fraction is nan'),
+    (0.2, 'side', "spacing_rule is 'side': must be one of iou, linear")])
+def test_impossible_overlap_is_refused(overlap, rule, message):
+    """Value and limit are named."""
+    with pytest.raises(ValueError, match=message):
+        spacing_m(10.0, overlap, rule)
