@@ -13,6 +13,7 @@ def definitions(tmp_path):
     """A type of three packages, one of them behind another."""
     sources = {
         'a_msgs/msg/Track': 'b_msgs/Point[] points  # b_msgs/Wrong in a comment\nLeg leg\n',
+        'a_msgs/msg/State': 'uint8 ON=1\nint8 OFF = -1\n# why\n\nstd_msgs/Header header\n',
         'a_msgs/msg/Leg': 'uint8 LONG=1\nstring<=8 name\nfloat64[<=3] sizes\nb_msgs/Point end\n',
         'b_msgs/msg/Point': 'std_msgs/Header header\nfloat64 x 1.0\n',
         'std_msgs/msg/Header': 'string frame_id\n',
@@ -36,6 +37,7 @@ def test_each_type_used_is_defined_once(definitions):
 def test_header_is_recognised_as_first_field_only(definitions):
     """Only then do serialised messages start with a stamp."""
     assert definitions.starts_with_header('b_msgs/msg/Point')
+    assert definitions.starts_with_header('a_msgs/msg/State')
     assert not definitions.starts_with_header('a_msgs/msg/Track')
 
 

@@ -74,6 +74,17 @@ def test_finalised_recording_is_in_time_order_without_repeats(tmp_path, definiti
     assert segments(tmp_path) == []
 
 
+def test_topics_without_messages_leave_no_trace(tmp_path, definitions):
+    """A viewer lists what there is, not what might have been."""
+    writer = SegmentWriter(tmp_path, definitions)
+    writer.write(writer.add_channel(FIX), fix_bytes(1), SECOND)
+    writer.add_channel(PLAN)
+    writer.close()
+    with finalise(tmp_path).path.open('rb') as stream:
+        channels = make_reader(stream).get_summary().channels
+    assert [channel.topic for channel in channels.values()] == ['/rav1/fix']
+
+
 def test_same_stamp_with_other_content_is_kept(tmp_path, definitions):
     """Only equal bytes are a repeat."""
     write_segment(tmp_path, definitions, [fix_bytes(1), fix_bytes(1, latitude_deg=53.0)])

@@ -25,6 +25,7 @@ from mcap.records import Schema as SchemaRecord
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from rocsafe_orchestrator import recording
+from rocsafe_orchestrator.message_definitions import starts_with_header
 from rocsafe_orchestrator.recording import MISSION_FILE, RosWriter
 
 _FRAME = struct.Struct('<BQ')
@@ -65,11 +66,8 @@ class _Source:
     @property
     def drops_repeats(self) -> bool:
         """Whether equal bytes are the same message: they hold a stamp, or are latched."""
-        first = next(
-            (line for line in self.schema_text.decode().splitlines() if _is_field(line)), ''
-        )
         latched = _LATCHED_MARK in dict(self.metadata).get('offered_qos_profiles', '')
-        return latched or first.startswith('std_msgs/Header')
+        return latched or starts_with_header(self.schema_text.decode())
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -217,10 +215,8 @@ def _without_repeats(
 def _write_messages(writer: RosWriter, opened: list[_Segment], positions: list[_Position]) -> None:
     numbers: dict[_Source, int] = {}
     sequences: Counter[int] = Counter()
-    for source in sorted(
-        {source for segment in opened for source in segment.channels.values()},
-        key=lambda source: source.topic,
-    ):
+    used = {opened[position.segment].channels[position.channel] for position in positions}
+    for source in sorted(used, key=lambda source: source.topic):
         numbers[source] = writer.add_channel(
             source.topic, (source.schema_name, source.schema_text), dict(source.metadata)
         )
@@ -281,7 +277,3 @@ def _copy(reader: McapReader, writer: RosWriter) -> None:
             data=message.data,
             publish_time=message.publish_time,
         )
-
-
-def _is_field(line: str) -> bool:
-    return bool(line.split('#')[0].strip())

@@ -78,14 +78,19 @@ class _Log:
         summary = self._reader.get_summary()
         if summary is None:
             raise RecordingError('the recording has no summary: it was not ended in good order')
-        topics = [
+        topics = {
             channel.topic
             for channel in summary.channels.values()
             if summary.schemas[channel.schema_id].name in kinds
-        ]
+        }
+        # Where a vehicle's true positions are recorded, nobody asks what it believed.
+        topics -= {topic.replace(_TRUTH_SUFFIX, '/fix') for topic in topics if _is_truth(topic)}
         if not topics:
             return
-        for decoded in self._reader.iter_decoded_messages(topics=topics):
+        # The recording is in order already: sorting it again would take as long as reading it.
+        for decoded in self._reader.iter_decoded_messages(
+            topics=sorted(topics), log_time_order=False
+        ):
             yield decoded.schema.name, decoded.channel.topic, decoded.decoded_message
 
     def _facts(self) -> RecordingFacts:
@@ -134,7 +139,6 @@ class _Log:
     def _on_mission(self, _topic: str, message: Any) -> None:
         self._mission.append(
             MissionSample(
-                time_ns=_stamp_ns(message),
                 phase=Phase(message.phase),
                 text=message.text,
                 images_stored=message.images_stored,
@@ -146,22 +150,21 @@ class _Log:
 
     def _tracks(self) -> Iterator[tuple[str, Track]]:
         """Yield the track of each vehicle: its true one where a simulation recorded it."""
-        for vehicle in sorted({_vehicle_of(topic) for topic in self._fixes}):
-            truth = f'/{vehicle}{_TRUTH_SUFFIX}'
-            topic = truth if truth in self._fixes else f'/{vehicle}/fix'
-            fixes = self._fixes[topic]
+        for topic, fixes in sorted(self._fixes.items()):
             times = sorted(fixes)
             places = np.array([fixes[time] for time in times])
-            yield (
-                vehicle,
-                Track(
-                    time_ns=np.array(times, dtype=np.int64),
-                    latitude_deg=places[:, 0],
-                    longitude_deg=places[:, 1],
-                    altitude_m=places[:, 2],
-                    is_truth=topic == truth,
-                ),
+            track = Track(
+                time_ns=np.array(times, dtype=np.int64),
+                latitude_deg=places[:, 0],
+                longitude_deg=places[:, 1],
+                altitude_m=places[:, 2],
+                is_truth=_is_truth(topic),
             )
+            yield _vehicle_of(topic), track
+
+
+def _is_truth(topic: str) -> bool:
+    return topic.endswith(_TRUTH_SUFFIX)
 
 
 def _vehicle_of(topic: str) -> str:

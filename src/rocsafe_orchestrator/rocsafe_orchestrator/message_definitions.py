@@ -19,8 +19,8 @@ _PRIMITIVES = frozenset(
     {'bool', 'byte', 'char', 'float32', 'float64', 'int8', 'uint8', 'int16', 'uint16', 'int32',
      'uint32', 'int64', 'uint64', 'string', 'wstring'}
 )  # fmt: skip
-# The type of a field or constant: package and name, then array bounds or a string's limit.
-_FIELD = re.compile(r'^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]')
+# A field, no constant: its type is package and name, then a string's limit or array bounds.
+_FIELD = re.compile(r'^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*(?!\w|\s*=)')
 
 
 class DefinitionError(LookupError):
@@ -70,8 +70,7 @@ class MessageDefinitions:
 
     def starts_with_header(self, message_type: str) -> bool:
         """Whether the first field is a header, so that serialised messages start with a stamp."""
-        first = next(_field_types(self._own_text(message_type)), '')
-        return first == _HEADER_TYPE
+        return starts_with_header(self._own_text(message_type))
 
     def _own_text(self, message_type: str) -> str:
         if message_type not in self._texts:
@@ -105,8 +104,13 @@ class MessageDefinitions:
         return list(found)
 
 
+def starts_with_header(text: str) -> bool:
+    """Whether the first field of the definition `text` is a header."""
+    return next(_field_types(text), '') == _HEADER_TYPE
+
+
 def _field_types(text: str) -> Iterator[str]:
-    """Yield the type of each field and constant of a definition, without array bounds."""
+    """Yield the type of each field of a definition, without array bounds."""
     for line in text.splitlines():
         match = _FIELD.match(line.split('#')[0].strip())
         if match:

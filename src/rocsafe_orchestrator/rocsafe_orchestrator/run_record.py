@@ -122,7 +122,6 @@ class VehicleSample:
 class MissionSample:
     """The mission at a time; the fields mean what those of ``MissionState.msg`` do."""
 
-    time_ns: int
     phase: Phase
     text: str
     images_stored: int

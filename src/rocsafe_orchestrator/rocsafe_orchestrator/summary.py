@@ -88,6 +88,7 @@ class RunSummary:
     ----------
     outcome: ``complete``, ``failed``, ``cancelled`` or ``unknown``.
     mission_duration_s: first take-off to last touch-down, simulated.
+    wall_time_s: from the command to the making of the report.
     real_time_factor: simulated seconds a second of wall time while flying.
     processes_restarted: process to number of restarts.
     missing: one line for each thing that is not there.
@@ -268,15 +269,17 @@ def _real_time_factor(mission: Sequence[MissionSample]) -> float | None:
     if len(flying) < 2:
         return None
     wall_s = flying[-1].wall_time_s - flying[0].wall_time_s
-    simulated_s = (flying[-1].time_ns - flying[0].time_ns) / NS_PER_S
+    simulated_s = flying[-1].mission_time_s - flying[0].mission_time_s
     return simulated_s / wall_s if wall_s > 0.0 else None
 
 
 def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -> float | None:
+    """Return the time from the command to the report; a report made again says the same."""
+    if mission:
+        return mission[-1].wall_time_s
     told = info.get('outcome')
-    if isinstance(told, Mapping) and isinstance(told.get('wall_time_s'), (int, float)):
-        return float(told['wall_time_s'])
-    return mission[-1].wall_time_s if mission else None
+    wall_time_s = told.get('wall_time_s') if isinstance(told, Mapping) else None
+    return float(wall_time_s) if isinstance(wall_time_s, (int, float)) else None
 
 
 def _restarts(info: Mapping[str, object]) -> dict[str, int]:

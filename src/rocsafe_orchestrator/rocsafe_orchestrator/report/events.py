@@ -97,7 +97,7 @@ def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterato
         if sample.phase.is_over:
             reason = f': {sample.text}' if sample.text else ''
             yield Event(
-                (sample.time_ns - zero_ns) / _NS_PER_S,
+                sample.mission_time_s,
                 f'mission {sample.phase.name.lower()}{reason}',
             )
             return

@@ -20,8 +20,8 @@ def figures(value: float, count: int = 3) -> str:
         return UNKNOWN
     if value == 0.0:
         return '0'
-    digits = max(count - 1 - math.floor(math.log10(abs(value))), 0)
-    rounded = round(value, count - 1 - math.floor(math.log10(abs(value))))
+    rounded = float(f'{value:.{count - 1}e}')
+    digits = max(count - 1 - math.floor(math.log10(abs(rounded))), 0)
     return f'{rounded:,.{digits}f}'.replace(',', _THIN_GAP)
 
 

@@ -57,7 +57,8 @@ def header(record: RunRecord, summary: RunSummary) -> Markup:
         word,
         class_=f'badge badge-{summary.outcome}',
     )
-    time = formats.moment(start_ns(record)) if record.log else ''
+    begin_ns = start_ns(record)
+    time = formats.moment(begin_ns) if begin_ns else ''
     return element(
         'header',
         element(

@@ -188,9 +188,14 @@ def _image_tile(summary: RunSummary) -> Markup:
 
 def _time_tile(summary: RunSummary) -> Markup:
     factor = summary.real_time_factor
-    speed = f'flown at {formats.figures(factor)} × real time' if factor else ''
-    wall = f'; whole run {formats.duration(summary.wall_time_s)}' if summary.wall_time_s else ''
-    return _tile('Mission time', (formats.duration(summary.mission_duration_s), ''), speed + wall)
+    notes = [
+        f'{formats.figures(factor)} times as fast as real' if factor else '',
+        f'{formats.duration(summary.wall_time_s)} from command to report'
+        if summary.wall_time_s
+        else '',
+    ]
+    note = '; '.join(filter(None, notes))
+    return _tile('Mission time', (formats.duration(summary.mission_duration_s), ''), note)
 
 
 def _meter(fraction: float, text: str) -> Markup:
