@@ -33,6 +33,7 @@ ROSDEP_KEYS = {
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
     'mcap': 'mcap-ros2-support',
+    'mcap_ros2': 'mcap-ros2-support',
     'numpy': 'python3-numpy',
     'piexif': 'python3-piexif',
     'pydantic': 'python3-pydantic',

@@ -21,20 +21,42 @@ GRACE_S = 5.0
 COMMAND_LIMIT_S = 3600.0
 
 
+class _Gate:
+    """Holds signals back while a process is being started and cannot be ended yet."""
+
+    def __init__(self) -> None:
+        self.is_closed = False
+        self.waiting: int | None = None
+
+    def interrupt(self, number: int, _frame: FrameType | None) -> None:
+        """Raise `Interrupted`, now or when the gate opens."""
+        if not self.is_closed:
+            raise Interrupted(number)
+        self.waiting = number
+
+    def __enter__(self) -> None:
+        self.is_closed = True
+
+    def __exit__(self, *_error: object) -> None:
+        self.is_closed = False
+        number, self.waiting = self.waiting, None
+        if number is not None:
+            raise Interrupted(number)
+
+
+_gate = _Gate()
+
+
 @contextlib.contextmanager
 def signals_as_exceptions() -> Iterator[None]:
     """Turn SIGINT, SIGTERM and SIGHUP into `Interrupted` within the block."""
-
-    def interrupt(number: int, _frame: FrameType | None) -> None:
-        raise Interrupted(number)
-
     # A signal that is ignored, as SIGHUP is under nohup, stays so.
     heeded = [
         number
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
         if signal.getsignal(number) is not signal.SIG_IGN
     ]
-    before = {number: signal.signal(number, interrupt) for number in heeded}
+    before = {number: signal.signal(number, _gate.interrupt) for number in heeded}
     try:
         yield
     finally:
@@ -55,21 +77,24 @@ def run_logged(
     CommandError: with the end of the log, if the command fails or cannot start.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open('wb') as sink:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=sink,
-            stderr=subprocess.STDOUT,
-            env=environment,
-            cwd=folder,
-            start_new_session=True,
-        )
-        try:
-            code = process.wait(timeout=COMMAND_LIMIT_S)
-        except BaseException:
-            _end_group(process)
-            raise
+    process = None
+    try:
+        with log.open('wb') as sink, _gate:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=subprocess.STDOUT,
+                env=environment,
+                cwd=folder,
+                start_new_session=True,
+            )
+        code = process.wait(timeout=COMMAND_LIMIT_S)
+    except BaseException:
+        if process is not None:
+            with _gate:
+                _end_group(process)
+        raise
     if code != 0:
         text = log.read_text(errors='replace')
         raise CommandError(f'{command[0]} failed with code {code}; all of it in {log}', text)

@@ -154,15 +154,14 @@ class MissionRun:
     def _write_outcome(self, *, is_over: bool) -> None:
         """Note in the run's information how it ended, or will unless the products fail."""
         mission = self._parts.mission
-        info = self._parts.run_info
-        info['outcome'] = {
-            'phase': (mission.phase if is_over else mission.outcome).name,
-            'text': mission.text,
-            'wall_time_s': round(time.monotonic() - self._started_s, 3),
-            'restarts': self._parts.supervisor.restarts,
-            'rejected_images': self._parts.monitor.rejections,
-        }
-        write_json(self._parts.directory.run_info, info)
+        self._parts.run_info.update(
+            outcome=(mission.phase if is_over else mission.outcome).name.lower(),
+            outcome_text=mission.text,
+            wall_time_s=round(time.monotonic() - self._started_s, 3),
+            restarts=self._parts.supervisor.restarts,
+            rejected_images=self._parts.monitor.rejections,
+        )
+        write_json(self._parts.directory.run_info, self._parts.run_info)
 
     def _show(self, now_s: float) -> None:
         mission = self._parts.mission

@@ -37,8 +37,10 @@ class OrchestratorNode(Node):
     Its `requests` call the other nodes.
     """
 
-    def __init__(self, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
-        super().__init__(NAME)
+    def __init__(
+        self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
+    ) -> None:
+        super().__init__(NAME, **node_options)
         self.options = declare_options(self, OrchestratorOptions)
         self._scenario = scenario
         self._monitor = monitor

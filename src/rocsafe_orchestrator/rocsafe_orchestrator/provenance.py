@@ -21,12 +21,13 @@ _GIT_TIMEOUT_S = 5.0
 
 def provenance(command: list[str], started: datetime) -> dict[str, Any]:
     """Return what is known before a run begins, fit for JSON."""
+    source = Path(__file__).resolve().parent
     return {
-        'command': command,
+        'command': [Path(command[0]).name, *command[1:]],
         'started': started.isoformat(timespec='seconds'),
-        'git': git_state(Path(__file__).resolve().parent),
-        'versions': versions(),
-        'python': platform.python_version(),
+        'git_revision': git_revision(source),
+        'git_dirty': git_is_dirty(source),
+        'versions': {'python': platform.python_version(), **versions()},
         'platform': platform.platform(),
         'ros_distro': os.environ.get('ROS_DISTRO', 'jazzy (wheels)'),
         'ros_domain_id': os.environ.get('ROS_DOMAIN_ID', '0'),
@@ -46,13 +47,15 @@ def versions() -> dict[str, str]:
     return found
 
 
-def git_state(folder: Path) -> dict[str, Any] | None:
-    """Return revision and ``dirty`` (changes not committed); None outside a checkout."""
-    revision = _git(folder, 'rev-parse', 'HEAD')
-    if revision is None:
-        return None
+def git_revision(folder: Path) -> str | None:
+    """Return the revision that `folder` is checked out at; None outside a checkout."""
+    return _git(folder, 'rev-parse', 'HEAD')
+
+
+def git_is_dirty(folder: Path) -> bool | None:
+    """Return whether there are changes that are not committed; None outside a checkout."""
     changes = _git(folder, 'status', '--porcelain', '--untracked-files=no')
-    return {'revision': revision, 'dirty': None if changes is None else bool(changes)}
+    return None if changes is None else bool(changes)
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:

@@ -19,7 +19,7 @@ def report(path: Path, console: Console) -> int:
     run = RunDirectory(path.resolve())
     if not run.run_info.is_file():
         raise ScenarioError(f'{path}: is no run directory (it has no {run.run_info.name})')
-    from rocsafe_orchestrator.products import write_products  # type: ignore[import-not-found,unused-ignore]
+    from rocsafe_orchestrator.products import write_products
 
     write_products(run.path)
     products = (run.report, run.summary, run.readings, run.recording, run.mosaic)

@@ -49,11 +49,11 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     ------
     OrchestratorError: if it cannot be flown at all.
     """
-    interrupt = Interrupt()
     scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
     if request.config is not None and not request.config.is_file():
         raise ScenarioError(f'{request.config}: no such file')
     require_executables(process_table(scenario, RunDirectory(request.parent)))
+    interrupt = Interrupt()
     started = datetime.now().astimezone()
     directory = create_run_directory(request.parent, scenario.name, started)
     source = f'# As flown: {request.scenario}, with every default written out.\n'
@@ -73,7 +73,8 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         display.say(f'run directory: {directory.path}')
         phase = flight.fly(display)
     if not request.is_quiet:
-        console.print(_closing(directory, flight.monitor, flight.text, phase))
+        closing = _closing(directory, flight.monitor, flight.text, phase)
+        console.print(closing, soft_wrap=True)
     elif phase is not Phase.COMPLETE:
         print(f'rocsafe: mission {phase.name.lower()}: {flight.text}', file=sys.stderr)
     if interrupt.exit_code is not None:

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The `rocsafe` command: what it says to a stranger, and its exit codes."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rocsafe_orchestrator import errors
+from rocsafe_orchestrator.cli import main
+
+DERAILMENT = Path(__file__).parents[2] / 'config' / 'scenarios' / 'derailment.yaml'
+
+
+def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
+    """A script writer finds each code in `rocsafe --help`."""
+    with pytest.raises(SystemExit) as ended:
+        main(['--help'])
+    assert ended.value.code == 0
+    text = capsys.readouterr().out
+    codes = {int(code) for code in re.findall(r'(?:^|    )  (\d+)  ', text, re.MULTILINE)}
+    own = {errors.EXIT_COMPLETE, errors.EXIT_FAILED, errors.EXIT_USAGE, errors.EXIT_SETUP}
+    assert own <= codes
+    for signal_code in ('129', '130', '143'):
+        assert signal_code in text
+
+
+@pytest.mark.parametrize('command', ['run', 'plan', 'check', 'report'])
+def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """`rocsafe COMMAND --help` says what the command does."""
+    with pytest.raises(SystemExit) as ended:
+        main([command, '--help'])
+    assert ended.value.code == 0
+    assert len(capsys.readouterr().out.splitlines()) > 5
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'line'),
+    [
+        (['run', 'x.yaml', '--speed', '-1'], '--speed: -1: must be within 0 to 1000'),
+        (['run', 'x.yaml', '--speed', 'fast'], '--speed: fast: must be within'),
+        (['run', 'x.yaml', '--seed', '1.5'], '--seed: 1.5: must be a whole number, 0 to'),
+        (['plan', 'x.kml', '--vehicles', '0'], '--vehicles: 0: must be a whole number, 1 to'),
+        (['plan', 'x.kml', '--height', 'nan'], '--height: nan: must be within 1 to 500 m'),
+        (['fly'], "invalid choice: 'fly'"),
+        ([], 'required'),
+    ],
+)
+def test_wrong_arguments_end_with_2(
+    arguments: list[str], line: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A wrong argument is named with its limit."""
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == errors.EXIT_USAGE
+    assert line in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('command', ['run', 'check', 'plan'])
+def test_missing_scenario_is_one_line(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A mistyped path is told without a traceback."""
+    assert main([command, 'no.yaml']) == errors.EXIT_USAGE
+    assert capsys.readouterr().err == 'rocsafe: no.yaml: no such file\n'
+
+
+def test_missing_config_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    """The parameter file of `--config` has to be there."""
+    assert main(['run', str(DERAILMENT), '--config', 'no.yaml']) == errors.EXIT_USAGE
+    assert capsys.readouterr().err == 'rocsafe: no.yaml: no such file\n'
+
+
+def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Without executables nothing begins, and no run directory is made."""
+    monkeypatch.setenv('AMENT_PREFIX_PATH', '')
+    assert main(['run', str(DERAILMENT), '--out', str(tmp_path)]) == errors.EXIT_SETUP
+    assert 'make setup' in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
+    """Area, viewpoints, vehicles and sources are printed."""
+    assert main(['check', str(DERAILMENT)]) == errors.EXIT_COMPLETE
+    text = capsys.readouterr().out
+    for part in ('valid', '2.02 ha', '24.63 x 18.48 m apart', 'rav3', '454 m', 'wreck'):
+        assert part in text
+
+
+def test_check_names_every_mistake(
+    small: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each mistake is a line, with the name of the command before it."""
+    path = small({'seed': -1, 'survey.height_agl_m': 0.0})
+    assert main(['check', str(path)]) == errors.EXIT_USAGE
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(' = ')[0] for line in lines] == [
+        'rocsafe: small.yaml: seed',
+        'rocsafe: small.yaml: survey.height_agl_m',
+    ]
+
+
+def test_report_of_something_else_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder that is no run directory is named."""
+    assert main(['report', str(tmp_path)]) == errors.EXIT_USAGE
+    assert 'is no run directory (it has no run.json)' in capsys.readouterr().err

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is gathered from the nodes' messages."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.standstill import Standstill
+from rocsafe_orchestrator.status import FlightState, Monitor, Pace, VehicleStatus
+
+HERE = GeoPosition(53.28, -9.06, 98.0)
+
+
+@given(st.lists(st.floats(0.0, 1e9), min_size=1))
+def test_peak_is_the_highest_of_all_readings(rates: list[float]) -> None:
+    """Whatever the order of the readings, the highest is kept."""
+    monitor = Monitor(('rav1',))
+    for rate in rates:
+        monitor.on_dose_rate('rav1', rate, HERE)
+    assert monitor.peak is not None
+    assert monitor.peak.dose_rate_usvh == max(rates)
+
+
+def test_photograph_is_counted_once() -> None:
+    """A second receipt for a photograph is no second photograph."""
+    monitor = Monitor(('rav1',))
+    for shot_id in ('rav1-00000', 'rav1-00001', 'rav1-00000'):
+        monitor.on_stored(shot_id)
+    assert monitor.images_stored == 2
+
+
+def test_stored_photograph_is_not_rejected() -> None:
+    """A photograph that was damaged on the way and stored at the second try is stored."""
+    monitor = Monitor(('rav1',))
+    monitor.on_rejected('rav1-00000', 'hash differs')
+    monitor.on_stored('rav1-00000')
+    monitor.on_rejected('rav1-00000', 'hash differs')
+    assert monitor.rejections == {}
+
+
+def test_flight_time_counts_from_the_first_take_off() -> None:
+    """Time on the ground before the flight is not flown."""
+    monitor = Monitor(('rav1', 'rav2'))
+    assert monitor.flight_time_s == 0.0
+    monitor.on_vehicle(VehicleStatus(name='rav1', state=FlightState.DISARMED, time_s=100.0))
+    monitor.on_vehicle(VehicleStatus(name='rav2', state=FlightState.TAKING_OFF, time_s=110.0))
+    monitor.on_vehicle(VehicleStatus(name='rav1', state=FlightState.FLYING, time_s=125.0))
+    assert monitor.flight_time_s == 15.0
+
+
+def test_unknown_vehicle_is_passed_over() -> None:
+    """Another fleet in the same domain is not ours."""
+    monitor = Monitor(('rav1',))
+    monitor.on_vehicle(VehicleStatus(name='stranger', time_s=1e9))
+    assert [vehicle.name for vehicle in monitor.vehicles] == ['rav1']
+    assert monitor.time_s == 0.0
+
+
+def test_pace_is_simulated_over_wall_time_of_late() -> None:
+    """Only the last seconds count."""
+    pace = Pace(window_s=2.0)
+    assert math.isnan(pace.factor)
+    for wall_s in range(10):
+        pace.note(float(wall_s), 5.0 * wall_s)
+    for wall_s in range(10, 15):
+        pace.note(float(wall_s), 45.0 + 20.0 * (wall_s - 9))
+    assert pace.factor == pytest.approx(20.0)
+    for wall_s in range(15, 20):
+        pace.note(float(wall_s), 145.0)
+    assert math.isnan(pace.factor)
+
+
+def test_standstill_counts_from_the_last_growth() -> None:
+    """A value that goes back or stays does not move on; a new reason to wait starts over."""
+    standstill = Standstill()
+    assert standstill.standing_s(5.0, 10.0) == 0.0
+    assert standstill.standing_s(5.0, 12.0) == 2.0
+    assert standstill.standing_s(4.0, 13.0) == 3.0
+    standstill.restart(13.0)
+    assert standstill.standing_s(5.0, 14.0) == 1.0
+    assert standstill.standing_s(6.0, 20.0) == 0.0
