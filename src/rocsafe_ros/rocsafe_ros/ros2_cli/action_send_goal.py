@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ros2 action send_goal`."""
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionClient
+
+from rocsafe_ros.ros2_cli.command import CommandError, Verb
+from rocsafe_ros.ros2_cli.command_node import NAME_PREFIX, CommandNode, command_node
+from rocsafe_ros.ros2_cli.interfaces import interface_class
+from rocsafe_ros.ros2_cli.message_fill import fill, read_values, values_text
+from rocsafe_ros.ros2_cli.message_text import yaml_text
+
+CANCEL_LIMIT_S = 5.0
+"""How long the server may take to confirm that a goal is being cancelled."""
+
+STATUS_NAMES = {
+    GoalStatus.STATUS_ACCEPTED: 'ACCEPTED',
+    GoalStatus.STATUS_EXECUTING: 'EXECUTING',
+    GoalStatus.STATUS_CANCELING: 'CANCELING',
+    GoalStatus.STATUS_SUCCEEDED: 'SUCCEEDED',
+    GoalStatus.STATUS_CANCELED: 'CANCELED',
+    GoalStatus.STATUS_ABORTED: 'ABORTED',
+}
+
+ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED)
+
+
+def _add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of `send_goal`."""
+    parser.add_argument('action_name', help="Name of the action (e.g. '/rav1/fly_route')")
+    parser.add_argument('action_type', help='Type of the action (package/action/Name)')
+    values = parser.add_mutually_exclusive_group()
+    values.add_argument('goal', nargs='?', default='{}', help="YAML (e.g. '{order: 10}')")
+    values.add_argument('--stdin', action='store_true', help='Read goal from standard input')
+    parser.add_argument('-f', '--feedback', action='store_true', help='Show the feedback')
+
+
+def _send_goal(options: Namespace) -> int:
+    """Send a goal and wait for its result; Ctrl-C cancels it."""
+    action_type = interface_class(
+        options.action_type, 'action', 'The passed action type is invalid'
+    )
+    goal = action_type.Goal()
+    values = read_values(values_text(options.goal, from_stdin=options.stdin))
+    try:
+        fill(goal, values)
+    except Exception as error:  # the setters of messages raise what they like
+        raise CommandError(f'Failed to populate message fields: {error!r}') from error
+    name = f'{NAME_PREFIX}_send_goal_{options.action_type.replace("/", "_")}'
+    with command_node(name) as holder:
+        client = ActionClient(holder.node, action_type, options.action_name)
+        try:
+            _run_goal(holder, client, goal, options)
+        finally:
+            client.destroy()
+    return 0
+
+
+def _run_goal(holder: CommandNode, client: Any, goal: Any, options: Namespace) -> None:
+    """Send the goal and print what becomes of it."""
+    print('Waiting for an action server to become available...')
+    holder.spin_until(client.server_is_ready)
+    print(f'Sending goal:\n     {yaml_text(goal)}')
+    sent = client.send_goal_async(goal, _print_feedback if options.feedback else None)
+    holder.spin_until(sent.done)
+    handle = sent.result()
+    if handle is None:
+        raise CommandError(f'Exception while sending goal: {sent.exception()!r}')
+    if not handle.accepted:
+        print('Goal was rejected.')
+        return
+    print(f'Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n')
+    with _cancelled_when_interrupted(holder, handle):
+        _print_result(holder, handle)
+
+
+def _print_feedback(message: Any) -> None:
+    """Print one feedback."""
+    print(f'Feedback:\n    {yaml_text(message.feedback)}')
+
+
+def _print_result(holder: CommandNode, handle: Any) -> None:
+    """Wait for the result and print it."""
+    future = handle.get_result_async()
+    holder.spin_until(future.done)
+    response = future.result()
+    if response is None:
+        raise CommandError(f'Exception while getting result: {future.exception()!r}')
+    print(f'Result:\n    {yaml_text(response.result)}')
+    print(f'Goal finished with status: {STATUS_NAMES.get(response.status, "UNKNOWN")}')
+
+
+@contextmanager
+def _cancelled_when_interrupted(holder: CommandNode, handle: Any) -> Iterator[None]:
+    """Cancel the goal if Ctrl-C or SIGTERM ends the wait for its result."""
+    try:
+        yield
+    except BaseException:
+        # Not yet known is not ended: the first status may be on its way.
+        if handle.status not in ENDED:
+            _cancel(holder, handle)
+        raise
+
+
+def _cancel(holder: CommandNode, handle: Any) -> None:
+    """Cancel the goal."""
+    print('Canceling goal...')
+    future = handle.cancel_goal_async()
+    if not holder.spin_until(future.done, CANCEL_LIMIT_S):
+        raise CommandError(f'Failed to cancel goal: no answer within {CANCEL_LIMIT_S:g} s')
+    response = future.result()
+    if response is None:
+        raise CommandError(f'Exception while canceling goal: {future.exception()!r}')
+    if not any(goal.goal_id == handle.goal_id for goal in response.goals_canceling):
+        raise CommandError('Failed to cancel goal')
+    print('Goal canceled.')
+
+
+VERB = Verb(
+    name='send_goal',
+    summary='Send an action goal',
+    add_arguments=_add_arguments,
+    run=_send_goal,
+)
