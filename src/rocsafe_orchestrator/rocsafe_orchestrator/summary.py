@@ -199,9 +199,8 @@ def utc_text(time_ns: int) -> str:
 
 def _outcome(info: Mapping[str, object], mission: Sequence[MissionSample]) -> tuple[str, str]:
     """Return the outcome and its reason, of the run's own words or else of the recording."""
-    told = info.get('outcome')
-    if isinstance(told, Mapping):
-        return str(told.get('phase', 'unknown')).lower(), str(told.get('text') or '')
+    if isinstance(info.get('outcome'), str):
+        return str(info['outcome']), str(info.get('outcome_text') or '')
     if mission and mission[-1].phase.is_over:
         return mission[-1].phase.name.lower(), mission[-1].text
     last = f'the recording ends while {mission[-1].phase.name.lower()}' if mission else ''
@@ -277,24 +276,24 @@ def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -
     """Return the time from the command to the report; a report made again says the same."""
     if mission:
         return mission[-1].wall_time_s
-    told = info.get('outcome')
-    wall_time_s = told.get('wall_time_s') if isinstance(told, Mapping) else None
+    wall_time_s = info.get('wall_time_s')
     return float(wall_time_s) if isinstance(wall_time_s, (int, float)) else None
 
 
 def _restarts(info: Mapping[str, object]) -> dict[str, int]:
-    told = info.get('outcome')
-    counts = told.get('restarts') if isinstance(told, Mapping) else None
+    counts = info.get('restarts')
     return {str(k): int(v) for k, v in counts.items()} if isinstance(counts, Mapping) else {}
 
 
 def _versions(info: Mapping[str, object]) -> dict[str, str]:
     """Return the versions of everything that the run was made with."""
-    names = {'python': 'Python', 'platform': 'Platform', 'ros_distro': 'ROS 2'}
-    found = {text: str(info[key]) for key, text in names.items() if info.get(key)}
-    git = info.get('git')
-    if isinstance(git, Mapping) and git.get('revision'):
-        found['Revision'] = str(git['revision']) + (' with changes' if git.get('dirty') else '')
+    found = {}
+    if info.get('git_revision'):
+        changes = ' with changes' if info.get('git_dirty') else ''
+        found['revision'] = f'{info["git_revision"]}{changes}'
+    for key, name in (('ros_distro', 'ROS 2'), ('platform', 'platform')):
+        if info.get(key):
+            found[name] = str(info[key])
     listed = info.get('versions')
     if isinstance(listed, Mapping):
         found.update((str(name), str(text)) for name, text in listed.items())

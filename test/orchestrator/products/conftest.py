@@ -87,15 +87,16 @@ class SyntheticRun:
         (self.path / 'scenario.yaml').write_text(yaml.safe_dump(SCENARIO), encoding='utf-8')
         info = {
             'command': ['rocsafe', 'run', 'config/scenarios/derailment.yaml'],
-            'git': {'revision': '0123abcd' * 5, 'dirty': False},
-            'versions': {'rocsafe_orchestrator': '0.1.0', 'numpy': '2.2.6', 'mcap': '1.6.0'},
-            'python': '3.11.7',
+            'git_revision': '0123abcd' * 5,
+            'git_dirty': False,
+            'versions': {'python': '3.11.7', 'rocsafe_orchestrator': '0.1.0', 'mcap': '1.6.0'},
             'platform': 'Linux-6.1-x86_64-with-glibc2.36',
             'ros_distro': 'jazzy (wheels)',
-            'outcome': {
-                'phase': 'COMPLETE', 'text': '', 'wall_time_s': 27.5, 'restarts': {'rav2': 1},
-            },
-        }  # fmt: skip
+            'outcome': 'complete',
+            'outcome_text': '',
+            'wall_time_s': 27.5,
+            'restarts': {'rav2': 1},
+        }
         (self.path / 'run.json').write_text(json.dumps(info), encoding='utf-8')
         (self.path / 'plan.json').write_text(json.dumps(self.plan()), encoding='utf-8')
         self.write_recording()
