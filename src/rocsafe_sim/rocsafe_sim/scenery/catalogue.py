@@ -3,6 +3,7 @@
 
 from collections.abc import Callable, Mapping
 
+from rocsafe_sim.scenery.derailment import derailment_scene
 from rocsafe_sim.scenery.scene import Scene
 
 
@@ -11,7 +12,10 @@ def bare_scene(seed: int) -> Scene:  # noqa: ARG001 - all scenes are made alike
     return Scene(())
 
 
-SCENES: Mapping[str, Callable[[int], Scene]] = {'none': bare_scene}
+SCENES: Mapping[str, Callable[[int], Scene]] = {
+    'derailment': derailment_scene,
+    'none': bare_scene,
+}
 
 
 def make_scene(name: str, seed: int) -> Scene:

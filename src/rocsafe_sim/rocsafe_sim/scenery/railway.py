@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A single railway track: ballast, sleepers, rails. The gauge is Ireland's, 1600 mm."""
+
+import numpy as np
+
+from rocsafe_sim.scenery.marks import (
+    Mark,
+    Paint,
+    Placing,
+    Points,
+    rectangle,
+    stroke,
+)
+from rocsafe_sim.scenery.outlines import faded, generator
+from rocsafe_sim.scenery.scene import Thing
+
+GAUGE_M = 1.6
+SLEEPER_SPACING_M = 0.65
+_RAIL_WIDTH_M = 0.13
+
+_SHOULDER = Paint((112, 104, 92), 200, 0.75, 0.3)
+_BALLAST = Paint((139, 132, 122), 235)
+_CROWN = Paint((152, 146, 137), 245, 0.8, 0.3)
+_CESS = Paint((104, 98, 78), 150, 0.6, 0.3)
+_SLEEPER = Paint((168, 164, 156), 60)
+_OLD_SLEEPER = Paint((92, 78, 66), 90)
+_RAIL_SIDE = Paint((74, 52, 40), 20)
+_RAIL_TOP = Paint((186, 184, 182), 10)
+_SCATTER = Paint((136, 128, 116), 230, 0.7, 0.2)
+
+
+def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: int) -> Thing:
+    """Return a track along `line` (n, 2); in the `gaps`, metres along it, it is torn up."""
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    ground: list[Mark] = [
+        stroke(line, 7.6, _CESS),
+        stroke(line, 5.6, _SHOULDER),
+        stroke(line, 4.6, _BALLAST),
+        stroke(line, 3.0, _CROWN),
+    ]
+    ground += _sleepers(line, along, gaps, generator(seed, 11))
+    for start, end in _kept(gaps, float(along[-1])):
+        kept = _between(line, along, start, end)
+        for side in (-1.0, 1.0):
+            rail = kept + side * 0.5 * GAUGE_M * _normals(kept)
+            ground += [stroke(rail, _RAIL_WIDTH_M + 0.08, _RAIL_SIDE)]
+            ground += [stroke(rail, _RAIL_WIDTH_M - 0.04, _RAIL_TOP)]
+    for number, (start, end) in enumerate(gaps):
+        ground += _torn(line, along, (start, end), generator(seed, 12, number))
+    middle = line[len(line) // 2]
+    return Thing(
+        name=name, kind='railway', placing=Placing(float(middle[0]), float(middle[1])),
+        size_m=(float(along[-1]), GAUGE_M, 0.0), ground=tuple(ground),
+    )
+
+
+def _sleepers(
+    line: Points, along: Points, gaps: tuple[tuple[float, float], ...], rng: np.random.Generator
+) -> list[Mark]:
+    marks = []
+    for distance in np.arange(0.3, along[-1], SLEEPER_SPACING_M):
+        placing = _placing(line, along, float(distance))
+        paint = _OLD_SLEEPER if rng.uniform() < 0.12 else _SLEEPER.lit(rng.uniform(0.88, 1.08))
+        is_torn = any(start < distance < end for start, end in gaps)
+        if is_torn and rng.uniform() < 0.3:
+            continue
+        if is_torn:
+            placing = placing.moved(*rng.normal(0.0, 0.45, 2), rng.normal(0.0, 0.35))
+        marks.append(rectangle(placing, 0.26, 2.6, paint))
+    return marks
+
+
+def _torn(
+    line: Points, along: Points, gap: tuple[float, float], rng: np.random.Generator
+) -> list[Mark]:
+    """Return bent rails and scattered ballast of a torn stretch."""
+    stretch = _between(line, along, *gap)
+    swing = np.linspace(0.0, 1.0, len(stretch))
+    marks: list[Mark] = []
+    for side in (-1.0, 1.0):
+        bend = rng.uniform(1.0, 2.6) * np.sin(np.pi * swing) * rng.choice([-1.0, 1.0])
+        ripple = 0.5 * np.sin(rng.uniform(2.0, 3.5) * np.pi * swing + rng.uniform(0.0, 3.0))
+        offset = side * 0.5 * GAUGE_M + bend + ripple * np.sin(np.pi * swing)
+        rail = stretch + offset[:, None] * _normals(stretch)
+        marks += [stroke(rail, _RAIL_WIDTH_M + 0.08, _RAIL_SIDE)]
+        marks += [stroke(rail, _RAIL_WIDTH_M - 0.05, _RAIL_TOP)]
+    for _ in range(int((gap[1] - gap[0]) * 0.5)):
+        place = stretch[int(rng.integers(len(stretch)))] + rng.normal(0.0, 2.6, 2)
+        radii = rng.uniform(0.4, 1.5, 2)
+        outline = place + _circle(rng, radii)
+        marks += faded(outline, _SCATTER, rings=3, spread=0.3)
+    return marks
+
+
+def _circle(rng: np.random.Generator, radii: Points) -> Points:
+    angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, 12))
+    return np.column_stack([radii[0] * np.cos(angles), radii[1] * np.sin(angles)])
+
+
+def _kept(gaps: tuple[tuple[float, float], ...], length: float) -> list[tuple[float, float]]:
+    edges = [0.0, *(edge for gap in gaps for edge in gap), length]
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def _between(line: Points, along: Points, start: float, end: float) -> Points:
+    count = max(3, int((end - start) / 1.0))
+    at = np.linspace(start, end, count)
+    return np.column_stack([np.interp(at, along, line[:, axis]) for axis in (0, 1)])
+
+
+def _placing(line: Points, along: Points, distance: float) -> Placing:
+    ends = _between(line, along, max(0.0, distance - 0.5), min(float(along[-1]), distance + 0.5))
+    direction = ends[-1] - ends[0]
+    east, north = ends[len(ends) // 2]
+    return Placing(float(east), float(north), float(np.arctan2(direction[1], direction[0])))
+
+
+def placing_on(line: Points, distance_m: float) -> Placing:
+    """Return the placing of something that stands on the track."""
+    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    return _placing(line, np.concatenate([[0.0], np.cumsum(lengths)]), distance_m)
+
+
+def _normals(line: Points) -> Points:
+    tangents = np.gradient(line, axis=0)
+    normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
+    unit: Points = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return unit
+
+
+def level_crossing(placing: Placing, length_m: float) -> tuple[Mark, ...]:
+    """Return the panels on which a road crosses a track."""
+    panel = Paint((96, 94, 92), 50)
+    marks = [rectangle(placing, length_m, 4.4, panel)]
+    for side in (-1.0, 1.0):
+        groove = placing.moved(0.0, side * 0.5 * GAUGE_M)
+        marks.append(rectangle(groove, length_m, 0.24, _RAIL_SIDE))
+        marks.append(rectangle(groove, length_m, 0.1, _RAIL_TOP))
+    return tuple(marks)
