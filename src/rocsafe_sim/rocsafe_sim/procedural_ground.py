@@ -13,8 +13,8 @@ from rocsafe_sim.scenery.scene import Scene
 from rocsafe_sim.scenery.turf import detail, turf
 
 TILE_PX = 512
-# Beyond the tile, so that soft edges fit those of its neighbours.
-PAD_PX = 16
+# Painted beyond the tile, so that soft edges fit those of its neighbours.
+PAD_M = 0.32
 FINEST_OCTAVE = 0
 COARSEST_OCTAVE = 9
 DEFAULT_CACHE_BYTES = 160_000_000
@@ -88,12 +88,13 @@ def paint_tile(seed: int, scene: Scene, key: TileKey) -> Image:
     inner = Window(
         column * TILE_PX, row * TILE_PX, (column + 1) * TILE_PX, (row + 1) * TILE_PX
     )
-    window = inner.grown(PAD_PX)
+    pad = max(4, round(PAD_M * CM_PER_M / 2.0**octave))
+    window = inner.grown(pad)
     canvas = Canvas(window, octave, turf(seed, octave, window))
     canvas.paint(scene.ground)
     canvas.cast(scene.shadows, _SHADOW_SOFTNESS_M)
     canvas.paint(scene.bodies)
-    return canvas.finished(detail(seed, octave, inner), PAD_PX)
+    return canvas.finished(detail(seed, octave, inner), pad)
 
 
 def _octave(resolution_m: float) -> int:

@@ -16,6 +16,17 @@ from rocsafe_sim.scenery.outlines import blob, faded, generator, smooth_line
 from rocsafe_sim.scenery.scene import Scene, Thing
 
 SITE = Placing(0.0, 0.0, math.radians(14.4))
+# x, y and radius; x, y.
+_TREES = (
+    (-48.0, 26.0, 4.0), (-38, 29, 3.2), (70, 31, 4.4), (82, 30, 3.4), (104, 29, 4.8),
+    (-116, 34, 4.6), (-118, 47, 5.2), (-95, 57, 4.2), (-79, 60, 3.6), (-116, -16, 4.4),
+    (-96, -40, 3.8), (-118, -30, 5.0), (2, -50, 4.3), (-22, -52, 3.6), (30, -49, 3.2),
+    (88, -48, 4.6), (98, -52, 5.4), (110, -47, 4.2), (104, -60, 4.8), (92, -60, 3.8),
+    (116, -58, 5.0), (-60, -52, 4.0), (-48, -55, 3.4), (78, -54, 3.4), (-76, 33, 3.0),
+)
+_SHRUBS = ((66.0, -8.0), (84, 3), (-52, 1), (-58, -6), (26, -33), (60, 18), (-36, 16.5), (98, 15))
+# Torn up, metres along the track.
+_GAP_M = (178.0, 246.0)
 _SILVER, _CREAM, _BLACK = (198, 200, 202), (222, 212, 186), (66, 66, 70)
 _SCORCHED = Paint((34, 30, 28), 150, 0.82)
 _EARTH = Paint((112, 86, 60), 190, 0.85)
@@ -89,8 +100,7 @@ def _ways(seed: int) -> Iterator[Thing]:
     yield roads.road('road', SITE.to_world(
         [[-92, -130], [-84, -70], [-77, -20], [-70, 20], [-60, 70], [-52, 130]]), 6.2, seed)
     line = _rail_line()
-    gap = (178.0, 232.0)
-    yield railway.track('railway', line, (gap,), seed)
+    yield railway.track('railway', line, (_GAP_M,), seed)
     crossing = _at(-72.5, _rail_y(-72.5), 0.0)
     yield Thing(
         name='level_crossing', kind='level_crossing', placing=crossing, size_m=(7.0, 4.4, 0.0),
@@ -106,19 +116,20 @@ def _wreck_ground(seed: int) -> Iterator[Thing]:
         (46, 10, 12, 5, 0.4), (3, 1, 8, 4, -0.7),
     ):
         outline = blob(rng, _xy(x, y), (long, wide), SITE.yaw_rad + yaw)
-        earth += faded(outline, _EARTH, rings=7, spread=0.35)
+        earth.append(faded(outline, _EARTH, spread=0.35))
     for start, end in (((-26, 8.6), (-6, 12)), ((-10, 8), (6, 1.5)), ((10, 7), (24, 14)),
                        ((14, 8), (31, 1)), ((28, 8), (48, 13)), ((5, 6), (1, 1.2))):
-        gouge = smooth_line(SITE.to_world([start, np.add(start, end) / 2 + rng.normal(0, 1, 2),
-                                           end]), 1.0)
+        middle = np.add(start, end) / 2.0 + rng.normal(0.0, 1.0, 2)
+        gouge = smooth_line(SITE.to_world(np.array([start, middle, end])), 1.0)
         earth.append(stroke(gouge, rng.uniform(0.8, 1.5), Paint((84, 62, 44), 200, 0.8, 0.3)))
     yield Thing(name='torn_earth', kind='soil', placing=_at(15, 8), size_m=(1.0, 1.0, 0.0),
                 ground=tuple(earth))
     scorch: list[Mark] = []
-    for x, y, radius in ((18, 15.5, 7.0), (22, 12, 4.5), (13, 17, 4.0)):
-        scorch += faded(blob(rng, _xy(x, y), (radius, 0.7 * radius), 1.0), _SCORCHED, rings=8)
+    for place, radius in ((_xy(18, 15.5), 7.0), (_xy(22, 12), 4.5), (_xy(13, 17), 4.0)):
+        scorch.append(faded(blob(rng, place, (radius, 0.7 * radius), 1.0), _SCORCHED))
     yield Thing(name='scorched_ground', kind='scorch', placing=_at(18, 15), size_m=(1, 1, 0.0),
                 ground=tuple(scorch))
+    yield railway.torn_rails('torn_rails', _rail_line(), _GAP_M, seed)
     yield _spill(seed)
     yield _debris(rng)
 
@@ -182,7 +193,7 @@ def _responders(seed: int) -> Iterator[Thing]:
     yield roads.fire_engine('fire_engine_1', _at(-31.0, -12.6, 2.0))
     yield roads.fire_engine('fire_engine_2', _at(-78.6, -27.0, 82.0))
     yield roads.fire_engine('fire_engine_3', _at(56.0, -14.6, 176.0))
-    yield roads.ambulance('ambulance_1', _at(-76.0, -36.5, 84.0))
+    yield roads.ambulance('ambulance_1', _at(-77.9, -37.5, 83.0))
     yield roads.ambulance('ambulance_2', _at(61.5, -20.5, 95.0))
     yield roads.car('police_car_1', _at(-70.6, 26.0, 170.0), (232, 234, 236))
     yield roads.car('police_car_2', _at(-77.8, -9.0, 172.0), (232, 234, 236))
@@ -218,27 +229,24 @@ def _trees(seed: int) -> Iterator[Thing]:
     for name, line in (
         ('hedge_north', [[-44, 20], [0, 31.5], [40, 30], [90, 25.5], [150, 29]]),
         ('hedge_road_west', [[-75.5, 20], [-71, 27]]),
-        ('hedge_road_north', [[-66, 40], [-58, 78], [-54, 112]]),
-        ('hedge_road_east', [[-62, 21], [-52, 62], [-45, 108]]),
+        ('hedge_road_north', [[-71, 42], [-64, 78], [-60, 112]]),
+        ('hedge_road_east', [[-63, 23], [-55, 62], [-48, 108]]),
         ('hedge_garden', [[-112, 26], [-112, 53], [-92, 56], [-90, 53]]),
         ('hedge_cottage', [[-114, -12], [-112, -33], [-96, -36], [-82, -34]]),
-        ('hedge_road_south', [[-81, -56], [-86, -86], [-90, -112]]),
+        ('hedge_road_south', [[-88.5, -56], [-92, -86], [-96, -112]]),
     ):
-        yield plants.hedge(name, SITE.to_world(line), 1.9, 2.2, seed)
+        yield plants.hedge(name, SITE.to_world(np.array(line, float)), 1.9, 2.2, seed)
     rng = generator(seed, 44)
-    spots = [(-48, 26, 4.0), (-38, 29, 3.2), (70, 31, 4.4), (82, 30, 3.4), (104, 29, 4.8),
-             (-116, 34, 4.6), (-118, 47, 5.2), (-95, 57, 4.2), (-79, 60, 3.6), (-116, -16, 4.4),
-             (-96, -40, 3.8), (-118, -30, 5.0), (2, -50, 4.3), (-22, -52, 3.6), (30, -49, 3.2),
-             (88, -48, 4.6), (98, -52, 5.4), (110, -47, 4.2), (104, -60, 4.8), (92, -60, 3.8),
-             (116, -58, 5.0), (-60, -52, 4.0), (-48, -55, 3.4), (78, -54, 3.4), (-66, 33, 3.0)]
-    spots += [(float(x), float(y), float(r)) for x, y, r in zip(
-        rng.uniform(85, 150, 26), rng.uniform(-105, -62, 26), rng.uniform(3.0, 5.6, 26),
-        strict=True)]
-    for number, (x, y, radius) in enumerate(spots):
+    wood = zip(
+        rng.uniform(85, 150, 26).tolist(),
+        rng.uniform(-105, -62, 26).tolist(),
+        rng.uniform(3.0, 5.6, 26).tolist(),
+        strict=True,
+    )
+    for number, (x, y, radius) in enumerate([*_TREES, *wood]):
         colour = plants.PINE if number % 6 == 5 else plants.LEAVES[number % 4]
         height = radius * rng.uniform(1.9, 2.6)
         yield plants.tree(f'tree_{number + 1}', _xy(x, y), radius, float(height), seed, colour)
-    for number, (x, y) in enumerate(((66, -8), (84, 3), (-52, 1), (-58, -6), (26, -33), (60, 18),
-                                     (-36, 16.5), (98, 15))):
+    for number, (x, y) in enumerate(_SHRUBS):
         colour = plants.BLOSSOM if number % 3 == 0 else plants.LEAVES[3]
         yield plants.shrubs(f'shrubs_{number + 1}', _xy(x, y), 2.4, 9, seed, colour)

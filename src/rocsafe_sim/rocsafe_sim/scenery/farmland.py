@@ -4,32 +4,34 @@
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rocsafe_sim.scenery.light import brightness, shadow_of, shadow_of_box, shadow_offset
 from rocsafe_sim.scenery.marks import (
     Colour,
+    Coordinates,
     Mark,
     Paint,
     Placing,
     Points,
+    Shape,
     disc,
     polygon,
     rectangle,
+    ribbon,
     stroke,
 )
 from rocsafe_sim.scenery.outlines import blob, faded, generator
 from rocsafe_sim.scenery.scene import Thing
 
-_SOIL = Paint((122, 94, 66), 175, 0.93, 0.3)
-_FURROW = Paint((88, 65, 45), 170, 0.55, 0.1)
-_RIDGE = Paint((150, 120, 88), 190, 0.45, 0.1)
+_SOIL = Paint((122, 94, 66), 175, 0.93)
+_FURROW = Paint((88, 65, 45), 170, 0.55)
+_RIDGE = Paint((150, 120, 88), 190, 0.45)
 _SLATE = Paint((104, 106, 114), 60)
 _TILE = Paint((150, 84, 62), 60)
 _WALL = Paint((222, 216, 202), 20)
 
 
-def ploughed_field(name: str, outline: ArrayLike, yaw_rad: float, seed: int) -> Thing:
+def ploughed_field(name: str, outline: Coordinates, yaw_rad: float, seed: int) -> Thing:
     """Return a ploughed field, its furrows in direction `yaw_rad`."""
     corners = np.asarray(outline, float)
     rng = generator(seed, 31, len(name))
@@ -37,30 +39,33 @@ def ploughed_field(name: str, outline: ArrayLike, yaw_rad: float, seed: int) -> 
     for patch in range(10):
         place = _within(corners, rng)
         soil = Paint((96, 72, 50) if patch % 2 else (146, 118, 88), 175, 0.35)
-        ground += faded(blob(rng, place, (9.0, 5.0), yaw_rad), soil, rings=4)
+        ground.append(faded(blob(rng, place, (9.0, 5.0), yaw_rad), soil))
+    furrows: list[Points] = []
+    ridges: list[Points] = []
     for offset, line in _rows(corners, yaw_rad, 0.62):
         wobble = 0.05 * np.sin(line[:, :1] * 0.31 + offset) + rng.normal(0.0, 0.015, line.shape)
-        ground.append(stroke(line + wobble, 0.22, _FURROW.lit(rng.uniform(0.85, 1.1))))
-        ground.append(stroke(line + wobble + 0.2, 0.14, _RIDGE))
+        furrows.append(ribbon(line + wobble, 0.22))
+        ridges.append(ribbon(line + wobble + 0.2, 0.14))
+    ground += _grouped(furrows, 40, _FURROW) + _grouped(ridges, 40, _RIDGE)
     return _field(name, corners, ground)
 
 
 def meadow(
-    name: str, outline: ArrayLike, yaw_rad: float, colour: Colour, seed: int,
+    name: str, outline: Coordinates, yaw_rad: float, colour: Colour, seed: int,
     swath_m: float = 3.2,
 ) -> Thing:
     """Return a meadow in its own green, with the swaths of the last mowing."""
     corners = np.asarray(outline, float)
     rng = generator(seed, 32, len(name))
-    ground: list[Mark] = [polygon(corners, Paint(colour, 110, 0.5, 0.3))]
-    for number, (_, line) in enumerate(_rows(corners, yaw_rad, swath_m)):
-        pale, dark = (150, 160, 88), (62, 84, 40)
-        paint = Paint(pale if number % 2 else dark, 110, rng.uniform(0.13, 0.24), 0.3)
-        ground.append(stroke(line, swath_m * 0.96, paint))
+    ground: list[Mark] = [polygon(corners, Paint(colour, 110, 0.5))]
+    swaths = [ribbon(line, 0.96 * swath_m) for _, line in _rows(corners, yaw_rad, swath_m)]
+    for first, colour_of in enumerate(((150, 160, 88), (62, 84, 40))):
+        for opacity, start in ((0.15, first), (0.22, first + 2)):
+            ground += _grouped(swaths[start::4], 6, Paint(colour_of, 110, opacity))
     for _ in range(8):
         place = _within(corners, rng)
-        ground += faded(blob(rng, place, (6.0, 3.0), rng.uniform(0.0, 3.0)),
-                        Paint((140, 140, 78), 140, 0.3), rings=4)
+        ground.append(faded(blob(rng, place, (6.0, 3.0), rng.uniform(0.0, 3.0)),
+                        Paint((140, 140, 78), 140, 0.3)))
     return _field(name, corners, ground)
 
 
@@ -78,7 +83,7 @@ def house(
         light = brightness((east, north, math.cos(slope)))
         half = [[-x, 0.0], [x, 0.0], [x, side * y], [-x, side * y]]
         body.append(polygon(placing.to_world(half), roof.lit(0.9 * light)))
-        for step in np.arange(0.3, y, 0.3):
+        for step in np.arange(0.3, y, 0.3).tolist():
             course = placing.to_world([[-x, side * step], [x, side * step]])
             body.append(stroke(course, 0.06, roof.lit(0.68 * light)))
     body.append(stroke(placing.to_world([[-x, 0.0], [x, 0.0]]), 0.22, roof.lit(1.25)))
@@ -96,7 +101,7 @@ def house(
     )
 
 
-def yard(name: str, outline: ArrayLike, colour: Colour = (172, 166, 154)) -> Thing:
+def yard(name: str, outline: Coordinates, colour: Colour = (172, 166, 154)) -> Thing:
     """Return a paved or gravelled yard."""
     corners = np.asarray(outline, float)
     return _field(name, corners, [polygon(corners, Paint(colour, 120, 0.92, 0.3))])
@@ -107,7 +112,7 @@ def tent(name: str, placing: Placing, colour: Colour) -> Thing:
     from rocsafe_sim.scenery.rolling_stock import cylinder
 
     body: list[Mark] = list(cylinder(placing, 8.0, 2.75, Paint(colour, 20)))
-    for x in np.linspace(-3.7, 3.7, 5):
+    for x in np.linspace(-3.7, 3.7, 5).tolist():
         body.append(stroke(placing.to_world([[x, -2.7], [x, 0.0], [x, 2.7]]), 0.42,
                            Paint(colour, 15).lit(0.82)))
         body.append(stroke(placing.to_world([[x - 0.1, -2.7], [x - 0.1, 0.0], [x - 0.1, 2.7]]),
@@ -138,13 +143,19 @@ def sheep(name: str, centre: tuple[float, float], count: int, spread_m: float, s
     )
 
 
+def _grouped(outlines: list[Points], size: int, paint: Paint) -> list[Mark]:
+    """Return polygons painted `size` at a time: fewer strokes of the brush than one by one."""
+    groups = [tuple(outlines[at:at + size]) for at in range(0, len(outlines), size)]
+    return [Shape(group, paint) for group in groups]
+
+
 def _rows(corners: Points, yaw_rad: float, spacing_m: float) -> list[tuple[float, Points]]:
     """Return (offset, line) of parallel rows within a convex outline."""
     along = np.array([math.cos(yaw_rad), math.sin(yaw_rad)])
     across = np.array([-along[1], along[0]])
     s, t = corners @ along, corners @ across
     rows = []
-    for offset in np.arange(t.min() + 0.5 * spacing_m, t.max(), spacing_m):
+    for offset in np.arange(t.min() + 0.5 * spacing_m, t.max(), spacing_m).tolist():
         ends = _crossings(s, t, float(offset))
         if len(ends) == 2 and ends[1] - ends[0] > 2.0:
             steps = np.linspace(ends[0] + 0.4, ends[1] - 0.4, max(2, int(np.ptp(ends) / 4.0)))

@@ -6,9 +6,16 @@ from collections.abc import Iterable
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike
 
-from rocsafe_sim.scenery.marks import Mark, Paint, Placing, Points, disc, polygon
+from rocsafe_sim.scenery.marks import (
+    Coordinates,
+    Dots,
+    Paint,
+    Placing,
+    Points,
+    Shape,
+    polygon,
+)
 
 # A fine morning: the sun stands in the south-east.
 SUN_AZIMUTH_RAD = math.radians(146.0)
@@ -31,22 +38,23 @@ def shadow_offset(height_m: float) -> Points:
     return height_m * np.array(SHADOW_PER_M)
 
 
-def shadow_of(points: ArrayLike, height_m: float) -> Mark:
+def shadow_of(points: Coordinates, height_m: float) -> Shape:
     """Return the shadow of an upright prism with a convex outline, shape (n, 2)."""
     base = np.asarray(points, float)
     hull = np.vstack([base, base + shadow_offset(height_m)])
     return polygon(convex_hull(hull), SHADOW)
 
 
-def shadow_of_box(placing: Placing, length_m: float, width_m: float, height_m: float) -> Mark:
+def shadow_of_box(placing: Placing, length_m: float, width_m: float, height_m: float) -> Shape:
     """Return the shadow of a box that stands at `placing`."""
     x, y = 0.5 * length_m, 0.5 * width_m
     return shadow_of(placing.to_world([[-x, -y], [x, -y], [x, y], [-x, y]]), height_m)
 
 
-def shadow_of_disc(centre: ArrayLike, radius_m: float, height_m: float) -> Mark:
-    """Return the shadow of a level disc at a height."""
-    return disc(np.asarray(centre, float) + shadow_offset(height_m), radius_m, SHADOW)
+def shadow_of_discs(centres: Points, radii_m: Points, heights_m: Points) -> Dots:
+    """Return the shadows of level discs at heights; shapes (n, 2), (n,), (n,)."""
+    shifted = centres + heights_m[:, None] * np.array(SHADOW_PER_M)
+    return Dots(shifted, radii_m, np.zeros((1, 4)))
 
 
 def brightness(normal_enu: Iterable[float]) -> float:

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Marks that make up the painted scene: polygons, discs and strokes, in metres east and north."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 Colour = tuple[int, int, int]
+Coordinates = Sequence[Sequence[float]] | NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,42 +35,92 @@ class Paint:
         return Paint((red, green, blue), self.grain, self.opacity, self.softness_m)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Mark:
-    """One polygon, or one disc if it has a single point, filled with one paint."""
+Bounds = tuple[float, float, float, float]
 
-    points: Points
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """Polygons filled with one paint, as one: where they overlap they do not add up.
+
+    Attributes
+    ----------
+    outlines : corners (n, 2) of each polygon.
+    paint : of all.
+    is_faded : the polygons lie one inside the other, and opacity grows from each to the next.
+    """
+
+    outlines: tuple[Points, ...]
     paint: Paint
-    radius_m: float = 0.0
+    is_faded: bool = False
 
     @property
-    def bounds(self) -> tuple[float, float, float, float]:
+    def bounds(self) -> Bounds:
         """West, south, east, north, with the soft edge."""
-        reach = self.radius_m + 2.0 * self.paint.softness_m
-        west, south = self.points.min(axis=0) - reach
-        east, north = self.points.max(axis=0) + reach
-        return west, south, east, north
+        reach = 2.0 * self.paint.softness_m
+        # The first of faded outlines holds the others.
+        outlines = self.outlines[:1] if self.is_faded else self.outlines
+        corners = outlines[0] if len(outlines) == 1 else np.concatenate(outlines)
+        (west, south), (east, north) = corners.min(axis=0), corners.max(axis=0)
+        return float(west - reach), float(south - reach), float(east + reach), float(north + reach)
 
 
-def polygon(points: ArrayLike, paint: Paint) -> Mark:
+@dataclass(frozen=True, slots=True, eq=False)
+class Dots:
+    """Opaque discs, painted one over the other in their order.
+
+    Attributes
+    ----------
+    centres : metres, shape (n, 2).
+    radii_m : shape (n,).
+    values : red, green, blue and grain of each, shape (n, 4), 0 to 255.
+    """
+
+    centres: Points
+    radii_m: Points
+    values: Points
+
+    @property
+    def bounds(self) -> Bounds:
+        """West, south, east, north."""
+        west, south = (self.centres - self.radii_m[:, None]).min(axis=0)
+        east, north = (self.centres + self.radii_m[:, None]).max(axis=0)
+        return float(west), float(south), float(east), float(north)
+
+
+Mark = Shape | Dots
+
+
+def polygon(points: Coordinates, paint: Paint) -> Shape:
     """Return a filled polygon, shape (n, 2)."""
-    return Mark(np.asarray(points, float), paint)
+    return Shape((np.asarray(points, float),), paint)
 
 
-def disc(centre: ArrayLike, radius_m: float, paint: Paint) -> Mark:
-    """Return a filled disc."""
-    return Mark(np.asarray(centre, float).reshape(1, 2), paint, radius_m)
+def disc(centre: Sequence[float] | Points, radius_m: float, paint: Paint) -> Dots:
+    """Return one opaque disc."""
+    value = np.array([[*paint.colour, paint.grain]], float)
+    return Dots(np.asarray(centre, float).reshape(1, 2), np.array([radius_m]), value)
 
 
-def stroke(points: ArrayLike, width_m: float, paint: Paint) -> Mark:
+def stroke(points: Coordinates, width_m: float, paint: Paint) -> Shape:
     """Return a line of a width, as a polygon; it may bend, but not sharply."""
+    return Shape((ribbon(points, width_m),), paint)
+
+
+def ribbon(points: Coordinates, width_m: float) -> Points:
+    """Return the outline of a line (n, 2) of a width."""
     line = np.asarray(points, float)
-    tangents = np.gradient(line, axis=0) if len(line) > 2 else np.repeat(
-        line[1:] - line[:1], 2, axis=0
-    )
+    normals = 0.5 * width_m * normals_of(line)
+    return np.vstack([line + normals, (line - normals)[::-1]])
+
+
+def normals_of(line: Points) -> Points:
+    """Return the unit normals to the left of a line, at each of its points."""
+    tangents = np.empty_like(line)
+    tangents[1:-1] = line[2:] - line[:-2]
+    tangents[0], tangents[-1] = line[1] - line[0], line[-1] - line[-2]
     normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
-    normals *= 0.5 * width_m / np.linalg.norm(normals, axis=1, keepdims=True)
-    return Mark(np.vstack([line + normals, (line - normals)[::-1]]), paint)
+    unit: Points = normals / np.hypot(normals[:, 0], normals[:, 1])[:, None]
+    return unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +131,7 @@ class Placing:
     north_m: float
     yaw_rad: float = 0.0
 
-    def to_world(self, points: ArrayLike) -> Points:
+    def to_world(self, points: Coordinates) -> Points:
         """Return local points (n, 2) in the world."""
         local = np.asarray(points, float)
         cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
@@ -93,7 +144,7 @@ class Placing:
         return Placing(float(east), float(north), self.yaw_rad + turn_rad)
 
 
-def rectangle(placing: Placing, length_m: float, width_m: float, paint: Paint) -> Mark:
+def rectangle(placing: Placing, length_m: float, width_m: float, paint: Paint) -> Shape:
     """Return a rectangle centred on and turned with `placing`."""
     x, y = 0.5 * length_m, 0.5 * width_m
     return polygon(placing.to_world([[-x, -y], [x, -y], [x, y], [-x, y]]), paint)
@@ -107,8 +158,11 @@ class Layer:
         bounds = [mark.bounds for mark in self._marks]
         self._bounds = np.array(bounds, float).reshape(len(bounds), 4)
 
-    def within(self, west: float, south: float, east: float, north: float) -> Iterable[Mark]:
-        """Yield, in order, the marks whose bounds meet those given."""
+    def within(
+        self, west: float, south: float, east: float, north: float
+    ) -> Iterator[tuple[Mark, Bounds]]:
+        """Yield, in order, the marks that may be seen there, each with its bounds."""
         b = self._bounds
         meets = (b[:, 0] <= east) & (b[:, 2] >= west) & (b[:, 1] <= north) & (b[:, 3] >= south)
-        return (self._marks[index] for index in np.flatnonzero(meets))
+        for index in np.flatnonzero(meets):
+            yield self._marks[index], tuple(b[index].tolist())

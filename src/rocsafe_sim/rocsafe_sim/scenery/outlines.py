@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Irregular outlines, drawn from a generator."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from rocsafe_sim.scenery.marks import Mark, Paint, Points, polygon
+from rocsafe_sim.scenery.marks import (
+    Coordinates,
+    Paint,
+    Points,
+    Shape,
+)
 
 
 def generator(seed: int, *parts: int) -> np.random.Generator:
@@ -14,7 +18,7 @@ def generator(seed: int, *parts: int) -> np.random.Generator:
     return np.random.default_rng([seed, *parts])
 
 
-def smooth_line(points: ArrayLike, spacing_m: float = 2.0) -> Points:
+def smooth_line(points: Coordinates, spacing_m: float = 2.0) -> Points:
     """Return a Catmull-Rom curve through points (n, 2), sampled every `spacing_m` or so."""
     through = np.asarray(points, float)
     padded = np.vstack([2 * through[0] - through[1], through, 2 * through[-1] - through[-2]])
@@ -23,7 +27,10 @@ def smooth_line(points: ArrayLike, spacing_m: float = 2.0) -> Points:
 
 
 def blob(
-    rng: np.random.Generator, centre: ArrayLike, radii_m: tuple[float, float], yaw_rad: float = 0.0
+    rng: np.random.Generator,
+    centre: Sequence[float] | Points,
+    radii_m: tuple[float, float],
+    yaw_rad: float = 0.0,
 ) -> Points:
     """Return an irregular rounded outline, with half axes `radii_m`."""
     angles = np.linspace(0.0, 2.0 * np.pi, 28, endpoint=False)
@@ -37,13 +44,13 @@ def blob(
     return turned + np.asarray(centre, float)
 
 
-def faded(outline: Points, paint: Paint, rings: int = 6, spread: float = 0.45) -> Iterator[Mark]:
-    """Yield nested translucent outlines that add up to `paint` in the middle and fade outwards."""
+def faded(outline: Points, paint: Paint, rings: int = 9, spread: float = 0.45) -> Shape:
+    """Return a patch that fades out: nested outlines, from `1 + spread` to `1 - spread` of it."""
     centre = outline.mean(axis=0)
-    opacity = 1.0 - (1.0 - paint.opacity) ** (1.0 / rings)
-    thin = Paint(paint.colour, paint.grain, opacity, paint.softness_m)
-    for scale in np.linspace(1.0 + spread, 1.0 - spread, rings):
-        yield polygon(centre + (outline - centre) * scale, thin)
+    scales = np.linspace(1.0 + spread, 1.0 - spread, rings)
+    return Shape(
+        tuple(centre + (outline - centre) * scale for scale in scales), paint, is_faded=True
+    )
 
 
 def _piece(corners: Points, spacing_m: float) -> Points:

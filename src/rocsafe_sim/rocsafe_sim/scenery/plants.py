@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trees, hedges and shrubs, each from leaf clumps of its own."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from rocsafe_sim.scenery.light import SUN_ENU, shadow_of_disc
-from rocsafe_sim.scenery.marks import Colour, Mark, Paint, Placing, Points, disc
+from rocsafe_sim.scenery.light import SUN_ENU, shadow_of_box, shadow_of_discs
+from rocsafe_sim.scenery.marks import (
+    Colour,
+    Coordinates,
+    Dots,
+    Mark,
+    Placing,
+    Points,
+)
 from rocsafe_sim.scenery.outlines import generator, smooth_line
 from rocsafe_sim.scenery.scene import Thing
 
@@ -23,40 +30,36 @@ def tree(
 ) -> Thing:
     """Return a broad-leaved tree: clumps of leaves, lit from the sun's side."""
     rng = generator(seed, int(at[0] * 100) & 0xFFFF, int(at[1] * 100) & 0xFFFF)
-    count = int(14 + 9 * radius_m)
-    places, sizes, heights = _clumps(rng, radius_m, count)
-    centre = np.asarray(at, float)
-    body = tuple(_lit_clumps(rng, centre + places, sizes, heights, colour))
-    high = height_m * (0.45 + 0.4 * heights)
-    shadow = tuple(
-        shadow_of_disc(centre + place, 1.05 * size, up)
-        for place, size, up in zip(places, sizes, high, strict=True)
-    )
+    clumps = _crown(rng, radius_m, int(30 + 26 * radius_m)).at(at)
+    high = height_m * (0.35 + 0.5 * clumps.heights)
+    trunk = Placing(*at)
     return Thing(
         name=name,
         kind='tree',
-        placing=Placing(*at),
+        placing=trunk,
         size_m=(2 * radius_m, 2 * radius_m, height_m),
         colour=colour,
-        shadow=shadow,
-        body=body,
+        shadow=(
+            shadow_of_discs(clumps.places, 1.1 * clumps.radii_m, high),
+            shadow_of_discs(clumps.places, 0.9 * clumps.radii_m, 0.35 * high),
+            shadow_of_box(trunk, 0.5, 0.5, 0.5 * height_m),
+        ),
+        body=(_lit(rng, clumps, colour),),
     )
 
 
 def hedge(
-    name: str, line: ArrayLike, width_m: float, height_m: float, seed: int
+    name: str, line: Coordinates, width_m: float, height_m: float, seed: int
 ) -> Thing:
     """Return a hedge along a line (n, 2)."""
     rng = generator(seed, len(name), int(abs(np.asarray(line).sum()) * 10) & 0xFFFF)
-    path = smooth_line(line, 0.75)
-    places = path + rng.normal(0.0, 0.16 * width_m, path.shape)
-    sizes = rng.uniform(0.38, 0.62, len(path)) * width_m
-    colour = LEAVES[int(rng.integers(len(LEAVES)))]
-    body = _lit_clumps(rng, places, sizes, rng.uniform(0.2, 1.0, len(path)), colour)
-    shadow = tuple(
-        shadow_of_disc(place, size, 0.75 * height_m)
-        for place, size in zip(places, sizes, strict=True)
+    path = np.repeat(smooth_line(line, 0.55), 3, axis=0)
+    count = len(path)
+    places = path + rng.normal(0.0, 0.24 * width_m, path.shape)
+    clumps = _Clumps(
+        places, rng.uniform(0.16, 0.36, count) * width_m, rng.uniform(0.1, 1.0, count)
     )
+    colour = LEAVES[int(rng.integers(len(LEAVES)))]
     middle = path.mean(axis=0)
     return Thing(
         name=name,
@@ -64,8 +67,11 @@ def hedge(
         placing=Placing(float(middle[0]), float(middle[1])),
         size_m=(1.0, 1.0, 0.0),
         colour=colour,
-        shadow=shadow,
-        body=tuple(body),
+        shadow=(
+            shadow_of_discs(places, 1.3 * clumps.radii_m, np.full(count, 0.8 * height_m)),
+            shadow_of_discs(places, 1.3 * clumps.radii_m, np.full(count, 0.3 * height_m)),
+        ),
+        body=(_lit(rng, clumps, colour),),
     )
 
 
@@ -75,44 +81,64 @@ def shrubs(
 ) -> Thing:
     """Return a loose group of low shrubs."""
     rng = generator(seed, count, int(centre[0]) & 0xFFFF, int(centre[1]) & 0xFFFF)
-    places = np.asarray(centre) + rng.normal(0.0, spread_m, (count, 2))
-    sizes = rng.uniform(0.35, 1.1, count)
-    shadow = tuple(
-        shadow_of_disc(place, size, size) for place, size in zip(places, sizes, strict=True)
-    )
+    shadow: list[Mark] = []
     body: list[Mark] = []
-    for place, size in zip(places, sizes, strict=True):
-        offsets, clump_sizes, heights = _clumps(rng, size, 7)
-        body += _lit_clumps(rng, place + offsets, clump_sizes, heights, colour)
+    for place in np.asarray(centre) + rng.normal(0.0, spread_m, (count, 2)):
+        size = rng.uniform(0.35, 1.1)
+        clumps = _crown(rng, size, 16).at(place)
+        shadow.append(shadow_of_discs(clumps.places, clumps.radii_m, 0.9 * size * clumps.heights))
+        body.append(_lit(rng, clumps, colour))
     return Thing(
         name=name, kind='shrubs', placing=Placing(*centre), size_m=(1.0, 1.0, 0.0),
-        colour=colour, shadow=shadow, body=tuple(body),
+        colour=colour, shadow=tuple(shadow), body=tuple(body),
     )
 
 
-def _clumps(
-    rng: np.random.Generator, radius_m: float, count: int
-) -> tuple[Points, Points, Points]:
-    """Return places about the crown's centre, radii and relative heights of clumps, low first."""
-    distances = radius_m * np.sqrt(rng.uniform(0.0, 1.0, count)) * 0.82
+@dataclass(frozen=True, slots=True)
+class _Clumps:
+    """Clumps of leaves, low ones first: places (n, 2), radii, heights from 0 to 1."""
+
+    places: Points
+    radii_m: Points
+    heights: Points
+
+    def at(self, place: Sequence[float] | Points) -> '_Clumps':
+        """Return the clumps of a plant that stands at `place`."""
+        return _Clumps(self.places + np.asarray(place, float), self.radii_m, self.heights)
+
+
+def _crown(rng: np.random.Generator, radius_m: float, count: int) -> _Clumps:
+    """Return the clumps of a rounded crown about the origin; its outline is lobed."""
     angles = rng.uniform(0.0, 2.0 * np.pi, count)
+    lobes = 1.0 + 0.13 * np.sin(3 * angles + rng.uniform(0, 6)) + 0.1 * np.sin(
+        5 * angles + rng.uniform(0, 6)
+    )
+    share = np.sqrt(rng.uniform(0.0, 1.0, count)) * lobes
+    distances = 0.88 * radius_m * share
     places = np.column_stack([distances * np.cos(angles), distances * np.sin(angles)])
-    heights = 1.0 - 0.75 * (distances / radius_m) ** 2 + rng.normal(0.0, 0.08, count)
-    sizes = radius_m * rng.uniform(0.20, 0.40, count)
+    heights = 1.0 - 0.8 * share**2 + rng.normal(0.0, 0.1, count)
+    sizes = radius_m * rng.uniform(0.10, 0.26, count)
     order = np.argsort(heights)
-    return places[order], sizes[order], heights[order].clip(0.05, 1.0)
+    return _Clumps(places[order], sizes[order], heights[order].clip(0.02, 1.0))
 
 
-def _lit_clumps(
-    rng: np.random.Generator, places: Points, sizes: Points, heights: Points, colour: Colour
-) -> Iterator[Mark]:
-    """Yield each clump as a dark rim, a body, and a lit cap towards the sun."""
-    to_sun = np.array(SUN_ENU[:2])
-    for place, size, height in zip(places, sizes, heights, strict=True):
-        tint = np.array(colour) * rng.uniform(0.85, 1.15) + rng.normal(0.0, 4.0, 3)
-        red, green, blue = (int(part) for part in tint.clip(0, 255))
-        paint = Paint((red, green, blue), _GRAIN)
-        light = 0.62 + 0.5 * height
-        yield disc(place, size, paint.lit(0.62 * light))
-        yield disc(place + 0.16 * size * to_sun, 0.86 * size, paint.lit(light))
-        yield disc(place + 0.42 * size * to_sun, 0.48 * size, paint.lit(1.28 * light))
+def _lit(rng: np.random.Generator, clumps: _Clumps, colour: Colour) -> Dots:
+    """Return clumps painted: the sun's side of the plant and of each clump is brighter."""
+    to_sun = np.array(SUN_ENU[:2]) / np.hypot(*SUN_ENU[:2])
+    count = len(clumps.heights)
+    centre = clumps.places.mean(axis=0)
+    reach = np.abs(clumps.places - centre).max() + 1e-9
+    towards = ((clumps.places - centre) @ to_sun / reach).clip(-1.0, 1.0)
+    light = 0.58 + 0.42 * clumps.heights + 0.22 * towards
+    tints = np.array(colour, float) * rng.uniform(0.86, 1.14, (count, 1))
+    tints += rng.normal(0.0, 3.5, (count, 3))
+    parts = (
+        (0.0, 1.0, 0.66), (0.2, 0.82, 0.9), (0.42, 0.52, 1.12), (0.55, 0.26, 1.3),
+    )
+    centres = np.stack([
+        clumps.places + shift * clumps.radii_m[:, None] * to_sun for shift, _, _ in parts
+    ], axis=1)
+    radii = np.stack([size * clumps.radii_m for _, size, _ in parts], axis=1)
+    colours = np.stack([tints * (light * factor)[:, None] for _, _, factor in parts], axis=1)
+    values = np.dstack([colours.clip(0, 255), np.full(radii.shape, float(_GRAIN))])
+    return Dots(centres.reshape(-1, 2), radii.ravel(), values.reshape(-1, 4))

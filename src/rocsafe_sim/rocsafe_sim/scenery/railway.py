@@ -8,6 +8,7 @@ from rocsafe_sim.scenery.marks import (
     Paint,
     Placing,
     Points,
+    normals_of,
     rectangle,
     stroke,
 )
@@ -30,9 +31,8 @@ _SCATTER = Paint((136, 128, 116), 230, 0.7, 0.2)
 
 
 def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: int) -> Thing:
-    """Return a track along `line` (n, 2); in the `gaps`, metres along it, it is torn up."""
-    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    """Return a track along `line` (n, 2); in the `gaps`, metres along it, it has no rails."""
+    along = _distances(line)
     ground: list[Mark] = [
         stroke(line, 7.6, _CESS),
         stroke(line, 5.6, _SHOULDER),
@@ -43,11 +43,9 @@ def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: 
     for start, end in _kept(gaps, float(along[-1])):
         kept = _between(line, along, start, end)
         for side in (-1.0, 1.0):
-            rail = kept + side * 0.5 * GAUGE_M * _normals(kept)
+            rail = kept + side * 0.5 * GAUGE_M * normals_of(kept)
             ground += [stroke(rail, _RAIL_WIDTH_M + 0.08, _RAIL_SIDE)]
             ground += [stroke(rail, _RAIL_WIDTH_M - 0.04, _RAIL_TOP)]
-    for number, (start, end) in enumerate(gaps):
-        ground += _torn(line, along, (start, end), generator(seed, 12, number))
     middle = line[len(line) // 2]
     return Thing(
         name=name, kind='railway', placing=Placing(float(middle[0]), float(middle[1])),
@@ -58,39 +56,44 @@ def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: 
 def _sleepers(
     line: Points, along: Points, gaps: tuple[tuple[float, float], ...], rng: np.random.Generator
 ) -> list[Mark]:
-    marks = []
-    for distance in np.arange(0.3, along[-1], SLEEPER_SPACING_M):
+    marks: list[Mark] = []
+    for distance in np.arange(0.3, along[-1], SLEEPER_SPACING_M).tolist():
         placing = _placing(line, along, float(distance))
         paint = _OLD_SLEEPER if rng.uniform() < 0.12 else _SLEEPER.lit(rng.uniform(0.88, 1.08))
         is_torn = any(start < distance < end for start, end in gaps)
         if is_torn and rng.uniform() < 0.3:
             continue
         if is_torn:
-            placing = placing.moved(*rng.normal(0.0, 0.45, 2), rng.normal(0.0, 0.35))
+            x, y, turn = rng.normal(0.0, (0.45, 0.45, 0.35)).tolist()
+            placing = placing.moved(x, y, turn)
         marks.append(rectangle(placing, 0.26, 2.6, paint))
     return marks
 
 
-def _torn(
-    line: Points, along: Points, gap: tuple[float, float], rng: np.random.Generator
-) -> list[Mark]:
-    """Return bent rails and scattered ballast of a torn stretch."""
+def torn_rails(name: str, line: Points, gap: tuple[float, float], seed: int) -> Thing:
+    """Return bent rails and scattered ballast of a torn stretch of track."""
+    rng = generator(seed, 12)
+    along = _distances(line)
     stretch = _between(line, along, *gap)
     swing = np.linspace(0.0, 1.0, len(stretch))
     marks: list[Mark] = []
-    for side in (-1.0, 1.0):
-        bend = rng.uniform(1.0, 2.6) * np.sin(np.pi * swing) * rng.choice([-1.0, 1.0])
-        ripple = 0.5 * np.sin(rng.uniform(2.0, 3.5) * np.pi * swing + rng.uniform(0.0, 3.0))
-        offset = side * 0.5 * GAUGE_M + bend + ripple * np.sin(np.pi * swing)
-        rail = stretch + offset[:, None] * _normals(stretch)
-        marks += [stroke(rail, _RAIL_WIDTH_M + 0.08, _RAIL_SIDE)]
-        marks += [stroke(rail, _RAIL_WIDTH_M - 0.05, _RAIL_TOP)]
     for _ in range(int((gap[1] - gap[0]) * 0.5)):
         place = stretch[int(rng.integers(len(stretch)))] + rng.normal(0.0, 2.6, 2)
         radii = rng.uniform(0.4, 1.5, 2)
         outline = place + _circle(rng, radii)
-        marks += faded(outline, _SCATTER, rings=3, spread=0.3)
-    return marks
+        marks.append(faded(outline, _SCATTER, spread=0.3))
+    for side in (-1.0, 1.0):
+        bend = rng.uniform(1.0, 2.6) * np.sin(np.pi * swing) * rng.choice([-1.0, 1.0])
+        ripple = 0.5 * np.sin(rng.uniform(2.0, 3.5) * np.pi * swing + rng.uniform(0.0, 3.0))
+        offset = side * 0.5 * GAUGE_M + bend + ripple * np.sin(np.pi * swing)
+        rail = stretch + offset[:, None] * normals_of(stretch)
+        marks += [stroke(rail, _RAIL_WIDTH_M + 0.08, _RAIL_SIDE)]
+        marks += [stroke(rail, _RAIL_WIDTH_M - 0.05, _RAIL_TOP)]
+    east, north = stretch[len(stretch) // 2].tolist()
+    return Thing(
+        name=name, kind='railway', placing=Placing(east, north), size_m=(1.0, 1.0, 0.0),
+        ground=tuple(marks),
+    )
 
 
 def _circle(rng: np.random.Generator, radii: Points) -> Points:
@@ -118,15 +121,13 @@ def _placing(line: Points, along: Points, distance: float) -> Placing:
 
 def placing_on(line: Points, distance_m: float) -> Placing:
     """Return the placing of something that stands on the track."""
+    return _placing(line, _distances(line), distance_m)
+
+
+def _distances(line: Points) -> Points:
+    """Return the distance of each point along `line`."""
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    return _placing(line, np.concatenate([[0.0], np.cumsum(lengths)]), distance_m)
-
-
-def _normals(line: Points) -> Points:
-    tangents = np.gradient(line, axis=0)
-    normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
-    unit: Points = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    return unit
+    return np.concatenate([[0.0], np.cumsum(lengths)])
 
 
 def level_crossing(placing: Placing, length_m: float) -> tuple[Mark, ...]:

@@ -2,11 +2,21 @@
 """Roads, tracks, water and what drives on the roads."""
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rocsafe_sim.scenery.light import shadow_of_box
-from rocsafe_sim.scenery.marks import Colour, Mark, Paint, Placing, disc, rectangle, stroke
-from rocsafe_sim.scenery.outlines import faded, generator, smooth_line
+from rocsafe_sim.scenery.marks import (
+    Colour,
+    Coordinates,
+    Mark,
+    Paint,
+    Placing,
+    Points,
+    disc,
+    normals_of,
+    rectangle,
+    stroke,
+)
+from rocsafe_sim.scenery.outlines import blob, faded, generator, smooth_line
 from rocsafe_sim.scenery.scene import Thing
 
 _VERGE = Paint((112, 116, 70), 140, 0.5, 0.3)
@@ -26,7 +36,7 @@ _BLUE_LIGHT = Paint((40, 96, 232), 5)
 _WHITE = Paint((238, 238, 234), 10)
 
 
-def road(name: str, points: ArrayLike, width_m: float, seed: int) -> Thing:
+def road(name: str, points: Coordinates, width_m: float, seed: int) -> Thing:
     """Return an asphalt road with edge lines, a broken centre line and repairs."""
     line = smooth_line(points, 3.0)
     rng = generator(seed, 21, len(name))
@@ -46,7 +56,7 @@ def road(name: str, points: ArrayLike, width_m: float, seed: int) -> Thing:
     return _flat(name, 'road', line, ground)
 
 
-def gravel_track(name: str, points: ArrayLike, width_m: float, seed: int) -> Thing:
+def gravel_track(name: str, points: Coordinates, width_m: float, seed: int) -> Thing:
     """Return a gravel track with two ruts and grass creeping in."""
     line = smooth_line(points, 2.0)
     rng = generator(seed, 22, len(name))
@@ -60,7 +70,7 @@ def gravel_track(name: str, points: ArrayLike, width_m: float, seed: int) -> Thi
     return _flat(name, 'track', line, ground)
 
 
-def stream(name: str, points: ArrayLike, width_m: float, seed: int) -> Thing:
+def stream(name: str, points: Coordinates, width_m: float, seed: int) -> Thing:
     """Return a stream with banks and reeds."""
     line = smooth_line(points, 2.0)
     rng = generator(seed, 23, len(name))
@@ -105,7 +115,7 @@ def fire_engine(name: str, placing: Placing) -> Thing:
         rectangle(placing.moved(-1.2, -0.6), 4.0, 0.7, Paint((120, 122, 124), 30)),
         rectangle(placing.moved(-4.0, 0.0), 0.5, 2.3, Paint((236, 214, 40), 10)),
     ]
-    for x in np.arange(-3.7, 1.4, 0.4):
+    for x in np.arange(-3.7, 1.4, 0.4).tolist():
         rung = placing.to_world([[x, 0.32], [x, 0.78]])
         body.append(stroke(rung, 0.08, Paint((90, 92, 94), 10)))
     return _vehicle(name, 'fire_engine', placing, (8.6, 2.5, 3.2), red.colour, body)
@@ -121,7 +131,7 @@ def ambulance(name: str, placing: Placing) -> Thing:
         rectangle(placing.moved(2.35, 0.0), 0.6, 1.85, _WINDOW),
         rectangle(placing.moved(1.5, 0.0), 0.35, 1.7, _BLUE_LIGHT),
     ]
-    for number, x in enumerate(np.arange(-2.9, 1.6, 0.62)):
+    for number, x in enumerate(np.arange(-2.9, 1.6, 0.62).tolist()):
         side = 0.97 if number % 2 else -0.97
         body.append(rectangle(placing.moved(float(x), side), 0.6, 0.22, green))
     body += [rectangle(placing.moved(-0.8, 0.0), 1.3, 0.36, green),
@@ -138,7 +148,7 @@ def lorry(name: str, placing: Placing, colour: Colour) -> Thing:
         rectangle(placing.moved(4.75, 0.0), 0.4, 2.1, _WINDOW),
         rectangle(placing.moved(-1.2, 0.0), 7.4, 2.5, Paint((206, 208, 208), 20)),
     ]
-    for x in np.arange(-4.4, 2.3, 1.1):
+    for x in np.arange(-4.4, 2.3, 1.1).tolist():
         rib = placing.to_world([[x, -1.2], [x, 1.2]])
         body.append(stroke(rib, 0.08, Paint((168, 170, 172), 10)))
     return _vehicle(name, 'lorry', placing, (10.0, 2.5, 3.4), colour, body)
@@ -163,7 +173,7 @@ def people(name: str, centre: tuple[float, float], count: int, seed: int) -> Thi
     )
 
 
-def cordon(name: str, points: ArrayLike) -> Thing:
+def cordon(name: str, points: Coordinates) -> Thing:
     """Return a line of red and white tape."""
     line = smooth_line(points, 0.5)
     body: list[Mark] = []
@@ -180,15 +190,13 @@ def cordon(name: str, points: ArrayLike) -> Thing:
     )
 
 
-def puddles(name: str, points: ArrayLike, paint: Paint, seed: int) -> Thing:
+def puddles(name: str, points: Coordinates, paint: Paint, seed: int) -> Thing:
     """Return pools of a liquid that ran along points (n, 3): east, north, radius."""
-    from rocsafe_sim.scenery.outlines import blob
-
     rng = generator(seed, 26, len(name))
     ground: list[Mark] = []
     for east, north, radius in np.asarray(points, float):
         outline = blob(rng, (east, north), (radius, 0.75 * radius), rng.uniform(0.0, 3.0))
-        ground += faded(outline, paint, rings=5, spread=0.3)
+        ground.append(faded(outline, paint, spread=0.3))
     first = np.asarray(points, float)[0]
     return Thing(
         name=name, kind='spill', placing=Placing(float(first[0]), float(first[1])),
@@ -214,7 +222,7 @@ def _vehicle(
     )
 
 
-def _flat(name: str, kind: str, line: np.ndarray, ground: list[Mark]) -> Thing:
+def _flat(name: str, kind: str, line: Points, ground: list[Mark]) -> Thing:
     middle = line[len(line) // 2]
     return Thing(
         name=name, kind=kind, placing=Placing(float(middle[0]), float(middle[1])),
@@ -222,7 +230,5 @@ def _flat(name: str, kind: str, line: np.ndarray, ground: list[Mark]) -> Thing:
     )
 
 
-def _beside(line: np.ndarray, offset_m: float) -> np.ndarray:
-    tangents = np.gradient(line, axis=0)
-    normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
-    return line + offset_m * normals / np.linalg.norm(normals, axis=1, keepdims=True)
+def _beside(line: Points, offset_m: float) -> Points:
+    return line + offset_m * normals_of(line)

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -39,7 +40,7 @@ def cylinder(
     """Yield a lying cylinder as strips, each lit as its part of the mantle faces the sun."""
     edges = np.linspace(-1.0, 1.0, _STRIPS + 1)
     cos, sin = math.cos(placing.yaw_rad), math.sin(placing.yaw_rad)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges.tolist()):
         middle = 0.5 * (low + high)
         side, up = middle, math.sqrt(1.0 - middle**2)
         light = brightness((-sin * side, cos * side, up))
@@ -61,7 +62,7 @@ def tank_car(
     shift = 0.5 if is_on_its_side else 0.0
     barrel = placing.moved(0.0, shift)
     body += cylinder(barrel, length - 0.6, radius, Paint(colour, 25), dish_m=0.7)
-    for x in np.linspace(-5.6, 5.6, 7):
+    for x in np.linspace(-5.6, 5.6, 7).tolist():
         body.append(stroke(barrel.to_world([[x, -1.46], [x, 0.0], [x, 1.46]]), 0.07,
                            Paint((40, 40, 40), 10, 0.35)))
     body += _streaks(barrel, length - 2.0, radius, rng)
@@ -90,7 +91,7 @@ def flat_car(name: str, placing: Placing, flasks: tuple[float, ...], seed: int) 
     body: list[Mark] = [rectangle(placing, 16.6, 1.0, _FRAME)]
     body += _bogies(placing, 5.6)
     body.append(rectangle(placing, 16.0, 2.75, _DECK))
-    for x in np.arange(-7.8, 8.0, 0.42):
+    for x in np.arange(-7.8, 8.0, 0.42).tolist():
         plank = stroke(placing.to_world([[x, -1.36], [x, 1.36]]), 0.05, _BLACK.lit(1.4))
         body.append(plank)
     for y in (-1.3, 1.3):
@@ -114,7 +115,7 @@ def box_car(name: str, placing: Placing, colour: Colour, seed: int) -> Thing:
     rng = generator(seed, 7, len(name), round(abs(placing.east_m) * 10))
     body: list[Mark] = [rectangle(placing, 13.6, 0.9, _FRAME)]
     body += cylinder(placing, 12.6, 1.42, Paint(colour, 45), dish_m=0.0)
-    for x in np.linspace(-6.1, 6.1, 17):
+    for x in np.linspace(-6.1, 6.1, 17).tolist():
         body.append(stroke(placing.to_world([[x, -1.4], [x, 0.0], [x, 1.4]]), 0.09,
                            Paint((20, 20, 20), 10, 0.3)))
     body += _streaks(placing, 11.0, 1.4, rng)
@@ -142,7 +143,7 @@ def locomotive(name: str, placing: Placing) -> Thing:
         body += [stroke(placing.to_world([[x + 0.7 * math.cos(a), 0.7 * math.sin(a)],
                                           [x - 0.7 * math.cos(a), -0.7 * math.sin(a)]]),
                         0.08, _BLACK) for a in (0.2, 1.25, 2.3)]
-    for x in np.arange(0.0, 2.4, 0.3):
+    for x in np.arange(0.0, 2.4, 0.3).tolist():
         body.append(stroke(placing.to_world([[x, -0.8], [x, 0.8]]), 0.1, _BLACK))
     body.append(rectangle(placing.moved(5.6, 0.0), 0.9, 0.5, _BLACK))
     return Thing(
@@ -151,7 +152,7 @@ def locomotive(name: str, placing: Placing) -> Thing:
     )
 
 
-def _underframe(placing: Placing, length_m: float, is_on_its_side: bool) -> Iterator[Mark]:  # noqa: FBT001
+def _underframe(placing: Placing, length_m: float, is_on_its_side: bool) -> Iterator[Mark]:
     if not is_on_its_side:
         yield rectangle(placing, length_m, 2.2, _FRAME)
         yield from _bogies(placing, 4.7)
@@ -173,7 +174,7 @@ def _bogies(placing: Placing, at_m: float) -> Iterator[Mark]:
 def _tank_top(placing: Placing, y: float) -> Iterator[Mark]:
     """Yield walkway, valves and manhole of a tank car."""
     yield rectangle(placing.moved(0.0, y), 6.4, 0.62, _GRATING)
-    for x in np.arange(-3.1, 3.2, 0.31):
+    for x in np.arange(-3.1, 3.2, 0.31).tolist():
         yield stroke(placing.to_world([[x, y - 0.3], [x, y + 0.3]]), 0.05, _STEEL)
     for x, radius in ((0.0, 0.52), (1.5, 0.24), (-1.6, 0.24)):
         place = placing.to_world([[x, y]])
@@ -197,7 +198,7 @@ def _streaks(
 def _flask_marks(placing: Placing, rng: np.random.Generator) -> Iterator[Mark]:
     white = Paint((214, 216, 210), 20)
     yield from cylinder(placing, 5.0, 1.05, white, dish_m=0.1)
-    for x in np.arange(-1.55, 1.56, 0.31):
+    for x in np.arange(-1.55, 1.56, 0.31).tolist():
         yield stroke(placing.to_world([[x, -1.03], [x, 0.0], [x, 1.03]]), 0.12,
                      Paint((96, 100, 104), 10, 0.55))
     for end in (-1.0, 1.0):
