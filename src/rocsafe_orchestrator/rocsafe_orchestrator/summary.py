@@ -89,6 +89,7 @@ class RunSummary:
     outcome: ``complete``, ``failed``, ``cancelled`` or ``unknown``.
     mission_duration_s: first take-off to last touch-down, simulated.
     wall_time_s: from the command to the making of the report.
+    start_up_s: wall time from the start of the run to the first word of a flight.
     real_time_factor: simulated seconds a second of wall time while flying.
     processes_restarted: process to number of restarts.
     missing: one line for each thing that is not there.
@@ -109,6 +110,7 @@ class RunSummary:
     integrated_dose_usv: float | None
     mission_duration_s: float | None
     wall_time_s: float | None
+    start_up_s: float | None
     real_time_factor: float | None
     message_count: int | None
     processes_restarted: Mapping[str, int]
@@ -145,6 +147,7 @@ def summarise(record: RunRecord) -> RunSummary:
         integrated_dose_usv=math.fsum(doses) if doses else None,
         mission_duration_s=_mission_duration_s(record),
         wall_time_s=_wall_time_s(record.info, mission),
+        start_up_s=_start_up_s(mission),
         real_time_factor=_real_time_factor(mission),
         message_count=log.facts.message_count if log else None,
         processes_restarted=_restarts(record.info),
@@ -261,6 +264,11 @@ def _mission_duration_s(record: RunRecord) -> float | None:
     if not flights:
         return None
     return (max(end for _, end in flights) - min(start for start, _ in flights)) / NS_PER_S
+
+
+def _start_up_s(mission: Sequence[MissionSample]) -> float | None:
+    aloft = (sample.wall_time_s for sample in mission if sample.mission_time_s > 0.0)
+    return next(aloft, None)
 
 
 def _real_time_factor(mission: Sequence[MissionSample]) -> float | None:
