@@ -4,6 +4,7 @@
 from collections.abc import Callable, Mapping
 
 from rocsafe_sim.scenery.derailment import derailment_scene
+from rocsafe_sim.scenery.meadowland import field_scene
 from rocsafe_sim.scenery.scene import Scene
 
 
@@ -14,6 +15,7 @@ def bare_scene(seed: int) -> Scene:  # noqa: ARG001 - all scenes are made alike
 
 SCENES: Mapping[str, Callable[[int], Scene]] = {
     'derailment': derailment_scene,
+    'field': field_scene,
     'none': bare_scene,
 }
 

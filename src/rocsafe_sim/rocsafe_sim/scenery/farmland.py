@@ -21,6 +21,7 @@ from rocsafe_sim.scenery.marks import (
     stroke,
 )
 from rocsafe_sim.scenery.outlines import blob, faded, generator
+from rocsafe_sim.scenery.rolling_stock import cylinder
 from rocsafe_sim.scenery.scene import Thing
 
 _SOIL = Paint((122, 94, 66), 175, 0.93)
@@ -109,8 +110,6 @@ def yard(name: str, outline: Coordinates, colour: Colour = (172, 166, 154)) -> T
 
 def tent(name: str, placing: Placing, colour: Colour) -> Thing:
     """Return an inflatable shelter, 8 m by 5.5 m, with its arches."""
-    from rocsafe_sim.scenery.rolling_stock import cylinder
-
     body: list[Mark] = list(cylinder(placing, 8.0, 2.75, Paint(colour, 20)))
     for x in np.linspace(-3.7, 3.7, 5).tolist():
         body.append(stroke(placing.to_world([[x, -2.7], [x, 0.0], [x, 2.7]]), 0.42,
