@@ -124,9 +124,10 @@ class Clockwork:
         if not self.is_running or wall_s < self._next_s:
             return None
         if self._pace.speed > 0.0:
-            # A late step does not make the next ones hurry.
             step_s = self._pace.step_ns * 1e-9 / self._pace.speed
-            self._next_s = max(self._next_s + step_s, wall_s)
+            # A step that is late by more than a step does not make the next ones hurry.
+            is_late = wall_s >= self._next_s + step_s
+            self._next_s = (wall_s if is_late else self._next_s) + step_s
         self._time_ns += self._pace.step_ns
         self._idle = {}
         self._is_adopted = False

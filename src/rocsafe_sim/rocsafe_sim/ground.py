@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of the ground, north of the equator or not, in metres about the mission origin."""
+"""Pictures of the ground, in metres about the mission origin."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from rocsafe_sim.errors import GroundError
 from rocsafe_sim.scenery.canvas import Image
 
 # More than this is asked for only by a camera that looks at the horizon.
-LARGEST_PATCH_PX = 64_000_000
+LARGEST_PATCH_PX = 200_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

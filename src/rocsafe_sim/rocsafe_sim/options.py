@@ -12,9 +12,12 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.scenery.catalogue import SCENES
+from rocsafe_sim.sensing_noise import LARGEST_SWAY_STDS
 
 PROCEDURAL = 'procedural'
 NS_PER_S = 1_000_000_000
+LARGEST_IMAGE_PX = 12_000_000
+LARGEST_VIEW_ANGLE_DEG = 70.0
 
 
 def _option(default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
@@ -108,7 +111,22 @@ class VehicleOptions(OriginOptions):
             require_not_negative(name, getattr(self, name))
         _require_scene(self.scene)
         self.airframe()
-        self.lens()
+        self._require_ground_in_view()
+
+    def _require_ground_in_view(self) -> None:
+        """Refuse cameras that would see the horizon, or more ground than memory holds."""
+        pixels = self.image_width_px * self.image_height_px
+        if pixels > LARGEST_IMAGE_PX:
+            raise ValueError(
+                f'image_width_px x image_height_px is {pixels}: must be {LARGEST_IMAGE_PX} at most'
+            )
+        lens = self.lens()
+        diagonal = math.hypot(lens.image_width_px, lens.image_height_px)
+        corner_deg = math.degrees(math.atan(0.5 * diagonal / lens.focal_px))
+        require_between(
+            'angle of the image corner, with tilt, from the vertical',
+            corner_deg + LARGEST_SWAY_STDS * self.tilt_std_deg, 0.0, LARGEST_VIEW_ANGLE_DEG, 'deg',
+        )
 
     @property
     def fix_period_ns(self) -> int:

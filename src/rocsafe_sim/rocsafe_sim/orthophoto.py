@@ -41,13 +41,20 @@ class OrthophotoGround:
         except ProjError as error:
             raise GroundError(f'{path}: its coordinate system is not usable: {error}') from error
         self._bands = _BLUE_GREEN_RED if self._file.count >= 3 else (1, 1, 1)
+        column, row = self._file_pixels(np.zeros((2, 2)))[0]
+        if not (0.0 <= column < self._file.width and 0.0 <= row < self._file.height):
+            origin = frame.origin
+            raise GroundError(
+                f'ground {path}: does not show the mission origin, '
+                f'{origin.latitude_deg:.6f}, {origin.longitude_deg:.6f}'
+            )
 
     def patch(self, bounds: GroundBounds, resolution_m: float) -> Patch:
         """Return a picture of all of `bounds`, black where the file shows nothing.
 
         Raises
         ------
-        GroundError: if the file does not reach there or cannot be read.
+        GroundError: if the file cannot be read.
         """
         corners = np.array([
             (bounds.west_m, bounds.south_m), (bounds.east_m, bounds.south_m),
@@ -56,8 +63,6 @@ class OrthophotoGround:
         full = self._file_pixels(corners)
         left, top = np.floor(full.min(axis=0)).astype(int) - 1
         right, bottom = np.ceil(full.max(axis=0)).astype(int) + 1
-        if right <= 0 or bottom <= 0 or left >= self._file.width or top >= self._file.height:
-            raise GroundError(f'{self._path}: shows no ground at {corners[0].round(1).tolist()} m')
         pixel_m = (bounds.east_m - bounds.west_m) / math.dist(full[0], full[1])
         shrink = max(1, int(resolution_m / pixel_m))
         columns, rows = -(-(right - left) // shrink), -(-(bottom - top) // shrink)
@@ -71,8 +76,8 @@ class OrthophotoGround:
         enu = np.column_stack([ground, np.zeros(len(ground))])
         latitudes, longitudes, _ = self._frame.to_geodetic(enu).T
         x, y = self._to_crs.transform(longitudes, latitudes)
-        columns, rows = ~self._file.transform * (x, y)
-        return np.column_stack([columns, rows])
+        a, b, c, d, e, f = tuple(~self._file.transform)[:6]
+        return np.column_stack([a * x + b * y + c, d * x + e * y + f])
 
     def _read(self, edges: tuple[int, int, int, int], shape: tuple[int, int]) -> Image:
         from rasterio.enums import Resampling

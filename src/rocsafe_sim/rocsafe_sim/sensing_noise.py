@@ -18,6 +18,8 @@ from rocsafe_sim.route import Enu
 # is new in every fix.
 KNOT_PERIOD_NS = 20_000_000_000
 _WHITE_VARIANCE_SHARE = 0.1
+# A vehicle that sways further than this does not release the shutter.
+LARGEST_SWAY_STDS = 3.5
 
 _GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE = range(4)
 
@@ -65,6 +67,9 @@ class SensorNoise:
     def sway_rad(self, sequence: int) -> tuple[float, float]:
         """Return true (roll, pitch) at the photograph with this number."""
         roll, pitch, _ = self._fresh(_SWAY, sequence)
+        # Both limits together keep the tilt, their hypotenuse, within LARGEST_SWAY_STDS.
+        limit = LARGEST_SWAY_STDS / math.sqrt(2.0)
+        roll, pitch = (min(max(value, -limit), limit) for value in (roll, pitch))
         return self.tilt_std_rad * roll, self.tilt_std_rad * pitch
 
     def attitude_error_rad(self, sequence: int) -> tuple[float, float, float]:
