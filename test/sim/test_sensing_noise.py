@@ -20,11 +20,11 @@ def noise(seed: int = 1, vehicle: str = 'rav1') -> SensorNoise:
 def test_gps_error_has_the_stated_size() -> None:
     """Over hours the errors have mean 0 and the stated standard deviations, at knots and between.
 
-    1500 knots give a mean within 3 sigma / sqrt(1500) = 0.08 sigma.
+    1500 independent values give a mean within 3 sigma / sqrt(1500) = 0.08 sigma.
     """
     for phase_ns in (0, 7_000_000_000, 10_000_000_000):
         errors = np.array([
-            noise().gps_error_m(number * 20_000_000_000 + phase_ns) for number in range(1500)
+            noise().gps_error_m(number * 40_000_000_000 + phase_ns) for number in range(1500)
         ])
         assert errors.std(axis=0) == pytest.approx([2.0, 2.0, 3.0], rel=0.06)
         assert np.abs(errors.mean(axis=0) / [2.0, 2.0, 3.0]).max() < 0.08
