@@ -1,0 +1,393 @@
+# SPDX-License-Identifier: Apache-2.0
+"""World and vehicles as nodes: a whole flight over real topics, orders, photographs, restarts."""
+
+import hashlib
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from action_msgs.msg import GoalStatus  # noqa: E402
+from rclpy.action import ActionClient  # noqa: E402
+from rclpy.node import Node  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
+from std_srvs.srv import SetBool, Trigger  # noqa: E402
+
+from rocsafe_geo.frame import LocalFrame  # noqa: E402
+from rocsafe_geo.position import GeoPosition  # noqa: E402
+from rocsafe_interfaces.action import FlyRoute  # noqa: E402
+from rocsafe_interfaces.msg import (  # noqa: E402
+    GeoPoint,
+    Route,
+    ShotReceipt,
+    VehicleState,
+    Viewpoint,
+)
+from rocsafe_ros import topics  # noqa: E402
+from rocsafe_ros.conversions import ns_of_stamp  # noqa: E402
+from rocsafe_ros.parameters import ParameterError  # noqa: E402
+from rocsafe_sim.fleet_node import FleetNode  # noqa: E402
+from rocsafe_sim.rav_node import RavNode  # noqa: E402
+from rocsafe_sim.world_node import WorldNode  # noqa: E402
+
+ORIGIN = GeoPosition(53.28, -9.06, 60.0)
+FRAME = LocalFrame(ORIGIN)
+START_S = 1_700_000_000.0
+HOME_ENU = (-20.0, 5.0, 0.0)
+COMMON = {
+    'origin_latitude_deg': ORIGIN.latitude_deg,
+    'origin_longitude_deg': ORIGIN.longitude_deg,
+    'origin_altitude_m': ORIGIN.altitude_m,
+    'image_width_px': 64,
+    'image_height_px': 48,
+    'hover_s': 0.5,
+    'climb_rate_mps': 5.0,
+    'descent_rate_mps': 5.0,
+}
+DEADLINE_S = 30.0
+
+
+def parameters(**values: Any) -> list[Parameter]:
+    """Return parameter overrides."""
+    return [Parameter(name, value=value) for name, value in values.items()]
+
+
+def point(enu: tuple[float, float, float]) -> GeoPoint:
+    """Return a local point as a message."""
+    place = FRAME.position_of(enu)
+    return GeoPoint(latitude=place.latitude_deg, longitude=place.longitude_deg,
+                    altitude=place.altitude_m)
+
+
+def route(vehicle: str = 'rav1', count: int = 4) -> Route:
+    """Return a route over `count` viewpoints in a row, 8 m apart."""
+    return Route(
+        vehicle=vehicle,
+        home=point(HOME_ENU),
+        viewpoints=[
+            Viewpoint(id=10 + number, position=point((8.0 * number, 0.0, 20.0)),
+                      height_agl_m=20.0, yaw_rad=0.3)
+            for number in range(count)
+        ],
+    )
+
+
+class Operator:
+    """A test's own node: sends orders, keeps what it hears, gives receipts if told to."""
+
+    def __init__(self, ros: Any) -> None:
+        self.ros = ros
+        self.node = Node('operator', context=ros.context)
+        ros.executor.add_node(self.node)
+        self.heard: dict[str, list[Any]] = {}
+        self.gives_receipts = False
+        self._receipts = topics.create_publisher(self.node, topics.RECEIPTS)
+
+    def listen(self, spec: topics.TopicSpec, vehicle: str = 'rav1') -> list[Any]:
+        """Return a list that fills with the messages of a topic."""
+        heard: list[Any] = []
+        topics.create_subscription(self.node, spec, heard.append, vehicle)
+        return heard
+
+    def store_shots(self, vehicle: str = 'rav1') -> list[Any]:
+        """Return a list that fills with photographs; each gets a receipt if that is wanted."""
+        shots: list[Any] = []
+
+        def on_shot(message: Any) -> None:
+            shots.append(message)
+            if self.gives_receipts:
+                self._receipts.publish(ShotReceipt(
+                    vehicle=message.vehicle, shot_id=message.shot_id, sha256=message.sha256,
+                    status=ShotReceipt.STORED,
+                ))
+
+        topics.create_subscription(self.node, topics.SHOT, on_shot, vehicle)
+        return shots
+
+    def wait(self, future: Any) -> Any:
+        """Return the result of a future."""
+        self.ros.spin_until(future.done, DEADLINE_S)
+        return future.result()
+
+    def call(self, name: str, request: Any) -> Any:
+        """Return the response of a service."""
+        service_type = SetBool if isinstance(request, SetBool.Request) else Trigger
+        client = self.node.create_client(service_type, name)
+        self.ros.spin_until(client.service_is_ready, DEADLINE_S)
+        return self.wait(client.call_async(request))
+
+    def send(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:
+        """Send a route; return the goal's handle."""
+        client = ActionClient(self.node, FlyRoute, f'{message.vehicle or "rav1"}/fly_route')
+        self.ros.spin_until(client.server_is_ready, DEADLINE_S)
+        goal = FlyRoute.Goal(route=message, plan_id=plan_id)
+        return self.wait(client.send_goal_async(goal, feedback_callback=feedback))
+
+    def fly(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:
+        """Send a route and return status and result at its end."""
+        return self.wait(self.send(message, plan_id, feedback).get_result_async())
+
+
+@pytest.fixture
+def operator(ros: Any) -> Iterator[Operator]:
+    """Return an operator in the test's own ROS context."""
+    made = Operator(ros)
+    yield made
+    made.node.destroy_node()
+
+
+@pytest.fixture
+def world(ros: Any) -> Iterator[Any]:
+    """Return a function that starts a world for the named participants."""
+    started = []
+
+    def start(*participants: str, **values: Any) -> WorldNode:
+        node = WorldNode(
+            context=ros.context,
+            parameter_overrides=parameters(
+                participants=list(participants), start_time_s=START_S, **values
+            ),
+        )
+        ros.executor.add_node(node)
+        started.append(node)
+        return node
+
+    yield start
+    for node in started:
+        node.destroy_node()
+
+
+@pytest.fixture
+def rav(ros: Any) -> Iterator[Any]:
+    """Return a function that starts a vehicle."""
+    started = []
+
+    def start(name: str = 'rav1', **values: Any) -> RavNode:
+        home = FRAME.position_of(HOME_ENU)
+        node = RavNode(
+            context=ros.context,
+            namespace=f'/{name}',
+            parameter_overrides=parameters(**{
+                'home_latitude_deg': home.latitude_deg,
+                'home_longitude_deg': home.longitude_deg, **COMMON, **values,
+            }),
+        )
+        ros.executor.add_node(node)
+        started.append(node)
+        return node
+
+    def stop(node: RavNode) -> None:
+        ros.executor.remove_node(node)
+        node.destroy_node()
+        started.remove(node)
+
+    start.stop = stop  # type: ignore[attr-defined]
+    yield start
+    for node in started:
+        node.destroy_node()
+
+
+def test_route_is_flown_and_photographed(operator: Operator, world: Any, rav: Any) -> None:
+    """A goal ends completed, with feedback about every second and every photograph once."""
+    world('rav1', autostart=False, pause_when_idle=True)
+    rav()
+    operator.gives_receipts = True
+    shots = operator.store_shots()
+    fixes, truths = operator.listen(topics.FIX), operator.listen(topics.GROUND_TRUTH_FIX)
+    states = operator.listen(topics.STATE)
+    feedback: list[Any] = []
+    goal = operator.send(route(), feedback=feedback.append)
+    assert goal.accepted
+    operator.call('world/run', SetBool.Request(data=True))
+    ended = operator.wait(goal.get_result_async())
+    assert ended.status == GoalStatus.STATUS_SUCCEEDED
+    assert ended.result.outcome == FlyRoute.Result.COMPLETED
+    assert ended.result.shots_taken == ended.result.viewpoints_visited == 4
+    assert [shot.viewpoint_id for shot in shots] == [10, 11, 12, 13]
+    assert len(feedback) == pytest.approx(ended.result.duration_s, abs=2)
+    operator.ros.spin_until(lambda: states and states[-1].shots_pending == 0, DEADLINE_S)
+    assert states[-1].state == VehicleState.LANDED
+    stamps = [ns_of_stamp(fix.header.stamp) for fix in fixes]
+    assert stamps == [ns_of_stamp(truth.header.stamp) for truth in truths]
+    assert {b - a for a, b in pairwise(stamps)} == {200_000_000}
+    operator.ros.spin_until(
+        lambda: states[-1].distance_flown_m == pytest.approx(ended.result.distance_flown_m), 5.0
+    )
+
+
+def test_photograph_says_where_it_was_taken(operator: Operator, world: Any, rav: Any) -> None:
+    """Position, height, intrinsics and hash of a photograph are those of its viewpoint."""
+    world('rav1')
+    rav(gps_horizontal_std_m=0.0, gps_vertical_std_m=0.0)
+    operator.gives_receipts = True
+    shots = operator.store_shots()
+    operator.fly(route(count=1))
+    shot = shots[0]
+    wanted = route(count=1).viewpoints[0].position
+    assert shot.fix.latitude == pytest.approx(wanted.latitude, abs=1e-9)
+    assert shot.fix.longitude == pytest.approx(wanted.longitude, abs=1e-9)
+    assert shot.fix.altitude == pytest.approx(wanted.altitude, abs=1e-4)
+    assert shot.height_agl_m == pytest.approx(20.0, abs=1e-4)
+    assert shot.sha256 == hashlib.sha256(bytes(shot.image.data)).hexdigest()
+    assert shot.camera_info.k[0] == pytest.approx(32.0 / math.tan(math.radians(30.0)))
+    assert shot.header.frame_id == 'rav1/camera_optical'
+    assert bytes(shot.image.data)[:2] == b'\xff\xd8'
+
+
+def test_orders_by_service(operator: Operator, world: Any, rav: Any) -> None:
+    """hold, resume, return_home obey in flight; refused orders say why."""
+    world('rav1', speed=20.0)
+    rav()
+    states = operator.listen(topics.STATE)
+    refused = operator.call('rav1/hold', Trigger.Request())
+    assert not refused.success
+    assert refused.message == 'rav1: cannot hold: disarmed'
+    goal = operator.send(route())
+    operator.ros.spin_until(lambda: states[-1].viewpoints_visited >= 1, DEADLINE_S)
+    assert operator.call('rav1/hold', Trigger.Request()).success
+    operator.ros.spin_until(lambda: states[-1].state == VehicleState.HOLDING, DEADLINE_S)
+    assert operator.call('rav1/resume', Trigger.Request()).success
+    assert operator.call('rav1/return_home', Trigger.Request()).success
+    ended = operator.wait(goal.get_result_async())
+    assert ended.status == GoalStatus.STATUS_ABORTED
+    assert ended.result.outcome == FlyRoute.Result.RETURNED_EARLY
+    assert 'told to return home' in ended.result.error_msg
+
+
+def test_cancelled_goal_holds(operator: Operator, world: Any, rav: Any) -> None:
+    """A cancelled goal ends cancelled at once and the vehicle stands in the air."""
+    world('rav1', speed=20.0)
+    rav()
+    states = operator.listen(topics.STATE)
+    goal = operator.send(route())
+    operator.ros.spin_until(
+        lambda: states and states[-1].state == VehicleState.FLYING, DEADLINE_S
+    )
+    operator.wait(goal.cancel_goal_async())
+    ended = operator.wait(goal.get_result_async())
+    assert ended.status == GoalStatus.STATUS_CANCELED
+    assert ended.result.outcome == FlyRoute.Result.CANCELLED
+    operator.ros.spin_until(lambda: states[-1].state == VehicleState.HOLDING, DEADLINE_S)
+
+
+@pytest.mark.parametrize(
+    ('change', 'reason'),
+    [
+        ({'vehicle': 'rav7'}, 'rav1: the route is for rav7'),
+        ({'viewpoints': []}, 'has 0 viewpoints'),
+        ({'home': GeoPoint(latitude=53.29, longitude=-9.06, altitude=60.0)}, 'm from home'),
+        ({'home': GeoPoint(latitude=99.0, longitude=-9.06, altitude=60.0)}, 'latitude_deg is 99'),
+    ],
+)
+def test_impossible_routes_are_refused(
+    operator: Operator, world: Any, rav: Any, change: dict[str, Any], reason: str
+) -> None:
+    """The result names what is wrong; nothing takes off."""
+    world('rav1', speed=10.0)
+    rav()
+    wrong = route()
+    for field, value in change.items():
+        setattr(wrong, field, value)
+    client = ActionClient(operator.node, FlyRoute, 'rav1/fly_route')
+    operator.ros.spin_until(client.server_is_ready, DEADLINE_S)
+    goal = operator.wait(client.send_goal_async(FlyRoute.Goal(route=wrong, plan_id='p')))
+    ended = operator.wait(goal.get_result_async())
+    assert ended.status == GoalStatus.STATUS_ABORTED
+    assert ended.result.outcome == FlyRoute.Result.REJECTED
+    assert reason in ended.result.error_msg
+
+
+def test_restarted_vehicle_continues(
+    operator: Operator, world: Any, rav: Any, tmp_path: Path
+) -> None:
+    """Stopped in mid-air and started again, it lands as planned, no photograph lost or doubled.
+
+    Its unacknowledged photographs are sent again by the new process.
+    """
+    world('rav1', speed=20.0)
+    first = rav(spool_directory=str(tmp_path))
+    states = operator.listen(topics.STATE)
+    shots = operator.store_shots()
+    operator.send(route())
+    operator.ros.spin_until(lambda: len({s.shot_id for s in shots}) >= 2, DEADLINE_S)
+    rav.stop(first)
+    operator.gives_receipts = True
+    shots.clear()
+    rav(spool_directory=str(tmp_path))
+    ended = operator.fly(route())
+    assert ended.result.outcome == FlyRoute.Result.COMPLETED
+    assert ended.result.viewpoints_visited == 4
+    operator.ros.spin_until(lambda: states[-1].shots_pending == 0, DEADLINE_S)
+    assert {s.shot_id for s in shots} == {f'rav1-{number:05d}' for number in range(4)}
+    assert [path.name for path in tmp_path.iterdir()] == ['journal.json']
+
+
+def test_fleet_flies_many_in_one_process(ros: Any, operator: Operator, world: Any) -> None:
+    """Vehicles of a fleet have namespaces of their own and one participant."""
+    world('fleet', autostart=False)
+    home = FRAME.position_of(HOME_ENU)
+    fleet = FleetNode(
+        context=ros.context,
+        parameter_overrides=parameters(**{
+            **COMMON,
+            'vehicles': ['a', 'b', 'c'],
+            'home_latitudes_deg': [home.latitude_deg] * 3,
+            'home_longitudes_deg': [home.longitude_deg] * 3,
+        }),
+    )
+    nodes = [fleet, *fleet.vehicle_nodes]
+    for node in nodes:
+        ros.executor.add_node(node)
+    goals = [operator.send(route(name)) for name in 'abc']
+    operator.call('world/run', SetBool.Request(data=True))
+    results = [operator.wait(goal.get_result_async()).result for goal in goals]
+    assert {result.outcome for result in results} == {FlyRoute.Result.COMPLETED}
+    assert len({result.duration_s for result in results}) == 1
+    for node in nodes:
+        node.destroy_node()
+
+
+def test_world_names_who_it_waits_for(operator: Operator, world: Any, rav: Any) -> None:
+    """A participant that is not there is named in the diagnostics; the others do not hang."""
+    world('rav1', 'missing')
+    rav()
+    reports: list[Any] = []
+    topics.create_subscription(operator.node, topics.DIAGNOSTICS, reports.append)
+    operator.ros.spin_until(
+        lambda: any(r.status[0].message == 'waits for missing' for r in reports), DEADLINE_S
+    )
+
+
+def test_world_shows_its_scene(operator: Operator, world: Any) -> None:
+    """The latched markers name the things of the scene."""
+    world(scene='derailment')
+    heard: list[Any] = []
+    topics.create_subscription(operator.node, topics.SCENE_MARKERS, heard.append)
+    operator.ros.spin_until(lambda: bool(heard), DEADLINE_S)
+    assert {'locomotive', 'tank_car_1', 'farm_house'} <= {m.text for m in heard[0].markers}
+
+
+@pytest.mark.parametrize(
+    ('values', 'reason'),
+    [
+        ({'scene': 'mars'}, "scene is 'mars'"),
+        ({'cruise_speed_mps': -1.0}, 'cruise_speed_mps'),
+        ({'ground': '/nowhere/photo.tif'}, '/nowhere/photo.tif'),
+        ({'camera_horizontal_fov_deg': 149.0}, 'must be 0 to 70 deg'),
+    ],
+)
+def test_wrong_parameters_are_refused(rav: Any, values: dict[str, Any], reason: str) -> None:
+    """One line names parameter, value and limit."""
+    with pytest.raises(ParameterError, match=reason):
+        rav(**values)
+
+
+def test_vehicle_needs_a_namespace(ros: Any) -> None:
+    """Without one it has no name."""
+    with pytest.raises(ParameterError, match='namespace'):
+        RavNode(context=ros.context)
