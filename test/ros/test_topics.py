@@ -29,6 +29,15 @@ def test_state_is_latched(spec):
     assert spec.qos.depth == 1
 
 
+@pytest.mark.parametrize(
+    'spec', [topics.FIX, topics.GROUND_TRUTH_FIX, topics.RADIATION, topics.RECEIPTS]
+)
+def test_measurements_reach_who_comes_late(spec):
+    """A recorder that is started again gets what was published while it was away."""
+    assert spec.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+    assert spec.qos.depth == topics.STREAM_DEPTH
+
+
 def test_vehicle_is_a_namespace():
     """A node outside the vehicle's namespace names the vehicle."""
     assert topics.name_of(topics.FIX) == 'fix'

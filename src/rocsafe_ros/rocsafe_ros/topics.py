@@ -41,6 +41,8 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
 STREAM_DEPTH = 600
+# Pictures are large; who was away for longer finds them in the image store.
+PICTURES_KEPT = 8
 # A vehicle that says nothing for this long is taken for lost.
 HEARTBEAT_LEASE_S = 2.0
 
@@ -54,6 +56,19 @@ class Scope(Enum):
 
 def _stream() -> QoSProfile:
     return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def _kept(depth: int = STREAM_DEPTH) -> QoSProfile:
+    """Return a stream whose last `depth` messages also reach who asks for them later.
+
+    A recorder or field that is started again, or hears of a vehicle late, then misses nothing.
+    Subscribers that do not ask are served as by any stream.
+    """
+    return QoSProfile(
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )
 
 
 def _latched() -> QoSProfile:
@@ -116,22 +131,28 @@ def _fleet(name: str, message_type: type, qos: QoSProfile, rate: str, note: str)
     )
 
 
-FIX = _vehicle('fix', NavSatFix, _stream(), '5 Hz', 'position, altitude above the ellipsoid')
+FIX = _vehicle('fix', NavSatFix, _kept(), '5 Hz', 'position, altitude above the ellipsoid')
 GROUND_TRUTH_FIX = _vehicle(
-    'ground_truth/fix', NavSatFix, _stream(), 'as fix', 'true position, simulated vehicles only'
+    'ground_truth/fix', NavSatFix, _kept(), 'as fix', 'true position, simulated vehicles only'
 )
-VELOCITY = _vehicle('velocity', TwistStamped, _stream(), 'as fix', 'east, north, up, m/s')
-ODOM = _vehicle('odom', Odometry, _stream(), 'as fix', 'ENU about the mission origin')
-BATTERY_STATE = _vehicle('battery_state', BatteryState, _stream(), '1 Hz', 'charge left')
+VELOCITY = _vehicle('velocity', TwistStamped, _kept(), 'as fix', 'east, north, up, m/s')
+ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission origin')
+BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
-RADIATION = _vehicle('radiation', RadiationReading, _stream(), 'as fix', 'gamma dose rate, uSv/h')
+RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
 CAMERA_IMAGE = _vehicle(
     'camera/image_raw', Image, _stream(), 'each shot', 'only while somebody listens'
 )
 CAMERA_IMAGE_COMPRESSED = _vehicle(
-    'camera/image_raw/compressed', CompressedImage, _stream(), 'each shot', 'JPEG, for viewers'
+    'camera/image_raw/compressed',
+    CompressedImage,
+    _kept(PICTURES_KEPT),
+    'each shot',
+    'JPEG, for viewers',
 )
-CAMERA_INFO = _vehicle('camera/camera_info', CameraInfo, _stream(), 'each shot', 'intrinsics')
+CAMERA_INFO = _vehicle(
+    'camera/camera_info', CameraInfo, _kept(PICTURES_KEPT), 'each shot', 'intrinsics'
+)
 SHOT = _vehicle(
     'camera/shot', GeotaggedImage, _stream(), 'each shot, until its receipt', 'photograph and pose'
 )
@@ -141,7 +162,7 @@ ROUTE_MARKERS = _vehicle('route_markers', MarkerArray, _latched(), 'on change', 
 REGION = _fleet('region', Region, _latched(), 'on change', 'what the operator drew')
 PLAN = _fleet('plan', SurveyPlan, _latched(), 'on change', 'routes of all vehicles, with bound')
 MISSION_STATE = _fleet('mission/state', MissionState, _latched(), '2 Hz', 'phase and progress')
-RECEIPTS = _fleet('shots/receipts', ShotReceipt, _stream(), 'each shot', 'photograph is stored')
+RECEIPTS = _fleet('shots/receipts', ShotReceipt, _kept(), 'each shot', 'photograph is stored')
 HAZARD_SOURCES = _fleet('hazard/sources', HazardSourceArray, _latched(), 'on change', 'estimates')
 DOSE_MAP = _fleet('hazard/dose_map', OccupancyGrid, _latched(), 'on change', 'dose rate, log')
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
