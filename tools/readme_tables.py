@@ -66,8 +66,10 @@ def _type_name(message_type: type) -> str:
 
 
 def _qos(spec: TopicSpec) -> str:
-    latched = spec.qos.durability.name == 'TRANSIENT_LOCAL'
-    return 'reliable, latched' if latched else f'reliable, {spec.qos.depth} deep'
+    if spec.qos.durability.name != 'TRANSIENT_LOCAL':
+        return f'reliable, {spec.qos.depth} deep'
+    kept = f'last {spec.qos.depth} kept for late subscribers'
+    return 'reliable, latched' if spec.qos.depth == 1 else f'reliable, {kept}'
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
