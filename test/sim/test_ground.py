@@ -28,8 +28,13 @@ TINY_CAMERA = PinholeCamera(math.radians(60.0), 160, 120)
 
 def thing(*marks: object, name: str = 'mark') -> Thing:
     """Return a thing that consists of `marks` on the ground."""
-    return Thing(name=name, kind='mark', placing=Placing(0.0, 0.0), size_m=(1.0, 1.0, 0.0),
-                 ground=tuple(marks))  # type: ignore[arg-type]
+    return Thing(
+        name=name,
+        kind='mark',
+        placing=Placing(0.0, 0.0),
+        size_m=(1.0, 1.0, 0.0),
+        ground=tuple(marks),
+    )  # type: ignore[arg-type]
 
 
 @settings(max_examples=20, deadline=None)
@@ -94,7 +99,11 @@ def test_tiles_are_the_same_in_every_process() -> None:
     )
     env = {'PYTHONPATH': ':'.join(sys.path), 'PYTHONHASHSEED': '99'}
     other = subprocess.run(
-        [sys.executable, '-c', code], env=env, capture_output=True, text=True, timeout=60,
+        [sys.executable, '-c', code],
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=60,
         check=True,
     )
     own = hashlib.sha256(paint_tile(9, make_scene('derailment', 9), (3, 0, 0))).hexdigest()
@@ -170,8 +179,9 @@ def test_horizon_is_refused() -> None:
 def test_fine_texture_is_not_aliased() -> None:
     """Seen from far, stripes far below a pixel average out instead of beating."""
     stripes = tuple(
-        polygon([[x, -30.0], [x + 0.02, -30.0], [x + 0.02, 30.0], [x, 30.0]],
-                Paint((255, 255, 255), 0))
+        polygon(
+            [[x, -30.0], [x + 0.02, -30.0], [x + 0.02, 30.0], [x, 30.0]], Paint((255, 255, 255), 0)
+        )
         for x in np.arange(-10.0, 10.0, 0.04).tolist()
     )
     dark = polygon([[-40, -40], [40, -40], [40, 40], [-40, 40]], Paint((0, 0, 0), 0))

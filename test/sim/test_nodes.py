@@ -60,8 +60,9 @@ def parameters(**values: Any) -> list[Parameter]:
 def point(enu: tuple[float, float, float]) -> GeoPoint:
     """Return a local point as a message."""
     place = FRAME.position_of(enu)
-    return GeoPoint(latitude=place.latitude_deg, longitude=place.longitude_deg,
-                    altitude=place.altitude_m)
+    return GeoPoint(
+        latitude=place.latitude_deg, longitude=place.longitude_deg, altitude=place.altitude_m
+    )
 
 
 def route(vehicle: str = 'rav1', count: int = 4) -> Route:
@@ -70,8 +71,12 @@ def route(vehicle: str = 'rav1', count: int = 4) -> Route:
         vehicle=vehicle,
         home=point(HOME_ENU),
         viewpoints=[
-            Viewpoint(id=10 + number, position=point((8.0 * number, 0.0, 20.0)),
-                      height_agl_m=20.0, yaw_rad=0.3)
+            Viewpoint(
+                id=10 + number,
+                position=point((8.0 * number, 0.0, 20.0)),
+                height_agl_m=20.0,
+                yaw_rad=0.3,
+            )
             for number in range(count)
         ],
     )
@@ -101,10 +106,14 @@ class Operator:
         def on_shot(message: Any) -> None:
             shots.append(message)
             if self.gives_receipts:
-                self._receipts.publish(ShotReceipt(
-                    vehicle=message.vehicle, shot_id=message.shot_id, sha256=message.sha256,
-                    status=ShotReceipt.STORED,
-                ))
+                self._receipts.publish(
+                    ShotReceipt(
+                        vehicle=message.vehicle,
+                        shot_id=message.shot_id,
+                        sha256=message.sha256,
+                        status=ShotReceipt.STORED,
+                    )
+                )
 
         topics.create_subscription(self.node, topics.SHOT, on_shot, vehicle)
         return shots
@@ -172,10 +181,14 @@ def rav(ros: Any) -> Iterator[Any]:
         node = RavNode(
             context=ros.context,
             namespace=f'/{name}',
-            parameter_overrides=parameters(**{
-                'home_latitude_deg': home.latitude_deg,
-                'home_longitude_deg': home.longitude_deg, **COMMON, **values,
-            }),
+            parameter_overrides=parameters(
+                **{
+                    'home_latitude_deg': home.latitude_deg,
+                    'home_longitude_deg': home.longitude_deg,
+                    **COMMON,
+                    **values,
+                }
+            ),
         )
         ros.executor.add_node(node)
         started.append(node)
@@ -265,9 +278,7 @@ def test_cancelled_goal_holds(operator: Operator, world: Any, rav: Any) -> None:
     rav()
     states = operator.listen(topics.STATE)
     goal = operator.send(route())
-    operator.ros.spin_until(
-        lambda: states and states[-1].state == VehicleState.FLYING, DEADLINE_S
-    )
+    operator.ros.spin_until(lambda: states and states[-1].state == VehicleState.FLYING, DEADLINE_S)
     operator.wait(goal.cancel_goal_async())
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_CANCELED
@@ -333,12 +344,14 @@ def test_fleet_flies_many_in_one_process(ros: Any, operator: Operator, world: An
     home = FRAME.position_of(HOME_ENU)
     fleet = FleetNode(
         context=ros.context,
-        parameter_overrides=parameters(**{
-            **COMMON,
-            'vehicles': ['a', 'b', 'c'],
-            'home_latitudes_deg': [home.latitude_deg] * 3,
-            'home_longitudes_deg': [home.longitude_deg] * 3,
-        }),
+        parameter_overrides=parameters(
+            **{
+                **COMMON,
+                'vehicles': ['a', 'b', 'c'],
+                'home_latitudes_deg': [home.latitude_deg] * 3,
+                'home_longitudes_deg': [home.longitude_deg] * 3,
+            }
+        ),
     )
     nodes = [fleet, *fleet.vehicle_nodes]
     for node in nodes:

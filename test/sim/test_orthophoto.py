@@ -30,18 +30,32 @@ def write_photo(path: Path, crs: str, pixel: float, size: int = 400, bands: int 
     longitudes, latitudes = to_crs.transform(x.ravel(), y.ravel(), direction='INVERSE')
     enu = FRAME.to_enu(latitudes, longitudes, np.full(size * size, 50.0))
     near = np.hypot(enu[:, 0] - DOT_ENU[0], enu[:, 1] - DOT_ENU[1]).reshape(size, size) < 1.5
-    transform = rasterio.transform.from_origin(x0 - size / 2 * pixel, y0 + size / 2 * pixel,
-                                               pixel, pixel)
-    with rasterio.open(path, 'w', driver='GTiff', width=size, height=size, count=bands,
-                       dtype='uint8', crs=crs, transform=transform) as file:
+    transform = rasterio.transform.from_origin(
+        x0 - size / 2 * pixel, y0 + size / 2 * pixel, pixel, pixel
+    )
+    with rasterio.open(
+        path,
+        'w',
+        driver='GTiff',
+        width=size,
+        height=size,
+        count=bands,
+        dtype='uint8',
+        crs=crs,
+        transform=transform,
+    ) as file:
         for band in range(1, bands + 1):
             file.write((near * 255).astype('uint8'), band)
 
 
 @pytest.mark.parametrize(
     ('crs', 'pixel', 'bands'),
-    [('EPSG:32629', 0.1, 3), ('EPSG:2157', 0.12, 1), ('EPSG:4326', 1e-6, 4),
-     ('EPSG:3857', 0.15, 3)],
+    [
+        ('EPSG:32629', 0.1, 3),
+        ('EPSG:2157', 0.12, 1),
+        ('EPSG:4326', 1e-6, 4),
+        ('EPSG:3857', 0.15, 3),
+    ],
 )
 @pytest.mark.filterwarnings('ignore::rasterio.errors.NotGeoreferencedWarning')
 def test_photo_lies_where_its_coordinates_say(

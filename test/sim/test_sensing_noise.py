@@ -12,8 +12,12 @@ from rocsafe_sim.sensing_noise import LARGEST_SWAY_STDS, SensorNoise
 def noise(seed: int = 1, vehicle: str = 'rav1') -> SensorNoise:
     """Return noise of round sizes."""
     return SensorNoise(
-        seed=seed, vehicle=vehicle, gps_horizontal_std_m=2.0, gps_vertical_std_m=3.0,
-        tilt_std_rad=0.01, attitude_std_rad=0.002,
+        seed=seed,
+        vehicle=vehicle,
+        gps_horizontal_std_m=2.0,
+        gps_vertical_std_m=3.0,
+        tilt_std_rad=0.01,
+        attitude_std_rad=0.002,
     )
 
 
@@ -23,9 +27,9 @@ def test_gps_error_has_the_stated_size() -> None:
     1500 independent values give a mean within 3 sigma / sqrt(1500) = 0.08 sigma.
     """
     for phase_ns in (0, 7_000_000_000, 10_000_000_000):
-        errors = np.array([
-            noise().gps_error_m(number * 40_000_000_000 + phase_ns) for number in range(1500)
-        ])
+        errors = np.array(
+            [noise().gps_error_m(number * 40_000_000_000 + phase_ns) for number in range(1500)]
+        )
         assert errors.std(axis=0) == pytest.approx([2.0, 2.0, 3.0], rel=0.06)
         assert np.abs(errors.mean(axis=0) / [2.0, 2.0, 3.0]).max() < 0.08
 
@@ -33,10 +37,12 @@ def test_gps_error_has_the_stated_size() -> None:
 def test_gps_error_wanders() -> None:
     """Fixes 0.2 s apart share most of their error; fixes a minute apart share none."""
     start = range(0, 60_000_000_000_000, 97_000_000_000)
-    east = np.array([
-        [noise().gps_error_m(t + later)[0] for later in (0, 200_000_000, 60_000_000_000)]
-        for t in start
-    ])
+    east = np.array(
+        [
+            [noise().gps_error_m(t + later)[0] for later in (0, 200_000_000, 60_000_000_000)]
+            for t in start
+        ]
+    )
     near, far = np.corrcoef(east.T)[0, 1:]
     assert near == pytest.approx(0.9, abs=0.03)
     assert abs(far) < 0.12

@@ -14,9 +14,14 @@ from rocsafe_sim.shot_store import RESEND_BURST, RESEND_S, ShotStore
 def shot(sequence: int = 0, jpeg: bytes = b'\xff\xd8picture') -> Shot:
     """Return a photograph."""
     return Shot(
-        vehicle='rav1', sequence=sequence, viewpoint_id=4, time_ns=1_700_000_000_123_456_789,
+        vehicle='rav1',
+        sequence=sequence,
+        viewpoint_id=4,
+        time_ns=1_700_000_000_123_456_789,
         position=GeoPosition(53.2812345678901, -9.0612345678901, 98.7654321),
-        height_m=32.1, quaternion_xyzw=(0.1, 0.7, 0.7, 0.1), jpeg=jpeg,
+        height_m=32.1,
+        quaternion_xyzw=(0.1, 0.7, 0.7, 0.1),
+        jpeg=jpeg,
     )
 
 

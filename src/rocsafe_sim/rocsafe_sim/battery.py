@@ -38,8 +38,10 @@ def low_battery_s(
     spare_s = (charge_fraction - airframe.reserve_fraction) * airframe.endurance_s
     margin_s = _margin_s(airframe)
     limits = airframe.limits
-    if timeline.duration_s + margin_s + 2.0 * limits.cruise_speed_mps / limits.acceleration_mps2 \
-            < spare_s:
+    if (
+        timeline.duration_s + margin_s + 2.0 * limits.cruise_speed_mps / limits.acceleration_mps2
+        < spare_s
+    ):
         return math.inf
     homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
     elapsed_s = 0.0

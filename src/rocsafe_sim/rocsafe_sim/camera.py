@@ -24,8 +24,9 @@ class GroundCamera:
     lens: PinholeCamera
     ground: Ground
 
-    def photograph(self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64]) \
-            -> Image:
+    def photograph(
+        self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64]
+    ) -> Image:
         """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
 
         The ground is sampled at most as coarse as the picture's own pixels below the camera, so

@@ -102,8 +102,11 @@ class Clockwork:
 
     def missing(self, wall_s: float) -> list[str]:
         """Return who has kept everybody waiting for `COMPLAIN_S` or longer."""
-        if self.is_done or self._published_s is None \
-                or wall_s - self._first_published_s < COMPLAIN_S:
+        if (
+            self.is_done
+            or self._published_s is None
+            or wall_s - self._first_published_s < COMPLAIN_S
+        ):
             return []
         return sorted(self._names - self._idle.keys())
 

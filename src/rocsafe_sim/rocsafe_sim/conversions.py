@@ -74,9 +74,7 @@ def fix_message(
     h, v = max(horizontal, _LEAST_VARIANCE_M2), max(vertical, _LEAST_VARIANCE_M2)
     return NavSatFix(
         header=Header(stamp=stamp, frame_id=frame_id),
-        status=NavSatStatus(
-            status=NavSatStatus.STATUS_FIX, service=NavSatStatus.SERVICE_GPS
-        ),
+        status=NavSatStatus(status=NavSatStatus.STATUS_FIX, service=NavSatStatus.SERVICE_GPS),
         latitude=position.latitude_deg,
         longitude=position.longitude_deg,
         altitude=position.altitude_m,
@@ -135,7 +133,8 @@ def battery_message(observation: Observation, stamp: Time, frame_id: str) -> Bat
         design_capacity=_UNKNOWN,
         percentage=observation.battery_fraction,
         power_supply_status=(
-            BatteryState.POWER_SUPPLY_STATUS_DISCHARGING if airborne
+            BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+            if airborne
             else BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING
         ),
         power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_GOOD,

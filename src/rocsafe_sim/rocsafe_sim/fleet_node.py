@@ -69,9 +69,7 @@ def _ravs(options: FleetOptions) -> list[Rav]:
     try:
         ground = make_ground(options)
         return [
-            make_rav(
-                options, name, GeoPosition(*home, 0.0), ground, spool and spool / name
-            )
+            make_rav(options, name, GeoPosition(*home, 0.0), ground, spool and spool / name)
             for name, home in zip(options.vehicles, homes, strict=True)
         ]
     except (SimError, OSError) as error:

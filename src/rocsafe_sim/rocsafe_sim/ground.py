@@ -71,8 +71,10 @@ def require_patch_size(columns: int, rows: int) -> None:
 def south_up_homography(west_m: float, south_m: float, pixel_m: float) -> NDArray[np.float64]:
     """Return ground -> pixel where columns run east and rows run north from an outer corner."""
     per_m = 1.0 / pixel_m
-    return np.array([
-        [per_m, 0.0, -west_m * per_m - 0.5],
-        [0.0, per_m, -south_m * per_m - 0.5],
-        [0.0, 0.0, 1.0],
-    ])
+    return np.array(
+        [
+            [per_m, 0.0, -west_m * per_m - 0.5],
+            [0.0, per_m, -south_m * per_m - 0.5],
+            [0.0, 0.0, 1.0],
+        ]
+    )

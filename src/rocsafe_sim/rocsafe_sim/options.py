@@ -39,9 +39,11 @@ class OriginOptions:
 
     def frame(self) -> LocalFrame:
         """Return the mission's local frame."""
-        return LocalFrame(GeoPosition(
-            self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
-        ))
+        return LocalFrame(
+            GeoPosition(
+                self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
+            )
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,8 +108,12 @@ class VehicleOptions(OriginOptions):
     def __post_init__(self) -> None:
         require_positive('fix_rate_hz', self.fix_rate_hz)
         require_between('jpeg_quality', self.jpeg_quality, 1, 100)
-        for name in ('gps_horizontal_std_m', 'gps_vertical_std_m', 'tilt_std_deg',
-                     'attitude_std_deg'):
+        for name in (
+            'gps_horizontal_std_m',
+            'gps_vertical_std_m',
+            'tilt_std_deg',
+            'attitude_std_deg',
+        ):
             require_not_negative(name, getattr(self, name))
         _require_scene(self.scene)
         self.airframe()
@@ -125,7 +131,10 @@ class VehicleOptions(OriginOptions):
         corner_deg = math.degrees(math.atan(0.5 * diagonal / lens.focal_px))
         require_between(
             'angle of the image corner, with tilt, from the vertical',
-            corner_deg + LARGEST_SWAY_STDS * self.tilt_std_deg, 0.0, LARGEST_VIEW_ANGLE_DEG, 'deg',
+            corner_deg + LARGEST_SWAY_STDS * self.tilt_std_deg,
+            0.0,
+            LARGEST_VIEW_ANGLE_DEG,
+            'deg',
         )
 
     @property

@@ -56,10 +56,14 @@ class OrthophotoGround:
         ------
         GroundError: if the file cannot be read.
         """
-        corners = np.array([
-            (bounds.west_m, bounds.south_m), (bounds.east_m, bounds.south_m),
-            (bounds.east_m, bounds.north_m), (bounds.west_m, bounds.north_m),
-        ])
+        corners = np.array(
+            [
+                (bounds.west_m, bounds.south_m),
+                (bounds.east_m, bounds.south_m),
+                (bounds.east_m, bounds.north_m),
+                (bounds.west_m, bounds.north_m),
+            ]
+        )
         full = self._file_pixels(corners)
         left, top = np.floor(full.min(axis=0)).astype(int) - 1
         right, bottom = np.ceil(full.max(axis=0)).astype(int) + 1
@@ -67,8 +71,9 @@ class OrthophotoGround:
         shrink = max(1, int(resolution_m / pixel_m))
         columns, rows = -(-(right - left) // shrink), -(-(bottom - top) // shrink)
         require_patch_size(columns, rows)
-        image = self._read((left, top, left + columns * shrink, top + rows * shrink),
-                           (rows, columns))
+        image = self._read(
+            (left, top, left + columns * shrink, top + rows * shrink), (rows, columns)
+        )
         return Patch(image, _homography(corners, (full - (left, top)) / shrink - 0.5))
 
     def _file_pixels(self, ground: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -88,8 +93,12 @@ class OrthophotoGround:
         window = Window(left, top, right - left, bottom - top)
         try:
             bands = self._file.read(
-                self._bands, window=window, boundless=True, fill_value=0,
-                out_shape=(3, *shape), resampling=Resampling.average,
+                self._bands,
+                window=window,
+                boundless=True,
+                fill_value=0,
+                out_shape=(3, *shape),
+                resampling=Resampling.average,
             )
         except RasterioError as error:
             raise GroundError(f'{self._path}: {error}') from error

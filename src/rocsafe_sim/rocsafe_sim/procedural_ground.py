@@ -33,9 +33,7 @@ class ProceduralGround:
     cache_bytes : tiles beyond this are forgotten, those longest unused first.
     """
 
-    def __init__(
-        self, seed: int, scene: Scene, cache_bytes: int = DEFAULT_CACHE_BYTES
-    ) -> None:
+    def __init__(self, seed: int, scene: Scene, cache_bytes: int = DEFAULT_CACHE_BYTES) -> None:
         self._seed = seed
         self._scene = scene
         self._cache_bytes = cache_bytes
@@ -85,9 +83,7 @@ class ProceduralGround:
 def paint_tile(seed: int, scene: Scene, key: TileKey) -> Image:
     """Return the tile (octave, column, row): blue, green, red; row 0 in the south."""
     octave, column, row = key
-    inner = Window(
-        column * TILE_PX, row * TILE_PX, (column + 1) * TILE_PX, (row + 1) * TILE_PX
-    )
+    inner = Window(column * TILE_PX, row * TILE_PX, (column + 1) * TILE_PX, (row + 1) * TILE_PX)
     pad = max(4, round(PAD_M * CM_PER_M / 2.0**octave))
     window = inner.grown(pad)
     canvas = Canvas(window, octave, turf(seed, octave, window))

@@ -103,9 +103,7 @@ class Rav:
     def fix(self, time_ns: int, true_enu: Enu) -> Fix:
         """Return what the receiver says at a time and true place."""
         error = self.parts.noise.gps_error_m(time_ns)
-        measured: Enu = (
-            true_enu[0] + error[0], true_enu[1] + error[1], true_enu[2] + error[2]
-        )
+        measured: Enu = (true_enu[0] + error[0], true_enu[1] + error[1], true_enu[2] + error[2])
         frame = self.parts.frame
         return Fix(
             true_position=frame.position_of(true_enu),

@@ -20,9 +20,7 @@ _NO_DISTORTION = [0.0] * 5
 
 def shot_header(shot: Shot) -> Header:
     """Return the header of all messages about a photograph."""
-    return Header(
-        stamp=stamp_of_ns(shot.time_ns), frame_id=f'{shot.vehicle}/camera_optical'
-    )
+    return Header(stamp=stamp_of_ns(shot.time_ns), frame_id=f'{shot.vehicle}/camera_optical')
 
 
 def camera_info_message(lens: PinholeCamera, header: Header) -> CameraInfo:

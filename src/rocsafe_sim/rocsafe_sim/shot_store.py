@@ -63,7 +63,8 @@ class ShotStore:
     def overdue(self, wall_s: float) -> list[Shot]:
         """Return the photographs to be sent (again) at a wall time, oldest first."""
         due = [
-            shot for shot_id, shot in self._pending.items()
+            shot
+            for shot_id, shot in self._pending.items()
             if wall_s - self._sent_s.get(shot_id, -RESEND_S) >= RESEND_S
         ]
         return due[:RESEND_BURST]

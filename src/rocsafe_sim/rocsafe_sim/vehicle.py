@@ -117,12 +117,14 @@ class Vehicle:
                 f'battery {order.charge_fraction:.0%}: must be more, to keep a reserve of '
                 f'{self.airframe.reserve_fraction:.0%}'
             )
-        self._follow(FlightRecord(
-            route=route,
-            order=order,
-            take_off_ns=order.start_ns,
-            take_off_distance_m=order.distance_m,
-        ))
+        self._follow(
+            FlightRecord(
+                route=route,
+                order=order,
+                take_off_ns=order.start_ns,
+                take_off_distance_m=order.distance_m,
+            )
+        )
 
     def cancel(self) -> None:
         """End the running flight's purpose, if any: hold, or land if it is landing already."""

@@ -54,9 +54,7 @@ class WorldNode(Node):
         self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
 
     def _on_step_done(self, report: StepDone) -> None:
-        self._clockwork.take(
-            report.participant, ns_of_stamp(report.step), is_idle=report.is_idle
-        )
+        self._clockwork.take(report.participant, ns_of_stamp(report.step), is_idle=report.is_idle)
         self._advance()
 
     def _advance(self) -> None:
@@ -64,9 +62,7 @@ class WorldNode(Node):
         if due_ns is not None:
             self._clock_out.publish(ClockMessage(clock=stamp_of_ns(due_ns)))
 
-    def _on_run(
-        self, request: SetBool.Request, response: SetBool.Response
-    ) -> SetBool.Response:
+    def _on_run(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._clockwork.run(is_running=request.data)
         response.success = True
         response.message = 'time runs' if request.data else 'time is paused'

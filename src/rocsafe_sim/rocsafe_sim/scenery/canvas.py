@@ -58,8 +58,9 @@ class Canvas:
     def finished(self, detail: Field, pad: int) -> Image:
         """Return the picture without its `pad`: colours times (1 + grain times `detail`)."""
         blue, green, red, grain = cv2.split(self._layers[pad:-pad, pad:-pad])
-        swing = cv2.multiply(grain, detail, scale=128.0 * _STRONGEST_GRAIN / 255.0,
-                             dtype=cv2.CV_32F)
+        swing = cv2.multiply(
+            grain, detail, scale=128.0 * _STRONGEST_GRAIN / 255.0, dtype=cv2.CV_32F
+        )
         factor = cv2.add(swing, 128.0, dtype=cv2.CV_8U)
         return cv2.merge(
             [cv2.multiply(part, factor, scale=1.0 / 128.0) for part in (blue, green, red)]
@@ -111,14 +112,21 @@ class Canvas:
             self._fill(mask, shape, (255,), corner)
         paint = shape.paint
         self._blend(
-            self._softened(mask, paint.softness_m), paint.opacity,
-            (*paint.colour[::-1], paint.grain), (rows, columns),
+            self._softened(mask, paint.softness_m),
+            paint.opacity,
+            (*paint.colour[::-1], paint.grain),
+            (rows, columns),
             is_crisp=not shape.is_faded and not paint.softness_m and paint.opacity < 0.6,
         )
 
     def _blend(
-        self, mask: Image, opacity: float, value: tuple[int, ...],
-        part: tuple[slice, slice] = (slice(None), slice(None)), *, is_crisp: bool = False,
+        self,
+        mask: Image,
+        opacity: float,
+        value: tuple[int, ...],
+        part: tuple[slice, slice] = (slice(None), slice(None)),
+        *,
+        is_crisp: bool = False,
     ) -> None:
         """Move a part of the canvas towards `value`; `mask` and `opacity` say how far.
 

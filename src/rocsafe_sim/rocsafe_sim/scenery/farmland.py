@@ -52,7 +52,11 @@ def ploughed_field(name: str, outline: Coordinates, yaw_rad: float, seed: int) -
 
 
 def meadow(
-    name: str, outline: Coordinates, yaw_rad: float, colour: Colour, seed: int,
+    name: str,
+    outline: Coordinates,
+    yaw_rad: float,
+    colour: Colour,
+    seed: int,
     swath_m: float = 3.2,
 ) -> Thing:
     """Return a meadow in its own green, with the swaths of the last mowing."""
@@ -65,8 +69,12 @@ def meadow(
             ground += _grouped(swaths[start::4], 6, Paint(colour_of, 110, opacity))
     for _ in range(8):
         place = _within(corners, rng)
-        ground.append(faded(blob(rng, place, (6.0, 3.0), rng.uniform(0.0, 3.0)),
-                        Paint((140, 140, 78), 140, 0.3)))
+        ground.append(
+            faded(
+                blob(rng, place, (6.0, 3.0), rng.uniform(0.0, 3.0)),
+                Paint((140, 140, 78), 140, 0.3),
+            )
+        )
     return _field(name, corners, ground)
 
 
@@ -89,16 +97,25 @@ def house(
             body.append(stroke(course, 0.06, roof.lit(0.68 * light)))
     body.append(stroke(placing.to_world([[-x, 0.0], [x, 0.0]]), 0.22, roof.lit(1.25)))
     chimney = placing.moved(0.36 * length_m, 0.0)
-    body += [rectangle(chimney, 0.7, 1.1, Paint((150, 120, 104), 40)),
-             rectangle(chimney, 0.35, 0.7, Paint((40, 36, 34), 20))]
+    body += [
+        rectangle(chimney, 0.7, 1.1, Paint((150, 120, 104), 40)),
+        rectangle(chimney, 0.35, 0.7, Paint((40, 36, 34), 20)),
+    ]
     eaves = placing.to_world([[-x, -y], [x, -y], [x, y], [-x, y]])
     ridge = placing.to_world([[-x, 0.0], [x, 0.0]]) + shadow_offset(3.2)
-    shadow = (shadow_of(eaves, 3.6),
-              shadow_of(np.vstack([eaves, ridge]), 3.6),
-              shadow_of_box(chimney, 0.7, 1.1, 8.0))
+    shadow = (
+        shadow_of(eaves, 3.6),
+        shadow_of(np.vstack([eaves, ridge]), 3.6),
+        shadow_of_box(chimney, 0.7, 1.1, 8.0),
+    )
     return Thing(
-        name=name, kind='house', placing=placing, size_m=(length_m, width_m, 7.0),
-        colour=roof.colour, shadow=shadow, body=tuple(body),
+        name=name,
+        kind='house',
+        placing=placing,
+        size_m=(length_m, width_m, 7.0),
+        colour=roof.colour,
+        shadow=shadow,
+        body=tuple(body),
     )
 
 
@@ -112,13 +129,28 @@ def tent(name: str, placing: Placing, colour: Colour) -> Thing:
     """Return an inflatable shelter, 8 m by 5.5 m, with its arches."""
     body: list[Mark] = list(cylinder(placing, 8.0, 2.75, Paint(colour, 20)))
     for x in np.linspace(-3.7, 3.7, 5).tolist():
-        body.append(stroke(placing.to_world([[x, -2.7], [x, 0.0], [x, 2.7]]), 0.42,
-                           Paint(colour, 15).lit(0.82)))
-        body.append(stroke(placing.to_world([[x - 0.1, -2.7], [x - 0.1, 0.0], [x - 0.1, 2.7]]),
-                           0.16, Paint(colour, 15).lit(1.2)))
+        body.append(
+            stroke(
+                placing.to_world([[x, -2.7], [x, 0.0], [x, 2.7]]),
+                0.42,
+                Paint(colour, 15).lit(0.82),
+            )
+        )
+        body.append(
+            stroke(
+                placing.to_world([[x - 0.1, -2.7], [x - 0.1, 0.0], [x - 0.1, 2.7]]),
+                0.16,
+                Paint(colour, 15).lit(1.2),
+            )
+        )
     return Thing(
-        name=name, kind='tent', placing=placing, size_m=(8.0, 5.5, 3.0), colour=colour,
-        shadow=(shadow_of_box(placing, 8.0, 4.4, 2.8),), body=tuple(body),
+        name=name,
+        kind='tent',
+        placing=placing,
+        size_m=(8.0, 5.5, 3.0),
+        colour=colour,
+        shadow=(shadow_of_box(placing, 8.0, 4.4, 2.8),),
+        body=tuple(body),
     )
 
 
@@ -134,17 +166,22 @@ def sheep(name: str, centre: tuple[float, float], count: int, spread_m: float, s
         wool = Paint((226, 220, 204), 60).lit(rng.uniform(0.9, 1.05))
         body += [disc(place + heading * step, 0.33, wool) for step in (-0.32, 0.0, 0.32)]
         body.append(disc(place + heading * 0.74, 0.15, Paint((44, 40, 38), 10)))
-        shadow += [disc(place + heading * step + shadow_offset(0.6), 0.36, wool)
-                   for step in (-0.3, 0.3)]
+        shadow += [
+            disc(place + heading * step + shadow_offset(0.6), 0.36, wool) for step in (-0.3, 0.3)
+        ]
     return Thing(
-        name=name, kind='sheep', placing=Placing(*centre), size_m=(1.2, 0.7, 0.0),
-        shadow=tuple(shadow), body=tuple(body),
+        name=name,
+        kind='sheep',
+        placing=Placing(*centre),
+        size_m=(1.2, 0.7, 0.0),
+        shadow=tuple(shadow),
+        body=tuple(body),
     )
 
 
 def _grouped(outlines: list[Points], size: int, paint: Paint) -> list[Mark]:
     """Return polygons painted `size` at a time: fewer strokes of the brush than one by one."""
-    groups = [tuple(outlines[at:at + size]) for at in range(0, len(outlines), size)]
+    groups = [tuple(outlines[at : at + size]) for at in range(0, len(outlines), size)]
     return [Shape(group, paint) for group in groups]
 
 
@@ -181,6 +218,9 @@ def _within(corners: Points, rng: np.random.Generator) -> Points:
 def _field(name: str, corners: Points, ground: list[Mark]) -> Thing:
     east, north = corners.mean(axis=0).tolist()
     return Thing(
-        name=name, kind='field', placing=Placing(east, north), size_m=(1.0, 1.0, 0.0),
+        name=name,
+        kind='field',
+        placing=Placing(east, north),
+        size_m=(1.0, 1.0, 0.0),
         ground=tuple(ground),
     )

@@ -21,8 +21,16 @@ from rocsafe_sim.scenery.scene import Scene, Thing
 _BORDER = ((-85.0, 262.0), (376.0, 142.0), (278.0, -227.0), (-243.0, -223.0), (-400.0, 85.0))
 DRUM = (-205.7, 13.8)
 FRAGMENT = (174.5, -142.0)
-_TRACK = ((-420.0, -60.0), (-300, -40), (-180, -5), (-40, 10), (80, -20), (160, -110),
-          (190, -190), (210, -280))
+_TRACK = (
+    (-420.0, -60.0),
+    (-300, -40),
+    (-180, -5),
+    (-40, 10),
+    (80, -20),
+    (160, -110),
+    (190, -190),
+    (210, -280),
+)
 
 
 def field_scene(seed: int) -> Scene:
@@ -40,16 +48,41 @@ def _things(seed: int) -> Iterator[Thing]:
 
 
 def _parcels(seed: int) -> Iterator[Thing]:
-    yield farmland.meadow('north_meadow', [(-85, 258), (150, 198), (80, 30), (-120, 40)],
-                          0.9, (98, 122, 56), seed, swath_m=5.0)
-    yield farmland.ploughed_field('east_field', [(156, 196), (372, 140), (338, 10), (90, 28)],
-                                  -0.26, seed)
-    yield farmland.meadow('west_meadow', [(-396, 84), (-94, 256), (-128, 36), (-300, -20)],
-                          0.5, (116, 132, 66), seed, swath_m=6.0)
-    yield farmland.meadow('south_meadow', [(-240, -219), (130, -223), (140, -110), (-150, -16)],
-                          0.02, (84, 108, 50), seed, swath_m=4.0)
-    yield farmland.meadow('corner_meadow', [(200, -222), (274, -222), (332, 0), (190, -90)],
-                          1.3, (126, 136, 72), seed, swath_m=4.5)
+    yield farmland.meadow(
+        'north_meadow',
+        [(-85, 258), (150, 198), (80, 30), (-120, 40)],
+        0.9,
+        (98, 122, 56),
+        seed,
+        swath_m=5.0,
+    )
+    yield farmland.ploughed_field(
+        'east_field', [(156, 196), (372, 140), (338, 10), (90, 28)], -0.26, seed
+    )
+    yield farmland.meadow(
+        'west_meadow',
+        [(-396, 84), (-94, 256), (-128, 36), (-300, -20)],
+        0.5,
+        (116, 132, 66),
+        seed,
+        swath_m=6.0,
+    )
+    yield farmland.meadow(
+        'south_meadow',
+        [(-240, -219), (130, -223), (140, -110), (-150, -16)],
+        0.02,
+        (84, 108, 50),
+        seed,
+        swath_m=4.0,
+    )
+    yield farmland.meadow(
+        'corner_meadow',
+        [(200, -222), (274, -222), (332, 0), (190, -90)],
+        1.3,
+        (126, 136, 72),
+        seed,
+        swath_m=4.5,
+    )
 
 
 def _walls(seed: int) -> Iterator[Thing]:
@@ -59,8 +92,12 @@ def _walls(seed: int) -> Iterator[Thing]:
             yield stone_wall(f'wall_{number + 1}', (start, end), seed)
         else:
             yield plants.hedge(f'hedge_{number + 1}', [start, end], 2.2, 2.4, seed)
-    inner = (((150, 197), (84, 26)), ((-124, 38), (-92, 256)), ((-150, -14), (-242, -222)),
-             ((84, 26), (340, 6)))
+    inner = (
+        ((150, 197), (84, 26)),
+        ((-124, 38), (-92, 256)),
+        ((-150, -14), (-242, -222)),
+        ((84, 26), (340, 6)),
+    )
     for number, line in enumerate(inner):
         yield stone_wall(f'inner_wall_{number + 1}', line, seed)
 
@@ -77,8 +114,12 @@ def stone_wall(
     stones = Dots(places, sizes, np.hstack([grey, np.full((len(places), 1), 90.0)]))
     east, north = line.mean(axis=0).tolist()
     return Thing(
-        name=name, kind='wall', placing=Placing(east, north), size_m=(1.0, 1.0, 0.0),
-        shadow=(shadow_of_discs(places, sizes, np.full(len(places), 0.9)),), body=(stones,),
+        name=name,
+        kind='wall',
+        placing=Placing(east, north),
+        size_m=(1.0, 1.0, 0.0),
+        shadow=(shadow_of_discs(places, sizes, np.full(len(places), 0.9)),),
+        body=(stones,),
     )
 
 
@@ -90,11 +131,20 @@ def barrel(name: str, placing: Placing, colour: tuple[int, int, int], *, is_lyin
         shadow: Mark = shadow_of_box(placing, 0.9, 0.58, 0.58)
     else:
         centre = (placing.east_m, placing.north_m)
-        body = [disc(centre, 0.31, Paint(colour, 20).lit(0.8)),
-                disc(centre, 0.26, Paint(colour, 20).lit(1.1))]
+        body = [
+            disc(centre, 0.31, Paint(colour, 20).lit(0.8)),
+            disc(centre, 0.26, Paint(colour, 20).lit(1.1)),
+        ]
         shadow = shadow_of_box(placing, 0.5, 0.5, 0.9)
-    return Thing(name=name, kind='barrel', placing=placing, size_m=(0.9, 0.6, 0.6), colour=colour,
-                 shadow=(shadow,), body=tuple(body))
+    return Thing(
+        name=name,
+        kind='barrel',
+        placing=placing,
+        size_m=(0.9, 0.6, 0.6),
+        colour=colour,
+        shadow=(shadow,),
+        body=tuple(body),
+    )
 
 
 def container(name: str, placing: Placing, colour: tuple[int, int, int]) -> Thing:
@@ -105,19 +155,32 @@ def container(name: str, placing: Placing, colour: tuple[int, int, int]) -> Thin
         body.append(rectangle(placing.moved(x, 0.0), 0.1, 2.3, paint.lit(0.82)))
     for x in (-3.0, 3.0):
         body.append(rectangle(placing.moved(x, 0.0), 0.14, 2.44, paint.lit(0.6)))
-    return Thing(name=name, kind='container', placing=placing, size_m=(6.06, 2.44, 2.6),
-                 colour=colour, shadow=(shadow_of_box(placing, 6.06, 2.44, 2.6),),
-                 body=tuple(body))
+    return Thing(
+        name=name,
+        kind='container',
+        placing=placing,
+        size_m=(6.06, 2.44, 2.6),
+        colour=colour,
+        shadow=(shadow_of_box(placing, 6.06, 2.44, 2.6),),
+        body=tuple(body),
+    )
 
 
 def _dump(seed: int) -> Iterator[Thing]:
     rng = generator(seed, 52)
     stains = (('drum_stain', DRUM, 3.4), ('fragment_stain', FRAGMENT, 4.2))
     for name, (east, north), radius in stains:
-        stain = faded(blob(rng, (east - 0.6, north - 0.8), (radius, 0.6 * radius), 0.7),
-                      Paint((78, 66, 40), 150, 0.75))
-        yield Thing(name=name, kind='stain', placing=Placing(east, north), size_m=(1.0, 1.0, 0.0),
-                    ground=(stain,))
+        stain = faded(
+            blob(rng, (east - 0.6, north - 0.8), (radius, 0.6 * radius), 0.7),
+            Paint((78, 66, 40), 150, 0.75),
+        )
+        yield Thing(
+            name=name,
+            kind='stain',
+            placing=Placing(east, north),
+            size_m=(1.0, 1.0, 0.0),
+            ground=(stain,),
+        )
     east, north = DRUM
     yield barrel('drum', Placing(east, north, 0.5), (222, 184, 36), is_lying=True)
     yield barrel('drum_2', Placing(east + 1.6, north + 0.7), (40, 84, 150), is_lying=False)

@@ -100,7 +100,7 @@ def zoomed(coarse: Field, parent: Window, factor: int, window: Window) -> Field:
     fine = cv2.resize(coarse, (factor * columns, factor * rows), interpolation=cv2.INTER_CUBIC)
     x, y = window.x0 - factor * parent.x0, window.y0 - factor * parent.y0
     height, width = window.shape
-    return np.ascontiguousarray(fine[y:y + height, x:x + width])
+    return np.ascontiguousarray(fine[y : y + height, x : x + width])
 
 
 def _mix(value: NDArray[np.uint32]) -> NDArray[np.uint32]:

@@ -22,7 +22,7 @@ def smooth_line(points: Coordinates, spacing_m: float = 2.0) -> Points:
     """Return a Catmull-Rom curve through points (n, 2), sampled every `spacing_m` or so."""
     through = np.asarray(points, float)
     padded = np.vstack([2 * through[0] - through[1], through, 2 * through[-1] - through[-2]])
-    pieces = [_piece(padded[i:i + 4], spacing_m) for i in range(len(through) - 1)]
+    pieces = [_piece(padded[i : i + 4], spacing_m) for i in range(len(through) - 1)]
     return np.vstack([*pieces, through[-1:]])
 
 

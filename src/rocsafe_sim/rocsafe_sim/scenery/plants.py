@@ -25,7 +25,11 @@ _GRAIN = 150
 
 
 def tree(
-    name: str, at: tuple[float, float], radius_m: float, height_m: float, seed: int,
+    name: str,
+    at: tuple[float, float],
+    radius_m: float,
+    height_m: float,
+    seed: int,
     colour: Colour = LEAVES[0],
 ) -> Thing:
     """Return a broad-leaved tree: clumps of leaves, lit from the sun's side."""
@@ -48,9 +52,7 @@ def tree(
     )
 
 
-def hedge(
-    name: str, line: Coordinates, width_m: float, height_m: float, seed: int
-) -> Thing:
+def hedge(name: str, line: Coordinates, width_m: float, height_m: float, seed: int) -> Thing:
     """Return a hedge along a line (n, 2)."""
     rng = generator(seed, len(name), int(abs(np.asarray(line).sum()) * 10) & 0xFFFF)
     path = np.repeat(smooth_line(line, 0.55), 3, axis=0)
@@ -76,7 +78,11 @@ def hedge(
 
 
 def shrubs(
-    name: str, centre: tuple[float, float], spread_m: float, count: int, seed: int,
+    name: str,
+    centre: tuple[float, float],
+    spread_m: float,
+    count: int,
+    seed: int,
     colour: Colour = LEAVES[2],
 ) -> Thing:
     """Return a loose group of low shrubs."""
@@ -89,8 +95,13 @@ def shrubs(
         shadow.append(shadow_of_discs(clumps.places, clumps.radii_m, 0.9 * size * clumps.heights))
         body.append(_lit(rng, clumps, colour))
     return Thing(
-        name=name, kind='shrubs', placing=Placing(*centre), size_m=(1.0, 1.0, 0.0),
-        colour=colour, shadow=tuple(shadow), body=tuple(body),
+        name=name,
+        kind='shrubs',
+        placing=Placing(*centre),
+        size_m=(1.0, 1.0, 0.0),
+        colour=colour,
+        shadow=tuple(shadow),
+        body=tuple(body),
     )
 
 
@@ -110,8 +121,10 @@ class _Clumps:
 def _crown(rng: np.random.Generator, radius_m: float, count: int) -> _Clumps:
     """Return the clumps of a rounded crown about the origin; its outline is lobed."""
     angles = rng.uniform(0.0, 2.0 * np.pi, count)
-    lobes = 1.0 + 0.13 * np.sin(3 * angles + rng.uniform(0, 6)) + 0.1 * np.sin(
-        5 * angles + rng.uniform(0, 6)
+    lobes = (
+        1.0
+        + 0.13 * np.sin(3 * angles + rng.uniform(0, 6))
+        + 0.1 * np.sin(5 * angles + rng.uniform(0, 6))
     )
     share = np.sqrt(rng.uniform(0.0, 1.0, count)) * lobes
     distances = 0.88 * radius_m * share
@@ -133,11 +146,14 @@ def _lit(rng: np.random.Generator, clumps: _Clumps, colour: Colour) -> Dots:
     tints = np.array(colour, float) * rng.uniform(0.86, 1.14, (count, 1))
     tints += rng.normal(0.0, 3.5, (count, 3))
     parts = (
-        (0.0, 1.0, 0.66), (0.2, 0.82, 0.9), (0.42, 0.52, 1.12), (0.55, 0.26, 1.3),
+        (0.0, 1.0, 0.66),
+        (0.2, 0.82, 0.9),
+        (0.42, 0.52, 1.12),
+        (0.55, 0.26, 1.3),
     )
-    centres = np.stack([
-        clumps.places + shift * clumps.radii_m[:, None] * to_sun for shift, _, _ in parts
-    ], axis=1)
+    centres = np.stack(
+        [clumps.places + shift * clumps.radii_m[:, None] * to_sun for shift, _, _ in parts], axis=1
+    )
     radii = np.stack([size * clumps.radii_m for _, size, _ in parts], axis=1)
     colours = np.stack([tints * (light * factor)[:, None] for _, _, factor in parts], axis=1)
     values = np.dstack([colours.clip(0, 255), np.full(radii.shape, float(_GRAIN))])

@@ -48,8 +48,11 @@ def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: 
             ground += [stroke(rail, _RAIL_WIDTH_M - 0.04, _RAIL_TOP)]
     middle = line[len(line) // 2]
     return Thing(
-        name=name, kind='railway', placing=Placing(float(middle[0]), float(middle[1])),
-        size_m=(float(along[-1]), GAUGE_M, 0.0), ground=tuple(ground),
+        name=name,
+        kind='railway',
+        placing=Placing(float(middle[0]), float(middle[1])),
+        size_m=(float(along[-1]), GAUGE_M, 0.0),
+        ground=tuple(ground),
     )
 
 
@@ -91,7 +94,10 @@ def torn_rails(name: str, line: Points, gap: tuple[float, float], seed: int) -> 
         marks += [stroke(rail, _RAIL_WIDTH_M - 0.05, _RAIL_TOP)]
     east, north = stretch[len(stretch) // 2].tolist()
     return Thing(
-        name=name, kind='railway', placing=Placing(east, north), size_m=(1.0, 1.0, 0.0),
+        name=name,
+        kind='railway',
+        placing=Placing(east, north),
+        size_m=(1.0, 1.0, 0.0),
         ground=tuple(marks),
     )
 

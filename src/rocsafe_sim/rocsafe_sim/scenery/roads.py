@@ -46,13 +46,13 @@ def road(name: str, points: Coordinates, width_m: float, seed: int) -> Thing:
             ground.append(stroke(_beside(line, lane * width_m + track), 0.5, _WORN))
     for _ in range(len(line) // 4):
         at = int(rng.integers(1, len(line) - 2))
-        piece = _beside(line[at:at + 3], rng.uniform(-0.3, 0.3) * width_m)
+        piece = _beside(line[at : at + 3], rng.uniform(-0.3, 0.3) * width_m)
         ground.append(stroke(piece, rng.uniform(0.7, 1.8), _PATCH))
     for side in (-1.0, 1.0):
         ground.append(stroke(_beside(line, side * (0.5 * width_m - 0.25)), 0.12, _LINE))
     dashes = smooth_line(points, 1.0)
     for at in range(0, len(dashes) - 3, 8):
-        ground.append(stroke(dashes[at:at + 4], 0.12, _LINE))
+        ground.append(stroke(dashes[at : at + 4], 0.12, _LINE))
     return _flat(name, 'road', line, ground)
 
 
@@ -134,8 +134,10 @@ def ambulance(name: str, placing: Placing) -> Thing:
     for number, x in enumerate(np.arange(-2.9, 1.6, 0.62).tolist()):
         side = 0.97 if number % 2 else -0.97
         body.append(rectangle(placing.moved(float(x), side), 0.6, 0.22, green))
-    body += [rectangle(placing.moved(-0.8, 0.0), 1.3, 0.36, green),
-             rectangle(placing.moved(-0.8, 0.0), 0.36, 1.3, green)]
+    body += [
+        rectangle(placing.moved(-0.8, 0.0), 1.3, 0.36, green),
+        rectangle(placing.moved(-0.8, 0.0), 0.36, 1.3, green),
+    ]
     return _vehicle(name, 'ambulance', placing, (6.4, 2.15, 2.7), yellow.colour, body)
 
 
@@ -168,8 +170,12 @@ def people(name: str, centre: tuple[float, float], count: int, seed: int) -> Thi
         body.append(disc(place, 0.13, Paint((60, 44, 36), 5)))
         shadow.append(shadow_of_box(placing, 0.3, 0.45, 1.7))
     return Thing(
-        name=name, kind='people', placing=Placing(*centre), size_m=(0.6, 0.6, 0.0),
-        shadow=tuple(shadow), body=tuple(body),
+        name=name,
+        kind='people',
+        placing=Placing(*centre),
+        size_m=(0.6, 0.6, 0.0),
+        shadow=tuple(shadow),
+        body=tuple(body),
     )
 
 
@@ -179,14 +185,16 @@ def cordon(name: str, points: Coordinates) -> Thing:
     body: list[Mark] = []
     for at in range(0, len(line) - 2, 2):
         paint = Paint((214, 40, 36), 5) if at % 4 else _WHITE
-        body.append(stroke(line[at:at + 3], 0.14, paint))
-    shadow = tuple(
-        disc(post, 0.12, Paint((0, 0, 0), 0)) for post in line[::12]
-    )
+        body.append(stroke(line[at : at + 3], 0.14, paint))
+    shadow = tuple(disc(post, 0.12, Paint((0, 0, 0), 0)) for post in line[::12])
     middle = line[len(line) // 2]
     return Thing(
-        name=name, kind='cordon', placing=Placing(float(middle[0]), float(middle[1])),
-        size_m=(1.0, 1.0, 0.0), shadow=shadow, body=tuple(body),
+        name=name,
+        kind='cordon',
+        placing=Placing(float(middle[0]), float(middle[1])),
+        size_m=(1.0, 1.0, 0.0),
+        shadow=shadow,
+        body=tuple(body),
     )
 
 
@@ -199,34 +207,48 @@ def puddles(name: str, points: Coordinates, paint: Paint, seed: int) -> Thing:
         ground.append(faded(outline, paint, spread=0.3))
     first = np.asarray(points, float)[0]
     return Thing(
-        name=name, kind='spill', placing=Placing(float(first[0]), float(first[1])),
-        size_m=(1.0, 1.0, 0.0), ground=tuple(ground),
+        name=name,
+        kind='spill',
+        placing=Placing(float(first[0]), float(first[1])),
+        size_m=(1.0, 1.0, 0.0),
+        ground=tuple(ground),
     )
 
 
 def _wheels(placing: Placing, x_m: float, y_m: float) -> list[Mark]:
     return [
-        rectangle(placing.moved(x, y), 0.7, 0.3, _TYRE)
-        for x in (-x_m, x_m) for y in (-y_m, y_m)
+        rectangle(placing.moved(x, y), 0.7, 0.3, _TYRE) for x in (-x_m, x_m) for y in (-y_m, y_m)
     ]
 
 
 def _vehicle(
-    name: str, kind: str, placing: Placing, size_m: tuple[float, float, float], colour: Colour,
+    name: str,
+    kind: str,
+    placing: Placing,
+    size_m: tuple[float, float, float],
+    colour: Colour,
     body: list[Mark],
 ) -> Thing:
     length, width, height = size_m
     return Thing(
-        name=name, kind=kind, placing=placing, size_m=size_m, colour=colour,
-        shadow=(shadow_of_box(placing, length, width, height),), body=tuple(body),
+        name=name,
+        kind=kind,
+        placing=placing,
+        size_m=size_m,
+        colour=colour,
+        shadow=(shadow_of_box(placing, length, width, height),),
+        body=tuple(body),
     )
 
 
 def _flat(name: str, kind: str, line: Points, ground: list[Mark]) -> Thing:
     middle = line[len(line) // 2]
     return Thing(
-        name=name, kind=kind, placing=Placing(float(middle[0]), float(middle[1])),
-        size_m=(1.0, 1.0, 0.0), ground=tuple(ground),
+        name=name,
+        kind=kind,
+        placing=Placing(float(middle[0]), float(middle[1])),
+        size_m=(1.0, 1.0, 0.0),
+        ground=tuple(ground),
     )
 
 

@@ -45,10 +45,14 @@ def cylinder(
         side, up = middle, math.sqrt(1.0 - middle**2)
         light = brightness((-sin * side, cos * side, up))
         # A glint where the mantle looks half way between sun and camera.
-        shine = 1.0 + 0.25 * math.exp(-((light - 1.2) / 0.07) ** 2)
+        shine = 1.0 + 0.25 * math.exp(-(((light - 1.2) / 0.07) ** 2))
         half = 0.5 * length_m - dish_m * (1.0 - math.sqrt(1.0 - middle**2))
-        corners = [[-half, low * radius_m], [half, low * radius_m],
-                   [half, high * radius_m], [-half, high * radius_m]]
+        corners = [
+            [-half, low * radius_m],
+            [half, low * radius_m],
+            [half, high * radius_m],
+            [-half, high * radius_m],
+        ]
         yield polygon(placing.to_world(corners), paint.lit(light * shine * 0.95))
 
 
@@ -63,22 +67,35 @@ def tank_car(
     barrel = placing.moved(0.0, shift)
     body += cylinder(barrel, length - 0.6, radius, Paint(colour, 25), dish_m=0.7)
     for x in np.linspace(-5.6, 5.6, 7).tolist():
-        body.append(stroke(barrel.to_world([[x, -1.46], [x, 0.0], [x, 1.46]]), 0.07,
-                           Paint((40, 40, 40), 10, 0.35)))
+        body.append(
+            stroke(
+                barrel.to_world([[x, -1.46], [x, 0.0], [x, 1.46]]),
+                0.07,
+                Paint((40, 40, 40), 10, 0.35),
+            )
+        )
     body += _streaks(barrel, length - 2.0, radius, rng)
     body += _tank_top(barrel, 0.0 if not is_on_its_side else 1.15)
     for end in (-1.0, 1.0):
         body.append(rectangle(barrel.moved(end * 4.6, 0.35 * end), 1.3, 0.75, _ORANGE))
     return Thing(
-        name=name, kind='tank_car', placing=placing, size_m=(length, 3.0, height), colour=colour,
-        shadow=(shadow_of_box(placing, length, 2.7, height),), body=tuple(body),
+        name=name,
+        kind='tank_car',
+        placing=placing,
+        size_m=(length, 3.0, height),
+        colour=colour,
+        shadow=(shadow_of_box(placing, length, 2.7, height),),
+        body=tuple(body),
     )
 
 
 def flask(name: str, placing: Placing, seed: int) -> Thing:
     """Return a transport flask for spent fuel: a finned cylinder between shock absorbers."""
     return Thing(
-        name=name, kind='flask', placing=placing, size_m=(5.6, 2.5, 2.5),
+        name=name,
+        kind='flask',
+        placing=placing,
+        size_m=(5.6, 2.5, 2.5),
         colour=(214, 216, 210),
         shadow=(shadow_of_box(placing, 5.4, 2.3, 2.4),),
         body=tuple(_flask_marks(placing, generator(seed, 5))),
@@ -100,7 +117,10 @@ def flat_car(name: str, placing: Placing, flasks: tuple[float, ...], seed: int) 
         body += _flask_marks(placing.moved(x, 0.0), rng)
     height = 3.5 if flasks else 1.2
     return Thing(
-        name=name, kind='flat_car', placing=placing, size_m=(16.0, 2.8, height),
+        name=name,
+        kind='flat_car',
+        placing=placing,
+        size_m=(16.0, 2.8, height),
         colour=(124, 96, 72),
         shadow=(
             shadow_of_box(placing, 16.0, 2.75, 1.2),
@@ -116,12 +136,22 @@ def box_car(name: str, placing: Placing, colour: Colour, seed: int) -> Thing:
     body: list[Mark] = [rectangle(placing, 13.6, 0.9, _FRAME)]
     body += cylinder(placing, 12.6, 1.42, Paint(colour, 45), dish_m=0.0)
     for x in np.linspace(-6.1, 6.1, 17).tolist():
-        body.append(stroke(placing.to_world([[x, -1.4], [x, 0.0], [x, 1.4]]), 0.09,
-                           Paint((20, 20, 20), 10, 0.3)))
+        body.append(
+            stroke(
+                placing.to_world([[x, -1.4], [x, 0.0], [x, 1.4]]),
+                0.09,
+                Paint((20, 20, 20), 10, 0.3),
+            )
+        )
     body += _streaks(placing, 11.0, 1.4, rng)
     return Thing(
-        name=name, kind='box_car', placing=placing, size_m=(12.6, 2.85, 3.9), colour=colour,
-        shadow=(shadow_of_box(placing, 12.6, 2.8, 3.8),), body=tuple(body),
+        name=name,
+        kind='box_car',
+        placing=placing,
+        size_m=(12.6, 2.85, 3.9),
+        colour=colour,
+        shadow=(shadow_of_box(placing, 12.6, 2.8, 3.8),),
+        body=tuple(body),
     )
 
 
@@ -137,18 +167,35 @@ def locomotive(name: str, placing: Placing) -> Thing:
         body.append(rectangle(placing.moved(end * 9.75, 0.0), 0.5, 2.3, _GLASS))
         body.append(rectangle(placing.moved(end * 10.3, 0.0), 0.25, 2.5, _BLACK))
     for x in (-4.4, -2.0, 3.6):
-        body += [disc(placing.to_world([[x, 0.0]]), 0.85, _BLACK),
-                 disc(placing.to_world([[x, 0.0]]), 0.72, _STEEL.lit(1.3)),
-                 disc(placing.to_world([[x, 0.0]]), 0.2, _BLACK)]
-        body += [stroke(placing.to_world([[x + 0.7 * math.cos(a), 0.7 * math.sin(a)],
-                                          [x - 0.7 * math.cos(a), -0.7 * math.sin(a)]]),
-                        0.08, _BLACK) for a in (0.2, 1.25, 2.3)]
+        body += [
+            disc(placing.to_world([[x, 0.0]]), 0.85, _BLACK),
+            disc(placing.to_world([[x, 0.0]]), 0.72, _STEEL.lit(1.3)),
+            disc(placing.to_world([[x, 0.0]]), 0.2, _BLACK),
+        ]
+        body += [
+            stroke(
+                placing.to_world(
+                    [
+                        [x + 0.7 * math.cos(a), 0.7 * math.sin(a)],
+                        [x - 0.7 * math.cos(a), -0.7 * math.sin(a)],
+                    ]
+                ),
+                0.08,
+                _BLACK,
+            )
+            for a in (0.2, 1.25, 2.3)
+        ]
     for x in np.arange(0.0, 2.4, 0.3).tolist():
         body.append(stroke(placing.to_world([[x, -0.8], [x, 0.8]]), 0.1, _BLACK))
     body.append(rectangle(placing.moved(5.6, 0.0), 0.9, 0.5, _BLACK))
     return Thing(
-        name=name, kind='locomotive', placing=placing, size_m=(20.6, 2.8, 4.0),
-        colour=hood.colour, shadow=(shadow_of_box(placing, 20.6, 2.8, 4.0),), body=tuple(body),
+        name=name,
+        kind='locomotive',
+        placing=placing,
+        size_m=(20.6, 2.8, 4.0),
+        colour=hood.colour,
+        shadow=(shadow_of_box(placing, 20.6, 2.8, 4.0),),
+        body=tuple(body),
     )
 
 
@@ -199,8 +246,11 @@ def _flask_marks(placing: Placing, rng: np.random.Generator) -> Iterator[Mark]:
     white = Paint((214, 216, 210), 20)
     yield from cylinder(placing, 5.0, 1.05, white, dish_m=0.1)
     for x in np.arange(-1.55, 1.56, 0.31).tolist():
-        yield stroke(placing.to_world([[x, -1.03], [x, 0.0], [x, 1.03]]), 0.12,
-                     Paint((96, 100, 104), 10, 0.55))
+        yield stroke(
+            placing.to_world([[x, -1.03], [x, 0.0], [x, 1.03]]),
+            0.12,
+            Paint((96, 100, 104), 10, 0.55),
+        )
     for end in (-1.0, 1.0):
         yield from cylinder(placing.moved(end * 2.25, 0.0), 1.0, 1.2, Paint((196, 60, 44), 20))
     yield from trefoil(placing.moved(rng.uniform(-0.2, 0.2), 0.0), 0.78)
