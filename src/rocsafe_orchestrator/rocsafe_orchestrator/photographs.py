@@ -2,12 +2,14 @@
 """Reading the image store of a run as far as the report needs it."""
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.run_record import Photograph
+from rocsafe_orchestrator.run_record import Aim, Photograph
 
 MANIFEST = 'manifest.jsonl'
 
@@ -48,8 +50,26 @@ def _photograph(sidecar: Path) -> Photograph | None:
             time_ns=int(record['time_ns']),
             position=_position(record),
             path=sidecar.with_suffix('.jpg'),
+            aim=_aim(record),
         )
     except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _aim(record: dict[str, Any]) -> Aim | None:
+    try:
+        camera = record['camera']
+        width_px = int(camera['width_px'])
+        return Aim(
+            camera=PinholeCamera(
+                horizontal_fov_rad=2.0 * math.atan2(width_px / 2.0, float(camera['fx_px'])),
+                image_width_px=width_px,
+                image_height_px=int(camera['height_px']),
+            ),
+            height_agl_m=float(record['height_agl_m']),
+            orientation_xyzw=tuple(map(float, record['orientation_xyzw'])),
+        )
+    except (ValueError, KeyError, TypeError):
         return None
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.phase import Phase
 from rocsafe_orchestrator.scenario import Scenario
@@ -131,8 +132,20 @@ class MissionSample:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Aim:
+    """What a photograph shows: `orientation_xyzw` takes the optical frame to east, north, up."""
+
+    camera: PinholeCamera
+    height_agl_m: float
+    orientation_xyzw: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Photograph:
-    """A stored photograph; `path` is that of its JPEG file, `position` the camera's."""
+    """A stored photograph; `path` is that of its JPEG file, `position` the camera's.
+
+    `aim` is None where the record does not tell it.
+    """
 
     shot_id: str
     vehicle: str
@@ -140,6 +153,7 @@ class Photograph:
     time_ns: int
     position: GeoPosition
     path: Path
+    aim: Aim | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -314,6 +314,8 @@ class SyntheticRun:
                         'shot_id': shot, 'vehicle': name, 'viewpoint_id': number,
                         'time_ns': _ns(seconds), 'latitude_deg': place[0],
                         'longitude_deg': place[1], 'altitude_m': place[2],
+                        'height_agl_m': HEIGHT_M, 'orientation_xyzw': [-1.0, 0.0, 0.0, 0.0],
+                        'camera': {'width_px': 640, 'height_px': 480, 'fx_px': 554.2562584},
                     }  # fmt: skip
                     number += 1
                     (folder / f'{shot}.json').write_text(json.dumps(record), encoding='utf-8')

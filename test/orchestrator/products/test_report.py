@@ -145,6 +145,15 @@ def test_payload_holds_every_reading_and_photograph(finished, page):
     assert len(payload['photos']) == summary['images_stored']
 
 
+def test_footprint_of_a_photograph_is_the_ground_below_it(page):
+    """At 32 m and 60 degrees the image's width shows 2 * 32 m * tan 30 deg = 36.95 m."""
+    payload = json.loads(re.search(r'id="report-data">(.*?)</script>', page, re.DOTALL)[1])
+    x, y, *_, footprint = payload['photos']['rav1-00000']
+    corners = [tuple(map(float, pair.split(','))) for pair in footprint.split()]
+    assert max(east for east, _ in corners) - x == pytest.approx(18.475, abs=0.15)
+    assert y - min(south for _, south in corners) == pytest.approx(13.856, abs=0.15)
+
+
 def test_everything_can_be_reached_by_keyboard(outline):
     """Buttons are buttons, and each has words."""
     for tag, attributes in outline.elements:

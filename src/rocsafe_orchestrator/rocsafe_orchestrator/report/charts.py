@@ -157,7 +157,6 @@ def _planned_bar(flight: Flight, frame: Frame, y: float) -> Markup | None:
 def _chart(frame: Frame, height: int, text: str, *content: object) -> Markup:
     return element(
         'svg',
-        element('title', text),
         *content,  # type: ignore[arg-type]
         class_='chart',
         viewBox=f'0 0 {frame.width} {height}',

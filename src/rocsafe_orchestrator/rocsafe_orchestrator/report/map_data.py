@@ -12,8 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.run_record import Reading, RunRecord, Track
+from rocsafe_orchestrator.run_record import Photograph, Reading, RunRecord, Track
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
@@ -38,7 +39,7 @@ class DosePoint:
 
 @dataclass(frozen=True, slots=True)
 class PhotoPoint:
-    """Where a photograph was taken."""
+    """Where a photograph was taken, and the corners of the ground that it shows, if known."""
 
     x: float
     y: float
@@ -46,6 +47,7 @@ class PhotoPoint:
     shot_id: str
     vehicle: str
     viewpoint_id: int
+    footprint: tuple[Point, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,10 +180,25 @@ def _photos(record: RunRecord, frame: LocalFrame, start_ns: int) -> tuple[PhotoP
     return tuple(
         PhotoPoint(
             x, y, (shot.time_ns - start_ns) / _NS_PER_S, shot.shot_id, shot.vehicle,
-            shot.viewpoint_id,
+            shot.viewpoint_id, _footprint(shot, (x, y)),
         )
         for (x, y), shot in zip(places, shots, strict=True)
     )  # fmt: skip
+
+
+def _footprint(shot: Photograph, place: Point) -> tuple[Point, ...]:
+    """Return the corners of the ground in a photograph, on the flat ground below it."""
+    if shot.aim is None:
+        return ()
+    try:
+        corners = ground_corners(
+            shot.aim.camera,
+            (place[0], -place[1], shot.aim.height_agl_m),
+            rotation_of_quaternion(shot.aim.orientation_xyzw),
+        )
+    except ValueError:
+        return ()
+    return tuple((float(east), -float(north)) for east, north in corners)
 
 
 def _thinned(frame: LocalFrame, track: Track) -> tuple[Point, ...]:

@@ -127,7 +127,6 @@ def _svg(box: Box, layers: Iterable[Markup]) -> Markup:
     backdrop = element('rect', x=-50000, y=-50000, width=100000, height=100000, fill='url(#grid)')
     return element(
         'svg',
-        element('title', 'Map of the survey'),
         element('defs', grid),
         backdrop,
         *layers,

@@ -106,6 +106,7 @@ class _Page:
                 photo.shot_id: [
                     round(photo.x, 1), round(photo.y, 1), round(photo.time_s, 1),
                     order.index(photo.vehicle), photo.viewpoint_id,
+                    ' '.join(f'{x:.1f},{y:.1f}' for x, y in photo.footprint),
                 ]
                 for photo in data.photos
             },

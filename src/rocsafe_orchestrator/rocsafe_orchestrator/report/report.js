@@ -147,6 +147,9 @@
     const picked = document.createElementNS(NS, 'g');
     picked.setAttribute('class', 'pin');
     picked.innerHTML = '<circle class="picked" r="9"></circle>';
+    const footprint = document.createElementNS(NS, 'polygon');
+    footprint.setAttribute('class', 'footprint');
+    map.insertBefore(footprint, $('.layer-photos'));
     const place = (node, x, y) => { node.style.transform = `translate(${x}px,${y}px) scale(var(--k))`; };
     const position = (x, y) => {
       const latitude = data.origin[0] - y / data.perDegree[0];
@@ -159,7 +162,11 @@
       node.textContent = text;
       return node;
     }
-    function mark(x, y) { place(picked, x, y); map.append(picked); }
+    function mark(x, y, ground = '') {
+      place(picked, x, y);
+      map.append(picked);
+      footprint.setAttribute('points', ground);
+    }
     function pickReading(index, isMarked = true) {
       const { x, y, t, d, v } = readings;
       if (isMarked) mark(x[index], y[index]);
@@ -175,8 +182,8 @@
       if (!photo) return;
       $$('.selected').forEach((node) => node.classList.remove('selected'));
       $$('[data-shot]').filter((node) => node.dataset.shot === id).forEach((node) => node.classList.add('selected'));
-      const [x, y, t, v, viewpoint] = photo;
-      mark(x, y);
+      const [x, y, t, v, viewpoint, ground] = photo;
+      mark(x, y, ground);
       const picture = $$('.gallery button').find((node) => node.dataset.shot === id);
       const link = line('a', 'Full photograph');
       link.href = `images/${encodeURIComponent(id)}.jpg`;

@@ -5,12 +5,13 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from rocsafe_orchestrator.readings_table import COLUMNS
 from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.markup import Content, Markup, element, style
+from rocsafe_orchestrator.report.markup import Content, Markup, element, join, style
 from rocsafe_orchestrator.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.summary import PlanFigures, RunSummary, VehicleFigures
 
-_PRODUCTS = ('scenario.yaml', 'run.json', 'plan.json', 'mission.mcap', 'readings.csv',
+_PRODUCTS = ('scenario.yaml', 'plan.json', 'mission.mcap', 'readings.csv',
              'mosaic.tif')  # fmt: skip
 _HASH_BLOCK = 1 << 20
 _VEHICLE_HEADS = (
@@ -86,7 +87,7 @@ def wall_spans_s(mission: Sequence[MissionSample]) -> dict[str, float]:
     return spans
 
 
-def facts(rows: Iterable[tuple[str, Content]]) -> Markup:
+def facts(rows: Iterable[tuple[Content, Content]]) -> Markup:
     """Return names and values as a description list; what is empty is left out."""
     shown = ((name, value) for name, value in rows if value not in ('', None))
     pairs = (element('div', element('dt', name), element('dd', value)) for name, value in shown)
@@ -109,7 +110,12 @@ def file_table(record: RunRecord) -> Markup:
             )
     head = (element('th', name, scope='col') for name in ('File', 'Size', 'SHA-256'))
     table = element('table', element('thead', element('tr', head)), element('tbody', rows))
-    return element('div', table, class_='table-scroll files')
+    columns = element(
+        'details',
+        element('summary', 'Columns of readings.csv'),
+        facts((element('code', name), meaning) for name, meaning in COLUMNS),
+    )
+    return join((element('div', table, class_='table-scroll files'), columns))
 
 
 def _tile(
