@@ -3,22 +3,27 @@
 
 import os
 from collections.abc import Callable
+from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import yaml
 
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
+from rocsafe_orchestrator import node_parameters
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.launches import child_environment, find_executable, launches
 from rocsafe_orchestrator.mission import REPORT
 from rocsafe_orchestrator.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.scenario_blocks import Nuclide, RadiationBlock
 from rocsafe_orchestrator.scenario_file import read_scenario
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_radiation.options import FieldOptions
+from rocsafe_radiation.detector import DETECTOR_NAMES
+from rocsafe_radiation.nuclide import nuclide, nuclide_names
+from rocsafe_radiation.options import NODE_MODELS, FieldOptions
 from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
@@ -172,3 +177,31 @@ def test_children_know_their_supervisor(run: RunDirectory) -> None:
     environment = child_environment(run)
     assert environment['ROCSAFE_SUPERVISOR_PID'] == str(os.getpid())
     assert environment['ROS_LOG_DIR'].startswith(str(run.path))
+
+
+def test_scenarios_know_the_nuclides_and_detectors_of_the_field() -> None:
+    """The names are written twice: here they are one."""
+    fields = RadiationBlock.model_fields
+    assert set(get_args(Nuclide)) == set(nuclide_names())
+    assert set(get_args(fields['detector'].annotation)) == set(DETECTOR_NAMES)
+    assert set(get_args(fields['model'].annotation)) == set(NODE_MODELS)
+
+
+def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Path]) -> None:
+    """Iridium of 2025-03-19 has halved on 2025-06-01, 73.8 days later."""
+    source = {
+        'name': 'ir',
+        'position': [53.2805, -9.061],
+        'nuclide': 'Ir-192',
+        'activity_gbq': 100.0,
+        'activity_date': datetime(2025, 3, 19, 14, tzinfo=timezone.utc),
+    }
+    scenario = read_scenario(small({'radiation.sources': [source]}))
+    options = FieldOptions(
+        **{
+            key: tuple(value) if isinstance(value, list) else value
+            for key, value in node_parameters.field_parameters(scenario).items()
+        }
+    )
+    (built,) = options.survey_field().field.sources
+    assert built.sigma_usvps == pytest.approx(nuclide('Ir-192').sigma_usvps(50.0), rel=0.001)

@@ -53,6 +53,8 @@ REFUSED_BLOCKS = [
     ('survey.hight_agl_m', 3.0, 'survey.hight_agl_m: unknown key (did you mean height_agl_m?)'),
     ('vehicles[1].colour', 'red', 'vehicles[1].colour: unknown key (known: name, home, '),
     ('survey', {}, 'survey.height_agl_m: is missing'),
+    ('radiation.sources[0].activity_gbq', 5.0, 'radiation.sources[0]: must have sigma_usvps or'),
+    ('radiation.sources[0].nuclide', 'Xx-1', "radiation.sources[0].nuclide = 'Xx-1': must be 'Am"),
     ('region.polygon', BOW_TIE, 'region.polygon: the boundary crosses or touches itself near'),
     ('region.polygon', ANTIMERIDIAN, 'must not cross the antimeridian (180 deg)'),
     ('region.polygon', POLE, 'the boundary has a corner at latitude 89.99 deg'),

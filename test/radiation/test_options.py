@@ -16,7 +16,7 @@ ONE_SOURCE = {
 
 def test_parallel_lists_make_sources():
     """One source a column."""
-    field = FieldOptions(**ONE_SOURCE, source_radius_m=0.5).radiation_field()
+    field = FieldOptions(**ONE_SOURCE, source_radius_m=0.5).survey_field().field
     (source,) = field.sources
     assert (source.name, source.sigma_usvps) == ('wreck', 2.57)
     assert source.position.altitude_m == 60.0
@@ -25,13 +25,13 @@ def test_parallel_lists_make_sources():
 
 def test_defaults_are_valid():
     """A node without parameters starts."""
-    assert FieldOptions().radiation_field().sources == ()
+    assert FieldOptions().survey_field().field.sources == ()
 
 
 @pytest.mark.parametrize(
     ('change', 'message'),
     [
-        ({'model': 'air'}, "model = 'air' must be one of: paper"),
+        ({'model': 'lossy'}, "model = 'lossy' must be one of: paper"),
         (
             {'position_source': 'truth'},
             "position_source = 'truth' must be one of: ground_truth, fix",

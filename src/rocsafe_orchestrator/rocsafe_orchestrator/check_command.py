@@ -73,13 +73,13 @@ def _vehicle_table(scenario: Scenario) -> Table:
 
 def _source_table(scenario: Scenario) -> Table:
     table = Table(box=None, pad_edge=False, header_style='dim')
-    for column in ('source', 'place', 'height', 'dose rate at 1 m'):
+    for column in ('source', 'place', 'height', 'strength'):
         table.add_column(column)
     for source in scenario.radiation.sources:
         table.add_row(
             source.name,
             f'{source.position[0]:.6f}, {source.position[1]:.6f}',
             f'{source.height_m:g} m',
-            f'{source.sigma_usvps:g} uSv/s',
+            source.strength_text,
         )
     return table

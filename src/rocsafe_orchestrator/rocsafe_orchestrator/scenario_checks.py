@@ -15,7 +15,12 @@ LARGEST_DISTANCE_M = 20_000.0
 
 def mistakes(scenario: Scenario) -> list[str]:
     """Return one line for each mistake of `scenario`, naming key path, value and limit."""
-    lines = [*_double_names(scenario), *_unequal_fleet(scenario), *_half_origin(scenario)]
+    lines = [
+        *_double_names(scenario),
+        *_unequal_fleet(scenario),
+        *_half_origin(scenario),
+        *_unclear_strengths(scenario),
+    ]
     try:
         area = scenario.area()
     except ValueError as error:
@@ -54,6 +59,15 @@ def _half_origin(scenario: Scenario) -> Iterator[str]:
     origin = scenario.origin
     if (origin.latitude_deg is None) != (origin.longitude_deg is None):
         yield 'origin: must have both latitude_deg and longitude_deg, or neither'
+
+
+def _unclear_strengths(scenario: Scenario) -> Iterator[str]:
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        if (source.sigma_usvps is None) == (source.activity_gbq is None):
+            yield f'{key}: must have sigma_usvps or activity_gbq, one of them'
+        elif source.activity_gbq is not None and source.nuclide is None:
+            yield f'{key}.nuclide: must be given with activity_gbq'
 
 
 def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from sensor_msgs.msg import NavSatFix
 
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
-from rocsafe_ros.conversions import has_position
+from rocsafe_radiation.counting import Sample, WindowReading
+from rocsafe_radiation.detector import IDEAL
+from rocsafe_ros.conversions import has_position, ns_of_stamp, stamp_of_ns
 
-IDEAL_DETECTOR = 'ideal'
 Coordinates = tuple[float, float, float]
 NOWHERE: Coordinates = (math.nan, math.nan, math.nan)
 
@@ -39,7 +40,7 @@ def reading_of(
     """
     latitude, longitude, altitude = coordinates_of_fix(fix)
     reading = RadiationReading(
-        detector=IDEAL_DETECTOR,
+        detector=IDEAL,
         model=model,
         radiation_type=RadiationReading.RADIATION_TYPE_GAMMA,
         dose_rate_usvh=dose_rate_usvh,
@@ -47,5 +48,43 @@ def reading_of(
         position=GeoPoint(latitude=latitude, longitude=longitude, altitude=altitude),
     )
     reading.header.stamp = fix.header.stamp
+    reading.header.frame_id = f'{vehicle}/radiation_sensor'
+    return reading
+
+
+def sample_of(fix: NavSatFix, dose_rate_usvh: float) -> Sample:
+    """Return the field at the time of `fix`, with the place that it states."""
+    latitude, longitude, altitude = coordinates_of_fix(fix)
+    return Sample(
+        time_ns=ns_of_stamp(fix.header.stamp),
+        dose_rate_usvh=float(dose_rate_usvh),
+        latitude_deg=latitude,
+        longitude_deg=longitude,
+        altitude_m=altitude,
+    )
+
+
+def counted_reading_of(
+    window: WindowReading, vehicle: str, model: str, detector: str
+) -> RadiationReading:
+    """Return what `detector` of `vehicle` reads at the end of `window`."""
+    measured = window.measurement
+    reading = RadiationReading(
+        detector=detector,
+        model=model,
+        radiation_type=RadiationReading.RADIATION_TYPE_GAMMA,
+        dose_rate_usvh=measured.dose_rate_usvh,
+        dose_rate_std_usvh=measured.dose_rate_std_usvh,
+        counts=measured.counts,
+        integration_time_s=measured.window_s,
+        live_time_s=measured.live_time_s,
+        saturated=measured.is_saturated,
+        position=GeoPoint(
+            latitude=window.latitude_deg,
+            longitude=window.longitude_deg,
+            altitude=window.altitude_m,
+        ),
+    )
+    reading.header.stamp = stamp_of_ns(window.time_ns)
     reading.header.frame_id = f'{vehicle}/radiation_sensor'
     return reading

@@ -10,12 +10,15 @@ from rocsafe_interfaces.srv import QueryRadiationField
 from rocsafe_radiation.conversions import (
     coordinates_of_fix,
     coordinates_of_points,
+    counted_reading_of,
     reading_of,
+    sample_of,
 )
+from rocsafe_radiation.counting import WindowCounter
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
-from rocsafe_radiation.field import RadiationField
 from rocsafe_radiation.options import GROUND_TRUTH, FieldOptions
 from rocsafe_radiation.pairing import StampPairing
+from rocsafe_radiation.survey_field import SurveyField
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lockstep import Participant
@@ -24,15 +27,22 @@ from rocsafe_ros.run import run
 
 
 class Detector:
-    """The detector of one vehicle: a reading for each of its fixes, in the order of stamps."""
+    """The detector of one vehicle: readings from its fixes, in the order of stamps.
+
+    The ideal one gives a reading for each fix, the others one for each window of time.
+    """
 
     def __init__(
-        self, node: Node, vehicle: str, options: FieldOptions, field: RadiationField
+        self, node: Node, vehicle: str, options: FieldOptions, field: SurveyField
     ) -> None:
         self._log = node.get_logger()
         self._vehicle = vehicle
         self._model = options.model
         self._field = field
+        kind = field.kind
+        self._counter = (
+            WindowCounter(kind, vehicle, options.window_s, options.seed) if kind else None
+        )
         self._pairing: StampPairing[NavSatFix, NavSatFix] = StampPairing()
         self._unanswered = 0
         self._reported_lost = 0
@@ -61,11 +71,17 @@ class Detector:
             return
         fix, place = pair
         try:
-            dose_rate_usvh = self._field.dose_rates_usvh(*coordinates_of_fix(place))[0]
+            dose_rate_usvh = self._field.counted_dose_rates_usvh(*coordinates_of_fix(place))[0]
         except UnknownPointError as error:
             self._count_unanswered(error)
             return
-        self._readings.publish(reading_of(fix, self._vehicle, self._model, dose_rate_usvh))
+        if self._counter is None:
+            self._readings.publish(reading_of(fix, self._vehicle, self._model, dose_rate_usvh))
+            return
+        window = self._counter.add(sample_of(fix, dose_rate_usvh))
+        if window is not None:
+            name = self._field.detector
+            self._readings.publish(counted_reading_of(window, self._vehicle, self._model, name))
 
     def _count_unanswered(self, error: UnknownPointError) -> None:
         self._unanswered += 1
@@ -74,10 +90,11 @@ class Detector:
 
 
 class FieldNode(Node):
-    """Answers each fix with a reading of the dose rate at the vehicle's true position.
+    """Answers fixes with readings of the dose rate at the vehicle's true position.
 
     Subscribes: for each vehicle ``fix`` and ``ground_truth/fix``. Publishes: for each vehicle
-    ``radiation``, one a fix with the stamp of the fix. Service: ``radiation_field/query``.
+    ``radiation``: of the ideal detector one a fix with its stamp, of others one a window with the
+    stamp of its end. Service: ``radiation_field/query``.
 
     In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due,
     so it reports a step done at once; a fix that comes later still gets a reading with its own
@@ -87,7 +104,7 @@ class FieldNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('radiation_field', **node_options)
         options = declare_options(self, FieldOptions)
-        self._field = options.radiation_field()
+        self._field = options.survey_field()
         self._detectors = [
             Detector(self, vehicle, options, self._field) for vehicle in options.vehicles
         ]

@@ -57,7 +57,6 @@ class SourcePoint:
     x: float
     y: float
     name: str
-    sigma_usvps: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,8 +168,7 @@ def _sources(record: RunRecord, frame: LocalFrame) -> tuple[SourcePoint, ...]:
     sources = record.scenario.radiation.sources
     places = points(frame, (record.scenario.ground_position(s.position) for s in sources))
     return tuple(
-        SourcePoint(x, y, source.name, source.sigma_usvps)
-        for (x, y), source in zip(places, sources, strict=True)
+        SourcePoint(x, y, source.name) for (x, y), source in zip(places, sources, strict=True)
     )
 
 

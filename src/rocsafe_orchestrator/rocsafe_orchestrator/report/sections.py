@@ -15,6 +15,7 @@ from rocsafe_orchestrator.report.markup import Content, Markup, element, join
 from rocsafe_orchestrator.report.tables import facts
 from rocsafe_orchestrator.run_record import Photograph, Plan, RunRecord
 from rocsafe_orchestrator.scenario import Scenario
+from rocsafe_orchestrator.scenario_blocks import SourceBlock
 from rocsafe_orchestrator.summary import RunSummary
 
 OUTCOMES = {
@@ -237,11 +238,17 @@ def _field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
         ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
     ]
     for source in scenario.radiation.sources:
-        at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
         place = formats.latitude_longitude(*source.position)
         height = f'{source.height_m:g}{formats.GAP}m above ground'
-        rows.append((source.name, f'{at_one_metre} at 1{formats.GAP}m; {place}, {height}'))
+        rows.append((source.name, f'{_strength(source)}; {place}, {height}'))
     return rows
+
+
+def _strength(source: SourceBlock) -> str:
+    if source.sigma_usvps is None:
+        return source.strength_text
+    at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
+    return f'{at_one_metre} at 1{formats.GAP}m'
 
 
 def _run_facts(record: RunRecord, summary: RunSummary) -> list[tuple[str, Content]]:

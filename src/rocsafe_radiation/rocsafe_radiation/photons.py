@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photons in matter: attenuation, energy absorption, build-up and dose conversion.
+
+The tables are those of ``tables/photons.json``, made with their sources by
+``tools/radiation_tables.py``. Attenuation includes coherent scattering, as NIST tabulates it.
+"""
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+AIR = 'air'
+LOWEST_ENERGY_KEV, HIGHEST_ENERGY_KEV = 20.0, 3000.0
+# The standard's coefficients are fitted up to here; exp(-40) is nothing.
+LARGEST_MEAN_FREE_PATHS = 40.0
+M_PER_CM = 0.01
+# 20 degrees Celsius and 1013.25 hPa, for which the tables give the density of air.
+REFERENCE_TEMPERATURE_K, REFERENCE_PRESSURE_HPA = 293.15, 1013.25
+TANH_MINUS_2 = math.tanh(-2.0)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """A material that photons pass.
+
+    Attributes
+    ----------
+    name: as in the tables.
+    density_kg_m3: its density.
+    log_energies: natural logarithms of the tabulated energies in keV, shape (n,).
+    log_mass_attenuation: the same of mu/rho in m^2/kg, shape (n,).
+    buildup_log_energies: natural logarithms of energies in keV, shape (m,).
+    buildup_coefficients: b, c, a, X, d of the geometric progression, shape (m, 5).
+    """
+
+    name: str
+    density_kg_m3: float
+    log_energies: Array
+    log_mass_attenuation: Array
+    buildup_log_energies: Array
+    buildup_coefficients: Array
+
+    def attenuation_per_m(self, energies_kev: ArrayLike, density_kg_m3: float = 0.0) -> Array:
+        """Return the linear attenuation coefficient at each energy, narrow beam, 1/m.
+
+        With `density_kg_m3` = 0 the density is that of the tables.
+        """
+        density = density_kg_m3 or self.density_kg_m3
+        logs = np.interp(_log_energies(energies_kev), self.log_energies, self.log_mass_attenuation)
+        return np.asarray(np.exp(logs) * density)
+
+    def half_value_layer_m(self, energy_kev: float) -> float:
+        """Return the thickness that halves a narrow beam, metres."""
+        return math.log(2.0) / float(self.attenuation_per_m(energy_kev))
+
+    def buildup(self, energy_kev: float, mean_free_paths: ArrayLike) -> Array:
+        """Return dose of all photons over dose of the unscattered ones, at least 1.
+
+        Geometric progression of ANSI/ANS-6.4.3-1991 for exposure from a point source in an
+        infinite medium; `mean_free_paths` beyond 40 count as 40.
+        """
+        energy = _log_energies(energy_kev)
+        b, c, a, scale, d = (
+            float(np.interp(energy, self.buildup_log_energies, column))
+            for column in self.buildup_coefficients.T
+        )
+        paths = np.clip(mean_free_paths, 0.0, LARGEST_MEAN_FREE_PATHS)
+        # x^a of a negative a is infinite at 0, where the build-up is 1 whatever K.
+        bounded = np.maximum(paths, 1e-9)
+        bend = (np.tanh(bounded / scale - 2.0) - TANH_MINUS_2) / (1.0 - TANH_MINUS_2)
+        growth = np.clip(c * bounded**a + d * bend, 1e-6, 1e3)
+        is_linear = np.abs(growth - 1.0) < 1e-7
+        base = np.where(is_linear, 2.0, growth)
+        series = np.where(is_linear, bounded, (base**bounded - 1.0) / (base - 1.0))
+        return np.asarray(np.maximum(1.0, np.where(paths > 0.0, 1.0 + (b - 1.0) * series, 1.0)))
+
+
+def materials() -> tuple[str, ...]:
+    """Return the names of all materials."""
+    return tuple(_tables()['materials'])
+
+
+@cache
+def material(name: str) -> Material:
+    """Return the material `name`.
+
+    Raises
+    ------
+    ValueError: if there is none of that name.
+    """
+    known = _tables()['materials']
+    if name not in known:
+        raise ValueError(f'material = {name!r} must be one of: {", ".join(known)}')
+    entry = known[name]
+    buildup = np.array(entry['buildup'])
+    return Material(
+        name=name,
+        density_kg_m3=entry['density_g_cm3'] * 1e3,
+        log_energies=np.log(entry['energies_kev']),
+        log_mass_attenuation=np.log(np.array(entry['mass_attenuation_cm2_g']) * 0.1),
+        buildup_log_energies=np.log(buildup[:, 0]),
+        buildup_coefficients=buildup[:, 1:],
+    )
+
+
+def air_energy_absorption_m2_kg(energies_kev: ArrayLike) -> Array:
+    """Return mu_en/rho of dry air at each energy, m^2/kg."""
+    table = _tables()['air_energy_absorption']
+    logs = np.interp(
+        _log_energies(energies_kev),
+        np.log(table['energies_kev']),
+        np.log(np.array(table['mass_energy_absorption_cm2_g']) * 0.1),
+    )
+    return np.asarray(np.exp(logs))
+
+
+def dose_per_kerma_sv_gy(energies_kev: ArrayLike) -> Array:
+    """Return ambient dose equivalent H*(10) over air kerma at each energy, Sv/Gy."""
+    table = _tables()['dose_per_kerma']
+    return np.asarray(
+        np.interp(_log_energies(energies_kev), np.log(table['energies_kev']), table['sv_per_gy'])
+    )
+
+
+def air_density_kg_m3(
+    temperature_k: float = REFERENCE_TEMPERATURE_K, pressure_hpa: float = REFERENCE_PRESSURE_HPA
+) -> float:
+    """Return the density of dry air, as an ideal gas."""
+    reference = material(AIR).density_kg_m3
+    warmth = REFERENCE_TEMPERATURE_K / temperature_k
+    return reference * warmth * pressure_hpa / REFERENCE_PRESSURE_HPA
+
+
+def _log_energies(energies_kev: ArrayLike) -> Array:
+    energies = np.asarray(energies_kev, np.float64)
+    return np.asarray(np.log(np.clip(energies, 1.0, HIGHEST_ENERGY_KEV)))
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    text = resources.files('rocsafe_radiation').joinpath('tables/photons.json').read_text('utf-8')
+    tables: dict[str, Any] = json.loads(text)
+    return tables

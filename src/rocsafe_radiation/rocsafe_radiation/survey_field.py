@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a detector meets in the field: sources, each by its nuclide, and background."""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rocsafe_radiation.background import Background
+from rocsafe_radiation.detector import DETECTORS, IDEAL, DetectorModel
+from rocsafe_radiation.field import RadiationField
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SurveyField:
+    """The dose rate of sources and background, and what of it a kind of detector counts.
+
+    Attributes
+    ----------
+    field: of the sources.
+    background: of nature, to which every detector responds as to Cs-137.
+    detector: name of a kind, or ``ideal``, which reads the dose rate itself.
+    """
+
+    field: RadiationField
+    background: Background
+    detector: str = IDEAL
+    _responses: NDArray[np.float64] = dataclasses.field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.detector != IDEAL and self.detector not in DETECTORS:
+            names = ', '.join((IDEAL, *DETECTORS))
+            raise ValueError(f'detector = {self.detector!r} must be one of: {names}')
+        kind = self.kind
+        nuclides = [source.nuclide for source in self.field.sources]
+        responses = [1.0 if kind is None else kind.relative_response(name) for name in nuclides]
+        object.__setattr__(self, '_responses', np.array(responses))
+
+    @property
+    def kind(self) -> DetectorModel | None:
+        """The kind of detector, None for the ideal one."""
+        return DETECTORS.get(self.detector)
+
+    def dose_rates_usvh(
+        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Return the dose rate at n points, microsievert per hour, shape (n,).
+
+        Raises
+        ------
+        UnknownPointError: if a point is not finite or out of range, naming it.
+        """
+        return self._total(
+            np.ones(len(self._responses)), latitudes_deg, longitudes_deg, altitudes_m
+        )
+
+    def counted_dose_rates_usvh(
+        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
+    ) -> NDArray[np.float64]:
+        """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
+
+        Raises
+        ------
+        UnknownPointError: if a point is not finite or out of range, naming it.
+        """
+        return self._total(self._responses, latitudes_deg, longitudes_deg, altitudes_m)
+
+    def _total(
+        self, weights: NDArray[np.float64], latitudes: ArrayLike, longitudes: ArrayLike,
+        altitudes: ArrayLike,
+    ) -> NDArray[np.float64]:  # fmt: skip
+        rates = weights @ self.field.source_dose_rates_usvh(latitudes, longitudes, altitudes)
+        if self.background == Background():
+            return np.asarray(rates)
+        places = (np.asarray(part, np.float64) for part in (latitudes, longitudes, altitudes))
+        return np.asarray(rates + self.background.dose_rates_usvh(*places))

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What air and other materials leave of the dose rate of a source."""
+
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.nuclide import nuclide
+from rocsafe_radiation.photons import AIR, material
+
+Array = NDArray[np.float64]
+# Linear interpolation between steps is good to 1e-5 at 60 keV and better above.
+STEP_M = 0.25
+# Air leaves less than 1e-8 of any line beyond.
+REACH_M = 3000.0
+# Points at a time: their arrays stay in the cache of a core.
+BLOCK = 16384
+
+
+def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
+    """Return dose rate in air over that without air, for a nuclide, shape of `distances_m`.
+
+    The sum over the lines of share * exp(-mu r) * B(mu r), with the build-up B of air.
+    Interpolated from a table; beyond 3 km it stays what it is there.
+    """
+    values, slopes = _table(nuclide_name)
+    flat = np.ravel(distances_m)
+    result = np.empty_like(flat)
+    for start in range(0, flat.size, BLOCK):
+        places = flat[start : start + BLOCK] * (1.0 / STEP_M)
+        np.minimum(places, float(len(slopes) - 1), out=places)
+        indices = places.astype(np.intp)
+        places -= indices
+        places *= slopes[indices]
+        np.add(places, values[indices], out=result[start : start + BLOCK])
+    return result.reshape(np.shape(distances_m))
+
+
+def exact_air_transmission(nuclide_name: str, distances_m: Array) -> Array:
+    """Return the same, line by line."""
+    return shielded_transmission(nuclide_name, {AIR: distances_m})
+
+
+def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, Array]) -> Array:
+    """Return dose rate behind materials over that without any.
+
+    `lengths_m` maps names of materials, air among them, to the lengths of n rays within, each of
+    shape (n,). Each line is attenuated by all of them; the build-up is that of the material with
+    the most mean free paths along the ray, at the sum of all: the usual choice of point kernels.
+    """
+    source = nuclide(nuclide_name)
+    names = list(lengths_m)
+    lengths = np.stack([np.asarray(lengths_m[name], np.float64) for name in names])
+    total = np.zeros(lengths.shape[1:])
+    for energy, share in zip(source.energies_kev, source.dose_shares(), strict=True):
+        if share <= 0.0:
+            continue
+        mu = [float(material(name).attenuation_per_m(energy)) for name in names]
+        paths = lengths * np.array(mu).reshape(-1, *[1] * (lengths.ndim - 1))
+        depth = paths.sum(axis=0)
+        total += share * np.exp(-depth) * _dominant_buildup(names, float(energy), paths, depth)
+    return total
+
+
+def _dominant_buildup(names: list[str], energy_kev: float, paths: Array, depth: Array) -> Array:
+    thickest = np.argmax(paths, axis=0)
+    factors = np.ones_like(depth)
+    for index, name in enumerate(names):
+        chosen = thickest == index
+        if chosen.any():
+            factors[chosen] = material(name).buildup(energy_kev, depth[chosen])
+    return factors
+
+
+@cache
+def _table(nuclide_name: str) -> tuple[Array, Array]:
+    """Return the transmission at each step and its difference to the next."""
+    distances: Array = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
+    values = exact_air_transmission(nuclide_name, distances)
+    slopes = np.diff(values)
+    slopes[-1] = 0.0
+    return values[:-1], slopes
