@@ -2,8 +2,6 @@
 """`ros2 action send_goal`."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -12,7 +10,7 @@ from rclpy.action import ActionClient
 from rocsafe_ros.ros2_cli.command import CommandError, Verb
 from rocsafe_ros.ros2_cli.command_node import NAME_PREFIX, CommandNode, command_node
 from rocsafe_ros.ros2_cli.interfaces import interface_class
-from rocsafe_ros.ros2_cli.message_fill import fill, read_values, values_text
+from rocsafe_ros.ros2_cli.message_fill import fill, new_message, read_values, values_text
 from rocsafe_ros.ros2_cli.message_text import yaml_text
 
 CANCEL_LIMIT_S = 5.0
@@ -45,7 +43,7 @@ def _send_goal(options: Namespace) -> int:
     action_type = interface_class(
         options.action_type, 'action', 'The passed action type is invalid'
     )
-    goal = action_type.Goal()
+    goal = new_message(action_type.Goal)
     values = read_values(values_text(options.goal, from_stdin=options.stdin))
     try:
         fill(goal, values)
@@ -67,6 +65,15 @@ def _run_goal(holder: CommandNode, client: Any, goal: Any, options: Namespace) -
     holder.spin_until(client.server_is_ready)
     print(f'Sending goal:\n     {yaml_text(goal)}')
     sent = client.send_goal_async(goal, _print_feedback if options.feedback else None)
+    try:
+        _follow(holder, sent)
+    except BaseException:
+        _cancel(holder, sent)
+        raise
+
+
+def _follow(holder: CommandNode, sent: Any) -> None:
+    """Print what becomes of a goal."""
     holder.spin_until(sent.done)
     handle = sent.result()
     if handle is None:
@@ -75,17 +82,6 @@ def _run_goal(holder: CommandNode, client: Any, goal: Any, options: Namespace) -
         print('Goal was rejected.')
         return
     print(f'Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n')
-    with _cancelled_when_interrupted(holder, handle):
-        _print_result(holder, handle)
-
-
-def _print_feedback(message: Any) -> None:
-    """Print one feedback."""
-    print(f'Feedback:\n    {yaml_text(message.feedback)}')
-
-
-def _print_result(holder: CommandNode, handle: Any) -> None:
-    """Wait for the result and print it."""
     future = handle.get_result_async()
     holder.spin_until(future.done)
     response = future.result()
@@ -95,20 +91,17 @@ def _print_result(holder: CommandNode, handle: Any) -> None:
     print(f'Goal finished with status: {STATUS_NAMES.get(response.status, "UNKNOWN")}')
 
 
-@contextmanager
-def _cancelled_when_interrupted(holder: CommandNode, handle: Any) -> Iterator[None]:
-    """Cancel the goal if Ctrl-C or SIGTERM ends the wait for its result."""
-    try:
-        yield
-    except BaseException:
-        # Not yet known is not ended: the first status may be on its way.
-        if handle.status not in ENDED:
-            _cancel(holder, handle)
-        raise
+def _print_feedback(message: Any) -> None:
+    """Print one feedback."""
+    print(f'Feedback:\n    {yaml_text(message.feedback)}')
 
 
-def _cancel(holder: CommandNode, handle: Any) -> None:
-    """Cancel the goal."""
+def _cancel(holder: CommandNode, sent: Any) -> None:
+    """Cancel a goal whose end nobody waits for any more; one not yet accepted as soon as it is."""
+    holder.spin_until(sent.done, CANCEL_LIMIT_S)
+    handle = sent.result() if sent.done() else None
+    if handle is None or not handle.accepted or handle.status in ENDED:
+        return
     print('Canceling goal...')
     future = handle.cancel_goal_async()
     if not holder.spin_until(future.done, CANCEL_LIMIT_S):

@@ -37,10 +37,20 @@ def add_node_arguments(parser: ArgumentParser) -> None:
     )
 
 
+def open_context() -> Context:
+    """Join the graph; signals are left to Python, so that a verb can clean up after Ctrl-C."""
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    return context
+
+
+def close_context(context: Context) -> None:
+    """Leave the graph."""
+    rclpy.shutdown(context=context)
+
+
 class CommandNode:
     """A node and its executor.
-
-    Signals are left to Python: the context stays valid while a verb cleans up after Ctrl-C.
 
     Attributes
     ----------
@@ -49,8 +59,7 @@ class CommandNode:
     """
 
     def __init__(self, name: str = '', *, use_sim_time: bool = False) -> None:
-        self._context = Context()
-        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._context = open_context()
         self.node: Any = rclpy.create_node(
             name or f'{NAME_PREFIX}_{os.getpid()}',
             context=self._context,
@@ -76,7 +85,7 @@ class CommandNode:
         """Take the node down."""
         self._executor.shutdown(timeout_sec=1.0)
         self.node.destroy_node()
-        rclpy.shutdown(context=self._context)
+        close_context(self._context)
 
 
 @contextmanager

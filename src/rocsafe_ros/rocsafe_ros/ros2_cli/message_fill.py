@@ -37,6 +37,14 @@ def values_text(argument: str, *, from_stdin: bool) -> str:
     return sys.stdin.read() if from_stdin else argument
 
 
+def new_message(kind: Any) -> Any:
+    """Return a message of this class that refuses values beyond the limits of its fields.
+
+    Without that rclpy reads past the end of an array that is too short.
+    """
+    return kind(check_fields=True)
+
+
 def fill(message: Any, values: Any, *, with_clock: bool = False) -> list[StampSetter]:
     """Set the fields of a message.
 
@@ -114,7 +122,7 @@ class _Filler:
 
     def _nested(self, kind: Any, values: Any) -> Any:
         """Return a message of this class filled with the values."""
-        message = kind()
+        message = new_message(kind) if hasattr(kind, 'SLOT_TYPES') else kind()
         self.fill(message, values)
         return message
 

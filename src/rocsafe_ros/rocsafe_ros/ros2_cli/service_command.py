@@ -15,7 +15,7 @@ from rocsafe_ros.ros2_cli.command_node import (
     graph_node,
 )
 from rocsafe_ros.ros2_cli.interfaces import interface_class
-from rocsafe_ros.ros2_cli.message_fill import fill, read_values, values_text
+from rocsafe_ros.ros2_cli.message_fill import fill, new_message, read_values, values_text
 from rocsafe_ros.ros2_cli.topic_graph import without_hidden
 
 HIDDEN_HELP = 'Consider hidden services as well'
@@ -76,7 +76,7 @@ def _add_call_arguments(parser: ArgumentParser) -> None:
 def _call(options: Namespace) -> int:
     """Call a service, once or until Ctrl-C."""
     service_type = _service_class(options.service_type)
-    request = service_type.Request()
+    request = new_message(service_type.Request)
     values = read_values(values_text(options.values, from_stdin=options.stdin))
     try:
         fill(request, values)

@@ -10,7 +10,7 @@ from rocsafe_ros.ros2_cli.argument_types import positive_float, unsigned_int
 from rocsafe_ros.ros2_cli.command import CommandError, Verb
 from rocsafe_ros.ros2_cli.command_node import CommandNode, add_node_arguments, command_node
 from rocsafe_ros.ros2_cli.interfaces import message_class
-from rocsafe_ros.ros2_cli.message_fill import fill, read_values, values_text
+from rocsafe_ros.ros2_cli.message_fill import fill, new_message, read_values, values_text
 from rocsafe_ros.ros2_cli.topic_qos import add_qos_arguments, chosen_qos
 
 REPEAT_S = 1.0
@@ -81,7 +81,9 @@ def _pub(options: Namespace) -> int:
         publisher = holder.node.create_publisher(
             message_type, options.topic_name, chosen_qos(options)
         )
-        publish = _publish_action(holder.node, publisher, message_type(), values, options.print)
+        publish = _publish_action(
+            holder.node, publisher, new_message(message_type), values, options.print
+        )
         _await_subscriptions(holder, publisher, wanted, options.max_wait_time_secs)
         _repeat(holder, publish, options.rate, times)
         time.sleep(options.keep_alive)
