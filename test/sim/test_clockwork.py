@@ -87,11 +87,13 @@ def test_speed_is_reached() -> None:
 
 
 def test_paused_world_goes_on_when_told() -> None:
-    """Without autostart the first step is done, then time stands until run."""
-    made = clockwork(is_running=False)
-    answer(made, START)
+    """Without autostart no time is published until run; then it can be paused again."""
+    pace = Pace(start_ns=START, step_ns=STEP, speed=0.0)
+    made = Clockwork(pace, NAMES, 0.0, is_running=False)
     assert made.due(5.0) is None
     made.run(is_running=True)
+    assert made.due(5.0) == START
+    answer(made, START)
     assert made.due(5.0) == START + STEP
     made.run(is_running=False)
     answer(made, START + STEP)

@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from rocsafe_orchestrator.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.interrupt import Interrupt
 from rocsafe_orchestrator.mission import REPORT, Mission, Situation
@@ -26,7 +27,7 @@ SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # Time that stands still for longer is asked about.
 STALL_WATCH_S = 3.0
-# Other participants of this ROS domain have been seen by then.
+# Orchestrators on other machines have been seen by then; on this one a lock keeps them apart.
 DISCOVERY_S = 0.7
 
 
@@ -93,10 +94,7 @@ class MissionRun:
     def _look_for_company(self) -> None:
         self._parts.spinner.spin_for(DISCOVERY_S)
         if self._parts.node.has_company():
-            raise SetupError(
-                'another mission is running in this ROS domain: wait for its end, or choose '
-                'another domain, for instance ROS_DOMAIN_ID=1'
-            )
+            raise SetupError(COMPANY_TEXT)
 
     def _tick(self, now_s: float) -> None:
         parts = self._parts

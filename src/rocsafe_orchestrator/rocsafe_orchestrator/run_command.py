@@ -2,6 +2,7 @@
 """`rocsafe run`: fly a scenario, leave a run directory."""
 
 import logging
+import os
 import sys
 from dataclasses import dataclass
 from datetime import datetime
@@ -10,6 +11,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from rocsafe_orchestrator.domain_lock import domain_lock
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, ScenarioError
 from rocsafe_orchestrator.interrupt import Interrupt
 from rocsafe_orchestrator.launches import child_environment, launches, require_executables
@@ -53,6 +55,11 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     if request.config is not None and not request.config.is_file():
         raise ScenarioError(f'{request.config}: no such file')
     require_executables(process_table(scenario, RunDirectory(request.parent)))
+    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
+        return _run(request, scenario, console)
+
+
+def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
     interrupt = Interrupt()
     started = datetime.now().astimezone()
     directory = create_run_directory(request.parent, scenario.name, started)

@@ -40,7 +40,7 @@ class Clockwork:
     pace : how time runs.
     participants : who must have done a step before the next.
     wall_s : wall time now.
-    is_running : whether to run on after the first step.
+    is_running : whether time begins by itself, else `run` lets it.
     pauses_when_idle : pause after a step that left everybody idle, once somebody was busy.
     """
 
@@ -94,8 +94,10 @@ class Clockwork:
     def due(self, wall_s: float) -> int | None:
         """Return the time to be published now, None if it is not time yet."""
         if self._published_s is None:
+            # Whoever is there when time begins has heard of everybody: no first reading is lost.
             is_heard = len(self._idle) > 0
-            return self._publish(wall_s) if is_heard or wall_s >= self._begin_s else None
+            may_begin = self.is_running and wall_s >= self._begin_s
+            return self._publish(wall_s) if is_heard or may_begin else None
         if self.is_done:
             return self._advance(wall_s)
         return self._publish(wall_s) if wall_s - self._published_s >= RESEND_S else None

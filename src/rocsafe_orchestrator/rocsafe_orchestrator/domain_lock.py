@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One mission at a time in a ROS domain of this machine."""
+
+import fcntl
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rocsafe_orchestrator.errors import SetupError
+
+COMPANY_TEXT = (
+    'another mission is running in this ROS domain: wait for its end, or choose another domain, '
+    'for instance ROS_DOMAIN_ID=1'
+)
+
+
+@contextmanager
+def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
+    """Hold the domain; the kernel lets go of it when this process ends, however that happens.
+
+    Parameters
+    ----------
+    domain: value of ``ROS_DOMAIN_ID``.
+    folder: where the lock file lies, by default the system's folder for temporary files.
+
+    Raises
+    ------
+    SetupError: if another mission of this user holds it.
+    """
+    folder = Path(tempfile.gettempdir()) if folder is None else folder
+    path = folder / f'rocsafe-{os.getuid()}-domain-{domain}.lock'
+    try:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        raise SetupError(f'{path}: cannot be opened: {error.strerror}') from error
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(descriptor)
+        raise SetupError(COMPANY_TEXT) from error
+    try:
+        yield
+    finally:
+        os.close(descriptor)

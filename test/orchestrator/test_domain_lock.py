@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One mission at a time in a ROS domain."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rocsafe_orchestrator.domain_lock import domain_lock
+from rocsafe_orchestrator.errors import SetupError
+
+HOLDER = (
+    'import sys, time, pathlib\n'
+    'from rocsafe_orchestrator.domain_lock import domain_lock\n'
+    'with domain_lock("5", pathlib.Path(sys.argv[1])):\n'
+    '    print("held", flush=True); time.sleep(60)\n'
+)
+
+
+def test_domain_is_held_once_and_given_back(tmp_path: Path) -> None:
+    """A second mission is refused while the first runs; another domain is free."""
+    with domain_lock('5', tmp_path):
+        with domain_lock('6', tmp_path):
+            pass
+        with (
+            pytest.raises(SetupError, match='another mission is running'),
+            domain_lock('5', tmp_path),
+        ):
+            pass
+    with domain_lock('5', tmp_path):
+        pass
+
+
+def test_killed_mission_does_not_hold_its_domain(tmp_path: Path) -> None:
+    """After a `kill -9` the next mission starts at once."""
+    command = [sys.executable, '-c', HOLDER, str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b'held\n'
+        with pytest.raises(SetupError), domain_lock('5', tmp_path):
+            pass
+        holder.send_signal(signal.SIGKILL)
+        holder.wait()
+        with domain_lock('5', tmp_path):
+            pass
+
+
+def test_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    """One line, with the path."""
+    with (
+        pytest.raises(SetupError, match='cannot be opened: No such file'),
+        domain_lock('5', tmp_path / 'no'),
+    ):
+        pass

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole mission in processes of its own, watched from outside."""
+
+import hashlib
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.launches import find_executable
+from rocsafe_orchestrator.run_directory import RunDirectory
+
+SCENARIO = Path(__file__).with_name('small.yaml')
+# Of a mission that takes some ten seconds on two free cores.
+DEADLINE_S = 120.0
+
+
+class Flight:
+    """One `rocsafe run` of the small mission."""
+
+    def __init__(self, command: Path, folder: Path, *options: str) -> None:
+        self._folder = folder
+        self._output = folder / 'output.txt'
+        folder.mkdir()
+        with self._output.open('wb') as output:
+            self.process = subprocess.Popen(
+                [command, 'run', SCENARIO, '--out', folder / 'runs', *options],
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    @property
+    def output(self) -> str:
+        """What the command has printed so far."""
+        return self._output.read_text(encoding='utf-8')
+
+    @property
+    def run(self) -> RunDirectory:
+        """The run directory; waits until there is one."""
+        self.wait_until(lambda: any((self._folder / 'runs').glob('small-*')))
+        return RunDirectory(next((self._folder / 'runs').glob('small-*')))
+
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        """Wait until `condition` holds; the mission must not end before."""
+        end = time.monotonic() + DEADLINE_S
+        while not condition():
+            assert time.monotonic() < end, f'deadline, after:\n{self.output}'
+            assert self.process.poll() is None, f'mission ended early:\n{self.output}'
+            time.sleep(0.05)
+
+    def wait_for_images(self, count: int) -> None:
+        """Wait until `count` photographs are stored."""
+        self.wait_until(lambda: len(self.images()) >= count)
+
+    def pid_of(self, name: str) -> int:
+        """Return the id of a process of the run, as its supervisor noted it."""
+        log = self.run.log_of('orchestrator').read_text(encoding='utf-8')
+        return int(re.findall(rf' {name}: started, process (\d+)', log)[-1])
+
+    def living(self) -> list[int]:
+        """Return the ids of the processes of the run that are alive."""
+        log = self.run.log_of('orchestrator').read_text(encoding='utf-8')
+        pids = [int(pid) for pid in re.findall(r': started, process (\d+)', log)]
+        return [pid for pid in pids if is_alive(pid)]
+
+    def images(self) -> dict[str, str]:
+        """Return the photographs that the manifest names, each with the hash of its file."""
+        manifest = self.run.images / 'manifest.jsonl'
+        text = manifest.read_text(encoding='utf-8') if manifest.is_file() else ''
+        # The last line may be half written.
+        lines = [line for line in text.splitlines(keepends=True) if line.endswith('\n')]
+        records = [json.loads(line) for line in lines]
+        return {record['shot_id']: record['stored_sha256'] for record in records}
+
+    def damaged_images(self) -> set[str]:
+        """Return photographs that are not as they were stored, or that the manifest lacks."""
+        folder, named = self.run.images, self.images()
+        hashes = {
+            path.stem: hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in folder.glob('*.jpg')
+        }
+        return {name for name in named.keys() | hashes if named.get(name) != hashes.get(name)}
+
+    def info(self) -> dict[str, Any]:
+        """Return what the run noted about itself."""
+        content: dict[str, Any] = json.loads(self.run.run_info.read_text(encoding='utf-8'))
+        return content
+
+    def end(self) -> int:
+        """Wait for the end and return the exit code."""
+        try:
+            return self.process.wait(timeout=DEADLINE_S)
+        except subprocess.TimeoutExpired:
+            pytest.fail(f'hangs, after:\n{self.output}')
+
+
+def is_alive(pid: int) -> bool:
+    """Return whether a process runs; a zombie, or one that has ended, does not."""
+    try:
+        return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
+    except OSError:
+        return False
+
+
+@pytest.fixture(scope='session')
+def rocsafe() -> Path:
+    """Give the path of the `rocsafe` command of this workspace."""
+    try:
+        return find_executable('rocsafe_orchestrator', 'rocsafe')
+    except SetupError as error:
+        pytest.skip(str(error))
+
+
+class Hangar:
+    """Starts missions in a folder, and ends what is left of them."""
+
+    def __init__(self, command: Path, folder: Path) -> None:
+        self._command = command
+        self._folder = folder
+        self._flights: list[Flight] = []
+
+    def __call__(self, *options: str) -> Flight:
+        """Start the small mission with `options` of `rocsafe run`."""
+        folder = self._folder / f'flight-{len(self._flights)}'
+        self._flights.append(Flight(self._command, folder, *options))
+        return self._flights[-1]
+
+    def clear(self) -> None:
+        """End what still flies."""
+        for flight in self._flights:
+            if flight.process.poll() is None:
+                os.killpg(flight.process.pid, signal.SIGKILL)
+                flight.process.wait()
+
+
+@pytest.fixture
+def fly(rocsafe: Path, ros_domain_id: int, tmp_path: Path) -> Iterator[Hangar]:
+    """Give a function that starts the small mission."""
+    hangar = Hangar(rocsafe, tmp_path)
+    yield hangar
+    hangar.clear()
+
+
+@pytest.fixture(scope='module')
+def complete(
+    rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Flight]:
+    """Give a mission that was flown to its end as fast as possible."""
+    hangar = Hangar(rocsafe, tmp_path_factory.mktemp('complete'))
+    flight = hangar()
+    assert flight.end() == 0, flight.output
+    yield flight
+    hangar.clear()

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whole missions: `rocsafe run` as a user starts it, with every process of its own."""
+
+import csv
+import json
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+# 9 viewpoints, see small.yaml.
+IMAGES = 9
+NODES = ('planner', 'world', 'rav1', 'radiation_field', 'collector', 'mosaic', 'recorder')
+# Slow enough to be caught in the air, fast enough for a test.
+SPEED = ('--speed', '12')
+
+pytestmark = pytest.mark.system
+
+Fly = Callable[..., Any]
+
+
+def test_mission_hands_over_everything(complete: Any) -> None:
+    """The run directory holds every product, and the summary says that all went well."""
+    run = complete.run
+    products = (
+        run.scenario, run.run_info, run.plan, run.path / 'plan.geojson', run.path / 'plan.kml',
+        run.mosaic, run.recording, run.readings, run.summary, run.report,
+    )  # fmt: skip
+    for product in products:
+        assert product.stat().st_size > 0, product
+    assert complete.info()['outcome'] == 'complete'
+    summary = json.loads(run.summary.read_text())
+    assert summary['outcome'] == 'complete'
+    assert len(complete.images()) == IMAGES
+    assert complete.damaged_images() == set()
+    assert 'mission complete' in complete.output
+    assert 'Traceback' not in complete.output
+
+
+def test_mission_leaves_no_process(complete: Any) -> None:
+    """After the end nothing of the run is left, nor was anything restarted."""
+    assert complete.living() == []
+    assert complete.info()['restarts'] == {}
+
+
+def test_speed_changes_nothing(complete: Any, fly: Fly) -> None:
+    """Same seed, another speed: the same plan, the same photographs, the same readings."""
+    slow = fly('--speed', '30')
+    assert slow.end() == 0, slow.output
+    assert slow.run.plan.read_bytes() == complete.run.plan.read_bytes()
+    assert slow.images() == complete.images()
+    assert readings(slow.run.readings) == readings(complete.run.readings)
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_killed_node_comes_back(node: str, complete: Any, fly: Fly) -> None:
+    """`kill -9` of any node in the air: it is started again, and the mission is completed."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    os.kill(flight.pid_of(node), signal.SIGKILL)
+    assert flight.end() == 0, flight.output
+    assert flight.info()['restarts'] == {node: 1}
+    assert f'{node} was ended by SIGKILL' in flight.output
+    assert flight.images() == complete.images()
+    assert flight.damaged_images() == set()
+    assert flight.living() == []
+
+
+def test_node_that_keeps_dying_ends_the_mission(fly: Fly) -> None:
+    """A node that is killed again and again is given up: a clear line, exit code 1, no hang."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    while flight.process.poll() is None:
+        pid = flight.pid_of('radiation_field')
+        if pid in flight.living():
+            os.kill(pid, signal.SIGKILL)
+        time.sleep(0.05)
+    assert flight.end() == 1, flight.output
+    assert 'mission failed: radiation_field was ended by SIGKILL after 5 restarts' in flight.output
+    assert flight.damaged_images() == set()
+    assert flight.run.mosaic.is_file()
+    assert flight.run.report.is_file()
+
+
+@pytest.mark.parametrize(
+    ('number', 'code'), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=['SIGINT', 'SIGTERM']
+)
+def test_interrupted_mission_ends_in_order(fly: Fly, number: signal.Signals, code: int) -> None:
+    """Ctrl-C and SIGTERM end every process; what was recorded is handed over."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    flight.process.send_signal(number)
+    assert flight.end() == code, flight.output
+    assert flight.living() == []
+    assert 'Traceback' not in flight.output
+    assert 'mission cancelled: interrupted by' in flight.output
+    assert flight.info()['outcome'] == 'cancelled'
+    assert json.loads(flight.run.summary.read_text())['outcome'] == 'cancelled'
+    assert flight.damaged_images() == set()
+
+
+def test_second_interrupt_ends_at_once(fly: Fly) -> None:
+    """Who asks twice does not wait for products."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(1)
+    flight.process.send_signal(signal.SIGINT)
+    flight.process.send_signal(signal.SIGTERM)
+    begin = time.monotonic()
+    assert flight.end() in (130, 143), flight.output
+    assert time.monotonic() - begin < 10.0
+    assert flight.living() == []
+
+
+def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
+    """Nodes end with the process that started them, however it ended."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(1)
+    flight.process.kill()
+    flight.process.wait()
+    end = time.monotonic() + 10.0
+    while flight.living():
+        assert time.monotonic() < end, 'orphans'
+        time.sleep(0.05)
+
+
+def test_second_mission_in_a_domain_is_refused(fly: Fly) -> None:
+    """Two missions in one ROS domain would fly each other's vehicles."""
+    first = fly('--speed', '2')
+    first.wait_for_images(1)
+    second = fly()
+    assert second.end() == 3
+    assert 'another mission is running in this ROS domain' in second.output
+    assert first.process.poll() is None
+    first.process.send_signal(signal.SIGINT)
+    assert first.end() == 130
+
+
+def readings(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a table of readings."""
+    with path.open(encoding='utf-8', newline='') as stream:
+        return list(csv.DictReader(line for line in stream if not line.startswith('#')))
