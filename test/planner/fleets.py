@@ -10,23 +10,50 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 
 # The seed system's survey rectangle, its field and its drone starts, in Galway.
-RECTANGLE = SurveyArea(tuple(GeoPosition(*place) for place in (
-    (53.27959959, -9.0617270785), (53.2805257315, -9.0621271428),
-    (53.2801009832, -9.0648776011), (53.2791748417, -9.0644775368))), name='rectangle')
-FIELD = SurveyArea(tuple(GeoPosition(*place) for place in (
-    (53.28323, -9.062691), (53.28215, -9.055781), (53.27884, -9.057240),
-    (53.27887, -9.065051), (53.28164, -9.067411))), name='field')
+RECTANGLE = SurveyArea(
+    tuple(
+        GeoPosition(*place)
+        for place in (
+            (53.27959959, -9.0617270785),
+            (53.2805257315, -9.0621271428),
+            (53.2801009832, -9.0648776011),
+            (53.2791748417, -9.0644775368),
+        )
+    ),
+    name='rectangle',
+)
+FIELD = SurveyArea(
+    tuple(
+        GeoPosition(*place)
+        for place in (
+            (53.28323, -9.062691),
+            (53.28215, -9.055781),
+            (53.27884, -9.057240),
+            (53.27887, -9.065051),
+            (53.28164, -9.067411),
+        )
+    ),
+    name='field',
+)
 STARTS = ((53.2800, -9.0700), (53.2860, -9.0588), (53.2798, -9.0565))
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
 
 def vehicle(name='rav1', home=STARTS[0], altitude=12.0, **changes):
     """Return a vehicle of ordinary performance."""
-    values = {'cruise_speed_mps': 8.0, 'acceleration_mps2': 2.5, 'climb_rate_mps': 3.0,
-              'descent_rate_mps': 2.0, 'hover_s': 2.0, 'endurance_s': 10_000.0, **changes}
+    values = {
+        'cruise_speed_mps': 8.0,
+        'acceleration_mps2': 2.5,
+        'climb_rate_mps': 3.0,
+        'descent_rate_mps': 2.0,
+        'hover_s': 2.0,
+        'endurance_s': 10_000.0,
+        **changes,
+    }
     return Vehicle(name=name, home=GeoPosition(*home, altitude), **values)
 
 
@@ -35,12 +62,24 @@ FLEET = tuple(vehicle(f'rav{number}', home) for number, home in enumerate(STARTS
 
 def request(**changes):
     """Return the derailment mission's request."""
-    return SurveyRequest(**{
-        'area': RECTANGLE, 'camera': CAMERA, 'vehicles': FLEET, 'height_agl_m': 32.0, **changes})
+    regions = (SurveyRegion(area=changes.pop('area', RECTANGLE)),)
+    return SurveyRequest(
+        **{
+            'regions': regions,
+            'camera': CAMERA,
+            'vehicles': FLEET,
+            'height_agl_m': 32.0,
+            **changes,
+        }
+    )
 
 
 def problem(points, homes, vehicles=None, height=10.0):
     """Return a routing problem in the plane."""
     vehicles = vehicles or tuple(vehicle(f'rav{k}') for k in range(len(homes)))
-    return FleetProblem(vehicles=vehicles, homes=np.array(homes, float),
-                        points=np.array(points, float), height_m=height)
+    return FleetProblem(
+        vehicles=vehicles,
+        homes=np.array(homes, float),
+        points=np.array(points, float),
+        height_m=height,
+    )

@@ -40,8 +40,7 @@ def best_makespan(world):
     best_route = {
         (k, subset): min(world.duration_s(k, order) for order in permutations(subset))
         for k in vehicles
-        for subset in {tuple(i for i in range(count) if mask >> i & 1)
-                       for mask in range(2**count)}
+        for subset in {tuple(i for i in range(count) if mask >> i & 1) for mask in range(2**count)}
     }
     return min(
         max(best_route[k, tuple(i for i in range(count) if owner[i] == k)] for k in vehicles)
@@ -118,8 +117,11 @@ def test_any_number_of_steps_and_any_target_is_valid(steps, target, seed):
         for second in permutations([i for i in range(4) if split[i] == 1])
         if first and second
     ]
-    alone = [offset + _loop(distances, k, order)
-             for k, offset in enumerate((1.0, 2.0)) for order in permutations(range(4))]
+    alone = [
+        offset + _loop(distances, k, order)
+        for k, offset in enumerate((1.0, 2.0))
+        for order in permutations(range(4))
+    ]
     bound = makespan_bound(costs, target, steps, lambda _bound: True)
     assert bound <= min(trips + alone) + ROUNDING_S
 

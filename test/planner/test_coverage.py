@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_planner.coverage import CoverageSpec, cover, coverage_spec, spacing_m
-from rocsafe_planner.errors import TooManyViewpointsError
+from rocsafe_planner.coverage import GRIDS, CoverageSpec, cover, coverage_spec, spacing_m
+from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
 
 def spec(overlap=0.2, rule='iou', grid='axis_aligned', limit=5000, height=32.0):
     """Return the grid of the paper's camera."""
-    return coverage_spec(CAMERA, height, overlap, rule, grid, limit)
+    return coverage_spec(CAMERA, height, (overlap, overlap), rule, grid, limit)
 
 
 @st.composite
@@ -33,8 +33,10 @@ def areas(draw):
     return shapely.Polygon(ring, hole)
 
 
-@pytest.mark.parametrize(('fov_deg', 'rule', 'spacing'), [
-    (60.0, 'iou', 24.634), (90.0, 'iou', 42.667), (90.0, 'linear', 51.2)])
+@pytest.mark.parametrize(
+    ('fov_deg', 'rule', 'spacing'),
+    [(60.0, 'iou', 24.634), (90.0, 'iou', 42.667), (90.0, 'linear', 51.2)],
+)
 def test_spacing_of_the_paper(fov_deg, rule, spacing):
     """At 32 m with 20 % overlap the rules give the values of the reference."""
     footprint = 2.0 * 32.0 * math.tan(math.radians(fov_deg) / 2.0)
@@ -59,10 +61,11 @@ def test_overlap_holds_across_and_along():
 
 def test_slivers_are_photographed():
     """Strips less than half a tile wide hold no tile's centre: the paper sees none of them."""
-    plan = CoverageSpec(footprint_m=(12.0, 12.0), spacing_m=(10.0, 10.0), grid='axis_aligned',
-                        max_viewpoints=100)
+    plan = CoverageSpec(
+        footprint_m=(12.0, 12.0), spacing_m=(10.0, 10.0), grid='axis_aligned', max_viewpoints=100
+    )
     corner = shapely.Polygon([(0, 0), (20, 0), (20, 4), (4, 4), (4, 20), (0, 20)])
-    coverage = cover(corner, plan)
+    coverage = cover([corner], plan)
     assert not any(corner.contains(shapely.Point(centre)) for centre in coverage.centres)
     assert len(coverage.centres) == 3
     assert coverage.covered_area_m2 == pytest.approx(corner.area)
@@ -75,16 +78,20 @@ def test_turned_grids_lose_no_footprint(sides):
     for turn, ring in enumerate(radii):
         angles = turn + math.tau * np.arange(sides) / sides
         area = shapely.Polygon(np.column_stack([ring * np.cos(angles), ring * np.sin(angles)]))
-        coverage = cover(area, spec(overlap=0.0, grid='rotated', height=60.0))
+        coverage = cover([area], spec(overlap=0.0, grid='rotated', height=60.0))
         assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
 
 @settings(max_examples=50)
-@given(areas(), st.sampled_from(['axis_aligned', 'rotated']), st.sampled_from(['iou', 'linear']),
-       st.floats(0.0, 0.6))
+@given(
+    areas(),
+    st.sampled_from(sorted(GRIDS)),
+    st.sampled_from(['iou', 'linear']),
+    st.floats(0.0, 0.6),
+)
 def test_the_whole_area_is_seen(area, grid, rule, overlap):
     """Whatever the shape, every square metre is inside a footprint."""
-    coverage = cover(area, spec(overlap, rule, grid, height=64.0))
+    coverage = cover([area], spec(overlap, rule, grid, height=64.0))
     assert coverage.region_area_m2 == pytest.approx(area.area)
     assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
@@ -98,10 +105,11 @@ def test_tiles_are_those_that_touch(area):
     columns, rows = math.ceil((east - west) / width), math.ceil((north - south) / height)
     x, y = np.meshgrid(
         (west + east) / 2 + width * (np.arange(columns) - (columns - 1) / 2),
-        (south + north) / 2 + height * (np.arange(rows) - (rows - 1) / 2))
+        (south + north) / 2 + height * (np.arange(rows) - (rows - 1) / 2),
+    )
     tiles = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
     shared = shapely.area(shapely.intersection(tiles, area)).ravel()
-    kept = {(round(e, 3), round(n, 3)) for e, n in cover(area, plan).centres}
+    kept = {(round(e, 3), round(n, 3)) for e, n in cover([area], plan).centres}
     places = [(round(e, 3), round(n, 3)) for e, n in zip(x.ravel(), y.ravel(), strict=True)]
     # Of tiles that share some square centimetres only, rounding decides.
     must = {place for place, ground in zip(places, shared, strict=True) if ground > 1e-3}
@@ -115,14 +123,15 @@ def test_whole_tiles_are_not_rounded_up():
     width, height = plan.spacing_m
     for east in (0.0, 0.1, 1234.567):
         rectangle = shapely.box(east, -east, east + 4 * width, -east + 3 * height)
-        assert len(cover(rectangle, plan).centres) == 12
+        assert len(cover([rectangle], plan).centres) == 12
 
 
 def test_covered_area_is_that_of_the_footprints():
     """Spacing wider than the footprint leaves gaps, and the covered area says so."""
-    plan = CoverageSpec(footprint_m=(5.0, 8.0), spacing_m=(10.0, 10.0), grid='axis_aligned',
-                        max_viewpoints=100)
-    coverage = cover(shapely.box(0, 0, 30, 20), plan)
+    plan = CoverageSpec(
+        footprint_m=(5.0, 8.0), spacing_m=(10.0, 10.0), grid='axis_aligned', max_viewpoints=100
+    )
+    coverage = cover([shapely.box(0, 0, 30, 20)], plan)
     assert coverage.covered_area_m2 == pytest.approx(6 * 5.0 * 8.0)
 
 
@@ -133,34 +142,69 @@ def test_rotated_grid_follows_a_slanted_rectangle():
     width, height = spec().spacing_m
     corners = np.array([(0, 0), (4 * width, 0), (4 * width, 3 * height), (0, 3 * height)])
     field = shapely.Polygon(corners @ turn.T)
-    rotated = cover(field, spec(grid='rotated'))
+    rotated = cover([field], spec(grid='rotated'))
     assert len(rotated.centres) == 12
-    assert rotated.yaw_rad == pytest.approx(math.pi / 2 + angle)
-    assert len(cover(field, spec()).centres) > 12
-    assert cover(field, spec()).yaw_rad == pytest.approx(math.pi / 2)
+    assert rotated.yaw_rad[0] == pytest.approx(math.pi / 2 + angle)
+    assert len(cover([field], spec()).centres) > 12
+    assert cover([field], spec()).yaw_rad[-1] == pytest.approx(math.pi / 2)
 
 
 def test_limit_is_exact():
     """As many viewpoints as the limit are planned, one more is refused with both numbers."""
     ring = shapely.box(0, 0, 400, 300).difference(shapely.box(60, 60, 340, 240))
-    needed = len(cover(ring, spec()).centres)
-    assert len(cover(ring, spec(limit=needed)).centres) == needed
+    needed = len(cover([ring], spec()).centres)
+    assert len(cover([ring], spec(limit=needed)).centres) == needed
     with pytest.raises(TooManyViewpointsError, match=rf'at least {needed} .* is {needed - 1}'):
-        cover(ring, spec(limit=needed - 1))
+        cover([ring], spec(limit=needed - 1))
 
 
 def test_hopeless_areas_are_refused_at_once():
     """A region of 100 km by 100 km is refused before a tile is made."""
     with pytest.raises(TooManyViewpointsError, match=r'at least 219\d{5} viewpoints 24.63 m by'):
-        cover(shapely.box(0, 0, 1e5, 1e5), spec())
+        cover([shapely.box(0, 0, 1e5, 1e5)], spec())
 
 
-@pytest.mark.parametrize(('overlap', 'rule', 'message'), [
-    (1.0, 'iou', 'overlap_fraction is 1: must be from 0 to below 1'),
-    (-0.1, 'iou', 'overlap_fraction is -0.1'),
-    (math.nan, 'iou', 'overlap_fraction is nan'),
-    (0.2, 'side', "spacing_rule is 'side': must be one of iou, linear")])
+@pytest.mark.parametrize(
+    ('overlap', 'rule', 'message'),
+    [
+        (1.0, 'iou', 'overlap_fraction is 1: must be from 0 to below 1'),
+        (-0.1, 'iou', 'overlap_fraction is -0.1'),
+        (math.nan, 'iou', 'overlap_fraction is nan'),
+        (0.2, 'side', "spacing_rule is 'side': must be one of iou, linear"),
+    ],
+)
 def test_impossible_overlap_is_refused(overlap, rule, message):
     """Value and limit are named."""
     with pytest.raises(ValueError, match=message):
         spacing_m(10.0, overlap, rule)
+
+
+@settings(max_examples=12)
+@given(areas())
+def test_best_grid_needs_fewest(area):
+    """No other grid has fewer viewpoints."""
+    counts = {grid: len(cover([area], spec(grid=grid, height=64.0)).centres) for grid in GRIDS}
+    assert counts['best'] <= min(counts.values())
+
+
+def test_front_overlap_stands_alone():
+    """80 % along the track, 60 % between tracks, as photogrammetry wants it."""
+    plan = coverage_spec(CAMERA, 32.0, (0.6, 0.8), 'linear', 'axis_aligned', 5000)
+    assert plan.spacing_m == pytest.approx((0.4 * 36.950, 0.2 * 27.713), abs=1e-3)
+
+
+def test_holes_and_several_polygons():
+    """Each polygon has its grid; what is not photographed is measured, part by part."""
+    plan = CoverageSpec(
+        footprint_m=(10.0, 10.0), spacing_m=(10.0, 10.0), grid='axis_aligned', max_viewpoints=100
+    )
+    west, east = shapely.box(0, 0, 30, 10), shapely.box(100, 0, 130, 20)
+    coverage = cover(
+        [west, east], plan, lambda places: ~((places[:, 0] > 100) & (places[:, 0] < 120))
+    )
+    assert coverage.polygon.tolist() == [0, 0, 0, 1, 1]
+    assert coverage.region_area_m2 == pytest.approx(900.0)
+    assert coverage.covered_area_m2 == pytest.approx(500.0)
+    assert coverage.largest_hole_m2 == pytest.approx(400.0)
+    with pytest.raises(NoWayError, match='leave no viewpoint'):
+        cover([west], plan, lambda places: places[:, 0] > 50)

@@ -21,19 +21,23 @@ from rocsafe_planner.route_colors import kml_color, route_color
 from .fleets import RECTANGLE, request, vehicle
 
 KML = '{http://www.opengis.net/kml/2.2}'
-HOLE = tuple(GeoPosition(lat, lon) for lat, lon in (
-    (53.2798, -9.0632), (53.2800, -9.0632), (53.2800, -9.0635)))
+HOLE = tuple(
+    GeoPosition(lat, lon)
+    for lat, lon in ((53.2798, -9.0632), (53.2800, -9.0632), (53.2800, -9.0635))
+)
 AREA = SurveyArea(RECTANGLE.boundary, (HOLE,), 'A & B <yard>')
 
 
 @pytest.fixture(scope='module')
 def plan():
     """Return a plan with a hole, a name for XML to escape, and a vehicle that stays at home."""
-    vehicles = (vehicle('rav1'), vehicle('rav2', altitude=math.nan),
-                vehicle('idle', home=(53.5, -9.0)))
+    vehicles = (
+        vehicle('rav1'),
+        vehicle('rav2', altitude=math.nan),
+        vehicle('idle', home=(53.5, -9.0)),
+    )
     found = plan_survey(request(area=AREA, vehicles=vehicles, method='nearest_to_shortest'))
-    routes = (*found.routes[:2], dataclasses.replace(
-        found.routes[2], viewpoints=(), length_m=0.0, duration_s=0.0))
+    routes = (*found.routes[:2], dataclasses.replace(found.routes[2], sorties=()))
     return dataclasses.replace(found, routes=routes)
 
 
@@ -56,8 +60,15 @@ def test_json_says_all(plan, folder):
         assert [v['id'] for v in written['viewpoints']] == [v.id for v in route.viewpoints]
     first = document['routes'][0]['viewpoints'][0]
     assert first['latitude_deg'] == plan.routes[0].viewpoints[0].position.latitude_deg
-    assert set(first) == {'id', 'latitude_deg', 'longitude_deg', 'altitude_m', 'height_agl_m',
-                          'yaw_rad'}
+    assert set(first) == {
+        'id',
+        'latitude_deg',
+        'longitude_deg',
+        'altitude_m',
+        'height_agl_m',
+        'yaw_rad',
+        'sensors',
+    }
 
 
 @pytest.mark.parametrize('name', ['plan.geojson', 'plan.kml'])
@@ -66,9 +77,12 @@ def test_region_survives_the_file(folder, name):
     area = read_area(folder / name)
     assert area.name == 'A & B <yard>'
     ours, theirs = (
-        shapely.Polygon([(c.longitude_deg, c.latitude_deg) for c in a.boundary],
-                        [[(c.longitude_deg, c.latitude_deg) for c in h] for h in a.holes])
-        for a in (AREA, area))
+        shapely.Polygon(
+            [(c.longitude_deg, c.latitude_deg) for c in a.boundary],
+            [[(c.longitude_deg, c.latitude_deg) for c in h] for h in a.holes],
+        )
+        for a in (AREA, area)
+    )
     # Nine decimals of a degree.
     assert ours.symmetric_difference(theirs).area < 1e-10
 
@@ -80,8 +94,12 @@ def test_geojson_features(plan):
         kinds = [feature['properties']['kind'] for feature in features]
         count = plan.viewpoint_count
         assert {kind: kinds.count(kind) for kind in set(kinds)} == {
-            'region': 1, 'home': 3, 'route': 2, 'viewpoint': count,
-            **({'footprint': count} if with_footprints else {})}
+            'region': 1,
+            'home': 3,
+            'route': 2,
+            'viewpoint': count,
+            **({'footprint': count} if with_footprints else {}),
+        }
     outer, hole = features[0]['geometry']['coordinates']
     assert shapely.LinearRing(outer).is_ccw
     assert not shapely.LinearRing(hole).is_ccw
@@ -97,7 +115,8 @@ def test_kml_opens_as_folders_with_heights(plan, folder):
     assert line.find(f'{KML}altitudeMode').text == 'relativeToGround'
     places = [place.split(',') for place in line.find(f'{KML}coordinates').text.split()]
     assert [float(place[2]) for place in places] == (
-        [0.0] + [32.0] * (len(plan.routes[0].viewpoints) + 2) + [0.0])
+        [0.0] + [32.0] * (len(plan.routes[0].viewpoints) + 2) + [0.0]
+    )
     assert float(places[0][1]) == plan.routes[0].vehicle.home.latitude_deg
     styles = {f'#{style.get("id")}' for style in document.findall(f'{KML}Style')}
     assert {url.text for url in document.iter(f'{KML}styleUrl')} <= styles
@@ -131,8 +150,13 @@ def test_equal_requests_give_equal_files(tmp_path):
     """Byte for byte, in whatever folder."""
     files = [write_plan(plan_survey(request()), tmp_path / name) for name in 'ab']
     assert [p.name for p in files[0]] == [
-        'plan.kml', 'plan.geojson', 'plan-rav1.plan', 'plan-rav2.plan', 'plan-rav3.plan',
-        'plan.json']
+        'plan.kml',
+        'plan.geojson',
+        'plan-rav1.plan',
+        'plan-rav2.plan',
+        'plan-rav3.plan',
+        'plan.json',
+    ]
     for a, b in zip(*files, strict=True):
         assert a.read_bytes() == b.read_bytes()
 

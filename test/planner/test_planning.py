@@ -47,8 +47,9 @@ def test_lengths_agree_with_the_geodesic():
 def test_one_photograph_by_hand():
     """A yard smaller than one tile: climb, out, photograph, back, descend; proven optimal."""
     home = GeoPosition(53.28, -9.06, 40.0)
-    yard = SurveyArea(tuple(offset(home, e, n) for e, n in ((98, -2), (102, -2), (102, 2),
-                                                            (98, 2))))
+    yard = SurveyArea(
+        tuple(offset(home, e, n) for e, n in ((98, -2), (102, -2), (102, 2), (98, 2)))
+    )
     plan = plan_survey(request(area=yard, vehicles=(vehicle(home=(53.28, -9.06), altitude=40.0),)))
     (viewpoint,) = plan.routes[0].viewpoints
     assert distance_m(viewpoint.position, offset(home, 100.0, 0.0)) < 0.001
@@ -82,10 +83,21 @@ def test_unknown_ground_altitude_stays_unknown():
 def test_the_same_request_has_the_same_plan():
     """Twice the same question: equal plans with one name; any other question has another."""
     assert plan_survey(request()) == plan_survey(request())
-    names = {request(**changes).identity() for changes in (
-        {}, {'seed': 1}, {'height_agl_m': 33.0}, {'method': 'nearest_to_shortest'},
-        {'overlap_fraction': 0.3}, {'spacing_rule': 'linear'}, {'area': FIELD},
-        {'vehicles': FLEET[:2]}, {'grid': 'rotated'}, {'vehicles': FLEET[::-1]})}
+    names = {
+        request(**changes).identity()
+        for changes in (
+            {},
+            {'seed': 1},
+            {'height_agl_m': 33.0},
+            {'method': 'nearest_to_shortest'},
+            {'overlap_fraction': 0.3},
+            {'spacing_rule': 'linear'},
+            {'area': FIELD},
+            {'vehicles': FLEET[:2]},
+            {'grid': 'rotated'},
+            {'vehicles': FLEET[::-1]},
+        )
+    }
     assert len(names) == 10
     assert request(height_agl_m=32).identity() == request(height_agl_m=32.0).identity()
 
@@ -102,8 +114,10 @@ def test_more_vehicles_than_viewpoints():
 def test_nearest_to_shortest_is_better_here():
     """On both of the seed's areas the second method is done earlier than the paper's."""
     for area in (RECTANGLE, FIELD):
-        paper, other = (plan_survey(request(area=area, method=method))
-                        for method in ('paper_greedy', 'nearest_to_shortest'))
+        paper, other = (
+            plan_survey(request(area=area, method=method))
+            for method in ('paper_greedy', 'nearest_to_shortest')
+        )
         assert other.makespan_s < paper.makespan_s
 
 
@@ -134,33 +148,43 @@ def test_too_large_region_is_refused():
         plan_survey(request(max_viewpoints=10))
 
 
-@pytest.mark.parametrize(('changes', 'message'), [
-    ({'vehicles': ()}, 'number of vehicles is 0: must be 1 to 1000'),
-    ({'vehicles': (FLEET[0], FLEET[0])}, "vehicle name 'rav1' is given 2 times"),
-    ({'height_agl_m': 0.0}, 'height_agl_m is 0 m: must be above 0'),
-    ({'height_agl_m': 1e6}, 'height_agl_m is 1e.06 m: must be at most 20000 m'),
-    ({'height_agl_m': math.nan}, 'height_agl_m is nan'),
-    ({'overlap_fraction': 1.0}, 'overlap_fraction is 1'),
-    ({'spacing_rule': 'x'}, "spacing_rule is 'x': must be one of iou, linear"),
-    ({'method': 'x'}, "method is 'x': must be one of paper_greedy, nearest_to_shortest"),
-    ({'grid': 'x'}, "grid is 'x': must be one of axis_aligned, rotated"),
-    ({'seed': -1}, 'seed is -1'),
-    ({'max_viewpoints': 0}, 'max_viewpoints is 0: must be 1 to'),
-    ({'budget_s': -1.0}, 'budget_s is -1 s: must be 0 or above'),
-    ({'vehicles': (vehicle(home=(48.0, 11.0)),)}, 'rav1 home is 1\\d\\d\\d km from the region'),
-])
+@pytest.mark.parametrize(
+    ('changes', 'message'),
+    [
+        ({'vehicles': ()}, 'number of vehicles is 0: must be 1 to 1000'),
+        ({'vehicles': (FLEET[0], FLEET[0])}, "vehicle name 'rav1' is given 2 times"),
+        ({'height_agl_m': 0.0}, 'height_agl_m is 0 m: must be above 0'),
+        ({'height_agl_m': 1e6}, 'height_agl_m is 1e.06 m: must be at most 20000 m'),
+        ({'height_agl_m': math.nan}, 'height_agl_m is nan'),
+        ({'overlap_fraction': 1.0}, 'overlap_fraction is 1'),
+        ({'spacing_rule': 'x'}, "spacing_rule is 'x': must be one of iou, linear"),
+        ({'method': 'x'}, "method is 'x': must be one of paper_greedy, nearest_to_shortest"),
+        ({'grid': 'x'}, "grid is 'x': must be one of axis_aligned, rotated"),
+        ({'seed': -1}, 'seed is -1'),
+        ({'max_viewpoints': 0}, 'max_viewpoints is 0: must be 1 to'),
+        ({'budget_s': -1.0}, 'budget_s is -1 s: must be 0 or above'),
+        (
+            {'vehicles': (vehicle(home=(48.0, 11.0)),)},
+            'rav1 home is 1\\d\\d\\d km from the region',
+        ),
+    ],
+)
 def test_impossible_requests_are_refused(changes, message):
     """Thing, value and limit are named in one line."""
     with pytest.raises(ValueError, match=message):
         plan_survey(request(**changes))
 
 
-@pytest.mark.parametrize(('changes', 'message'), [
-    ({'name': '../rav'}, "vehicle name is '../rav': must be a letter and"),
-    ({'name': ''}, "vehicle name is ''"),
-    ({'cruise_speed_mps': 0.0}, 'rav1 cruise_speed_mps is 0: must be above 0'),
-    ({'hover_s': -1.0}, 'rav1 hover_s is -1: must be 0 or above'),
-    ({'endurance_s': math.inf}, 'rav1 endurance_s is inf: must be a finite number')])
+@pytest.mark.parametrize(
+    ('changes', 'message'),
+    [
+        ({'name': '../rav'}, "vehicle name is '../rav': must be a letter and"),
+        ({'name': ''}, "vehicle name is ''"),
+        ({'cruise_speed_mps': 0.0}, 'rav1 cruise_speed_mps is 0: must be above 0'),
+        ({'hover_s': -1.0}, 'rav1 hover_s is -1: must be 0 or above'),
+        ({'endurance_s': math.inf}, 'rav1 endurance_s is inf: must be a finite number'),
+    ],
+)
 def test_impossible_vehicles_are_refused(changes, message):
     """The vehicle, the field, its value and its limit are named."""
     with pytest.raises(ValueError, match=message):

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_planner.routing import METHODS, nearest_to_shortest, paper_greedy
+from rocsafe_planner.tour_splitting import makespan_s
 
 from .fleets import problem, vehicle
 
@@ -54,8 +55,10 @@ def test_nearest_to_shortest_leaves_the_far_at_home():
 
 
 @pytest.mark.parametrize('method', METHODS)
-@given(points=st.lists(PLACES, min_size=1, max_size=30), homes=st.lists(PLACES, min_size=1,
-                                                                        max_size=5))
+@given(
+    points=st.lists(PLACES, min_size=1, max_size=30),
+    homes=st.lists(PLACES, min_size=1, max_size=5),
+)
 def test_every_point_is_visited_once(method, points, homes):
     """Routes partition the points, also when there are more vehicles than points."""
     orders = METHODS[method](problem(points, homes))
@@ -70,3 +73,31 @@ def test_time_and_length_by_hand():
     legs = 2 * (80 / 8 + 8 / 2.5) + (80 * 2**0.5 / 8 + 8 / 2.5)
     assert world.duration_s(0, [0, 1]) == pytest.approx(30 / 3 + 30 / 2 + legs + 2 * 2.0)
     assert world.duration_s(0, []) == world.length_m(0, []) == 0.0
+
+
+def test_splits_of_a_row_by_hand():
+    """Two vehicles at the ends of a row of six: three points each, whatever the method."""
+    world = problem([(20.0 * k, 0.0) for k in range(6)], [(0.0, 0.0), (100.0, 0.0)])
+    for method in ('boustrophedon_equal', 'boustrophedon_minmax', 'christofides'):
+        assert [sorted(order) for order in METHODS[method](world)] == [[0, 1, 2], [3, 4, 5]]
+
+
+def test_strips_by_hand():
+    """Four rows for two vehicles: two whole rows each, flown to and fro."""
+    grid = problem(
+        [(20.0 * x, 50.0 * y) for y in range(4) for x in range(3)], [(0.0, 0.0), (0.0, 150.0)]
+    )
+    assert METHODS['strips'](grid) == [[0, 1, 2, 5, 4, 3], [6, 7, 8, 11, 10, 9]]
+
+
+@given(
+    points=st.lists(PLACES, min_size=1, max_size=40, unique=True),
+    homes=st.lists(PLACES, min_size=1, max_size=4),
+)
+def test_min_max_split_beats_the_equal_one(points, homes):
+    """Of the same track: the cut that is sought is never longer than the one by count."""
+    world = problem(points, homes)
+    equal, sought = (
+        makespan_s(world, METHODS[f'boustrophedon_{kind}'](world)) for kind in ('equal', 'minmax')
+    )
+    assert sought <= equal * (1.0 + 1e-5)

@@ -14,6 +14,7 @@ from rocsafe_planner.errors import (
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
 from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
@@ -34,7 +35,7 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
     """
     limit = goal.max_viewpoints or options.max_viewpoints
     return SurveyRequest(
-        area=area_of_region(goal.region),
+        regions=(SurveyRegion(area=area_of_region(goal.region)),),
         camera=_camera(goal.camera),
         vehicles=tuple(_vehicle(vehicle) for vehicle in goal.vehicles),
         height_agl_m=goal.height_agl_m,
@@ -55,7 +56,7 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         plan_id=plan.plan_id,
         method=request.method,
         seed=request.seed,
-        region=region_of_area(request.area),
+        region=region_of_area(request.regions[0].area),
         camera=_camera_message(request.camera),
         height_agl_m=request.height_agl_m,
         spacing_rule=request.spacing_rule,
@@ -105,9 +106,7 @@ def feedback(elapsed_s: float, makespan_s: float, bound_s: float) -> action.Plan
 
 
 def _camera(camera: msg.CameraSpec) -> PinholeCamera:
-    return PinholeCamera(
-        camera.horizontal_fov_rad, camera.image_width_px, camera.image_height_px
-    )
+    return PinholeCamera(camera.horizontal_fov_rad, camera.image_width_px, camera.image_height_px)
 
 
 def _camera_message(camera: PinholeCamera) -> msg.CameraSpec:

@@ -7,8 +7,9 @@ every tile that touches the area is kept. A tile is no larger than a camera foot
 ones see the whole area.
 """
 
+import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +18,18 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.limits import require_finite
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_planner.errors import TooManyViewpointsError
+from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
+_RIGHT = 0.5 * math.pi
+_SEARCH_STEP_RAD = math.radians(5.0)
+_SEARCHED_EDGES = 12
+# An unseen part of this area is none: 1 cm by 1 cm.
+_HAIR_M2 = 1e-4
 # Corners of footprints are rounded to this before they are united.
 _UNION_GRID_M = 1e-6
 
@@ -54,21 +61,26 @@ class Coverage:
     Attributes
     ----------
     centres
-        (east, north) below the cameras in metres, shape (n, 2): rows from the south, each from
-        the west (as seen in the grid's own axes).
+        (east, north) below the cameras in metres, shape (n, 2): polygon after polygon, rows from
+        the south, each from the west (as seen in the grid's own axes).
     yaw_rad
-        Of the vehicle at every viewpoint: 0 = east, anticlockwise.
+        Of the vehicle at each viewpoint, shape (n,): 0 = east, anticlockwise.
     footprints
         Corners (east, north) of the ground seen from each, shape (n, 4, 2), anticlockwise.
-    region_area_m2, covered_area_m2
-        Of the area, and of its part inside at least one footprint.
+    polygon
+        Number of the polygon that each viewpoint was made for, shape (n,).
+    region_area_m2, covered_area_m2, largest_hole_m2
+        Of all polygons, of their part inside at least one footprint, and of the largest connected
+        part inside none.
     """
 
     centres: FloatArray
-    yaw_rad: float
+    yaw_rad: FloatArray
     footprints: FloatArray
+    polygon: NDArray[np.intp]
     region_area_m2: float
     covered_area_m2: float
+    largest_hole_m2: float
 
 
 def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:
@@ -93,61 +105,128 @@ def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:
 
 
 def coverage_spec(
-    camera: PinholeCamera, height_m: float, overlap_fraction: float, rule: str,
-    grid: str, max_viewpoints: int,
+    camera: PinholeCamera,
+    height_m: float,
+    overlap_fractions: tuple[float, float],
+    rule: str,
+    grid: str,
+    max_viewpoints: int,
 ) -> CoverageSpec:
-    """Return the grid's measures; the rule holds across and along, each with its own angle."""
+    """Return the grid's measures; overlaps (across, along) hold each with its own angle."""
     across, along = camera.footprint_m(height_m)
     return CoverageSpec(
         footprint_m=(across, along),
-        spacing_m=(spacing_m(across, overlap_fraction, rule),
-                   spacing_m(along, overlap_fraction, rule)),
+        spacing_m=(
+            spacing_m(across, overlap_fractions[0], rule),
+            spacing_m(along, overlap_fractions[1], rule),
+        ),
         grid=grid,
         max_viewpoints=max_viewpoints,
     )
 
 
-def cover(polygon: shapely.Polygon, spec: CoverageSpec) -> Coverage:
-    """Return the viewpoints that photograph `polygon` (east, north; metres).
+def cover(
+    polygons: Sequence[shapely.Polygon],
+    spec: CoverageSpec,
+    may_stand: Callable[[FloatArray], BoolArray] | None = None,
+) -> Coverage:
+    """Return the viewpoints that photograph `polygons` (east, north; metres).
+
+    Each polygon has a grid of its own. Viewpoints for which `may_stand` says False are left out;
+    the ground that only they see is not covered.
 
     Raises
     ------
     TooManyViewpointsError
         If more than ``spec.max_viewpoints`` are needed; found out without making them.
+    NoWayError
+        If no viewpoint is left.
     """
-    axes = GRIDS[spec.grid](polygon)
-    turned = shapely.transform(polygon, lambda points: points @ axes)
-    centres = _tile_centres(turned, spec)
-    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    footprints = centres[:, None, :] + 0.5 * corners * spec.footprint_m
-    # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
-    seen = shapely.union_all(shapely.polygons(footprints), grid_size=_UNION_GRID_M)
+    tilings = [_tiling(polygon, spec) for polygon in polygons]
+    _check_count(sum(len(centres) for centres, _ in tilings), spec)
+    centres = np.vstack([centres for centres, _ in tilings])
+    footprints = np.vstack([_footprints(*tiling, spec) for tiling in tilings])
+    counts = [len(centres) for centres, _ in tilings]
+    yaws = np.repeat([math.atan2(axes[1, 1], axes[0, 1]) for _, axes in tilings], counts)
+    kept = np.ones(len(centres), dtype=bool) if may_stand is None else may_stand(centres)
+    if not kept.any():
+        raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    region = shapely.union_all(polygons)
+    hole = _unseen(region, footprints[kept])
     return Coverage(
-        centres=centres @ axes.T,
-        yaw_rad=math.atan2(axes[1, 1], axes[0, 1]),
-        footprints=footprints @ axes.T,
-        region_area_m2=polygon.area,
-        covered_area_m2=min(polygon.area, turned.intersection(seen).area),
+        centres=centres[kept],
+        yaw_rad=yaws[kept],
+        footprints=footprints[kept],
+        polygon=np.repeat(np.arange(len(polygons)), counts)[kept],
+        region_area_m2=region.area,
+        covered_area_m2=region.area - min(region.area, hole.area),
+        largest_hole_m2=float(shapely.area(shapely.get_parts(hole)).max(initial=0.0)),
     )
 
 
-def _axis_aligned(_polygon: shapely.Polygon) -> FloatArray:
+def _tiling(polygon: shapely.Polygon, spec: CoverageSpec) -> tuple[FloatArray, FloatArray]:
+    """Return the viewpoints of one polygon, and the axes of its grid."""
+    axes = GRIDS[spec.grid](polygon, spec)
+    return _tile_centres(_turned(polygon, axes), spec) @ axes.T, axes
+
+
+def _turned(polygon: shapely.Polygon, axes: FloatArray) -> shapely.Polygon:
+    turned: shapely.Polygon = shapely.transform(polygon, lambda points: points @ axes)
+    return turned
+
+
+def _footprints(centres: FloatArray, axes: FloatArray, spec: CoverageSpec) -> FloatArray:
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    footprints: FloatArray = centres[:, None, :] + (0.5 * corners * spec.footprint_m) @ axes.T
+    return footprints
+
+
+def _unseen(region: shapely.Geometry, footprints: FloatArray) -> shapely.Geometry:
+    """Return the part of the region in no footprint."""
+    # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
+    seen = shapely.union_all(shapely.polygons(footprints), grid_size=_UNION_GRID_M)
+    unseen = shapely.get_parts(shapely.difference(region, seen))
+    # Rounding leaves hair along edges where footprints meet.
+    return shapely.multipolygons(unseen[shapely.area(unseen) > _HAIR_M2])
+
+
+def _axis_aligned(_polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:
     """Return the axes of the paper's rectangle: east, north."""
     return np.eye(2)
 
 
-def _rotated(polygon: shapely.Polygon) -> FloatArray:
+def _rotated(polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:
     """Return the axes of the smallest rectangle, the one nearest to east first; columns."""
     corners = shapely.get_coordinates(polygon.minimum_rotated_rectangle)
     side = corners[1] - corners[0]
     angle = math.atan2(side[1], side[0])
-    angle -= round(angle / (math.pi / 2.0)) * (math.pi / 2.0)
-    return np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    return _axes(angle - round(angle / (math.pi / 2.0)) * (math.pi / 2.0))
 
 
-GRIDS: dict[str, Callable[[shapely.Polygon], FloatArray]] = {
+def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
+    """Return the axes that need fewest viewpoints: every 5 degrees and along every edge."""
+    ring = shapely.get_coordinates(polygon.exterior)
+    sides = np.diff(ring, axis=0)
+    longest = sides[np.argsort(-np.hypot(*sides.T), kind='stable')[:_SEARCHED_EDGES]]
+    along = np.arctan2(longest[:, 1], longest[:, 0])
+    angles = np.concatenate([np.arange(0.0, math.pi, _SEARCH_STEP_RAD), along, along + _RIGHT])
+    counts: list[tuple[int, float]] = []
+    for angle in np.unique(np.round(angles % math.pi, 9)).tolist():
+        with contextlib.suppress(TooManyViewpointsError):
+            counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
+    # Where no angle will do, the grid that is not turned says why.
+    return _axes(min(counts, default=(0, 0.0))[1])
+
+
+def _axes(angle_rad: float) -> FloatArray:
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+GRIDS: dict[str, Callable[[shapely.Polygon, CoverageSpec], FloatArray]] = {
     'axis_aligned': _axis_aligned,
     'rotated': _rotated,
+    'best': _best,
 }
 """Axes of the circum-rectangle, as columns (across, along), by name."""
 
@@ -190,7 +269,7 @@ def _touched_columns(band: shapely.Geometry, x0: float, width: float, columns: i
     for x_min, _, x_max, _ in shapely.bounds(parts[shapely.area(parts) > 0.0]):
         first = math.floor((x_min + _TOUCH_M - x0) / width)
         last = math.ceil((x_max - _TOUCH_M - x0) / width)
-        touched[max(first, 0):max(last, first + 1)] = True
+        touched[max(first, 0) : max(last, first + 1)] = True
     return np.flatnonzero(touched).astype(float)
 
 

@@ -8,14 +8,15 @@ from typing import Any
 from rocsafe_geo.area import Ring, SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 
 Document = dict[str, Any]
 
 
 def number(value: float) -> float | None:
-    """Return None for NaN, which JSON lacks."""
-    return None if math.isnan(value) else float(value)
+    """Return None for NaN and infinity, which JSON lacks."""
+    return float(value) if math.isfinite(value) else None
 
 
 def position_document(position: GeoPosition) -> Document:
@@ -36,6 +37,11 @@ def area_document(area: SurveyArea) -> Document:
     }
 
 
+def region_document(region: SurveyRegion) -> Document:
+    """Return an area with the sensors it requires."""
+    return {**area_document(region.area), 'sensors': list(region.sensors)}
+
+
 def camera_document(camera: PinholeCamera) -> Document:
     """Return the camera's three numbers."""
     return dataclasses.asdict(camera)
@@ -43,7 +49,13 @@ def camera_document(camera: PinholeCamera) -> Document:
 
 def vehicle_document(vehicle: Vehicle) -> Document:
     """Return all fields of a vehicle."""
-    return {**dataclasses.asdict(vehicle), 'home': position_document(vehicle.home)}
+    end = None if vehicle.end is None else position_document(vehicle.end)
+    return {
+        **dataclasses.asdict(vehicle),
+        'home': position_document(vehicle.home),
+        'end': end,
+        'sensors': list(vehicle.sensors),
+    }
 
 
 def _ring(ring: Ring) -> list[Document]:

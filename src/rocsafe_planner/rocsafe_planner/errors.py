@@ -16,3 +16,11 @@ class BeyondEnduranceError(PlannerError):
 
 class PlanningCancelledError(PlannerError):
     """The caller asked to stop."""
+
+
+class NoWayError(PlannerError):
+    """Exclusions leave no way to a place, or no viewpoint at all."""
+
+
+class MissingSensorError(PlannerError):
+    """No vehicle carries what a viewpoint requires."""

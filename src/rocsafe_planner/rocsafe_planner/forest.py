@@ -90,7 +90,7 @@ class _Forest:
     """The cheapest forests under given multipliers, for every number of flying vehicles."""
 
     def __init__(self, costs: FleetCosts, multipliers: FloatArray) -> None:
-        weights, edges = _spanning_tree(costs.row, multipliers)
+        weights, edges = spanning_tree(costs.row, multipliers)
         order = np.argsort(weights, kind='stable')
         self._edges = edges[order]
         ways = costs.home + multipliers
@@ -112,7 +112,7 @@ class _Forest:
         return degrees
 
 
-def _spanning_tree(
+def spanning_tree(
     row: Callable[[int], FloatArray], multipliers: FloatArray
 ) -> tuple[FloatArray, IndexArray]:
     """Return weights (n - 1,) and ends (n - 1, 2) of the cheapest tree's edges (Prim, dense)."""

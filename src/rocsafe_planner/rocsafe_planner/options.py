@@ -15,16 +15,28 @@ MAX_VIEWPOINTS_LIMIT = 1_000_000
 class PlannerOptions:
     """What a request leaves open; one ROS parameter a field."""
 
-    default_method: str = field(default=DEFAULT_METHOD, metadata={
-        'doc': f'routing method of a request that names none: {", ".join(METHODS)}'})
-    grid: str = field(default='axis_aligned', metadata={
-        'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'})
-    max_viewpoints: int = field(default=DEFAULT_MAX_VIEWPOINTS, metadata={
-        'doc': 'largest number of viewpoints of any plan', 'min': 1,
-        'max': MAX_VIEWPOINTS_LIMIT})
-    export_directory: str = field(default='', metadata={
-        'doc': 'folder for plan.json, plan.geojson, plan.kml and plan-<vehicle>.plan; empty: none'
-    })
+    default_method: str = field(
+        default=DEFAULT_METHOD,
+        metadata={'doc': f'routing method of a request that names none: {", ".join(METHODS)}'},
+    )
+    grid: str = field(
+        default='axis_aligned',
+        metadata={'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'},
+    )
+    max_viewpoints: int = field(
+        default=DEFAULT_MAX_VIEWPOINTS,
+        metadata={
+            'doc': 'largest number of viewpoints of any plan',
+            'min': 1,
+            'max': MAX_VIEWPOINTS_LIMIT,
+        },
+    )
+    export_directory: str = field(
+        default='',
+        metadata={
+            'doc': 'folder for plan.json, .geojson, .kml and plan-<vehicle>.plan; empty: none'
+        },
+    )
 
     def __post_init__(self) -> None:
         require_one_of('default_method', self.default_method, tuple(METHODS))

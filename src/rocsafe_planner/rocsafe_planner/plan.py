@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The answer of the planner, as values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.request import SurveyRequest
 from rocsafe_planner.vehicle import Vehicle
+
+Bends = tuple[GeoPosition, ...]
+"""Places at which a leg changes its direction, in flying order."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -14,7 +17,7 @@ class Viewpoint:
 
     `position` is the camera's, its altitude NaN if no home's altitude is known; `yaw_rad` is 0
     for a nose that points east, anticlockwise positive; `footprint` are the corners of the ground
-    that the photograph shows, anticlockwise.
+    that the photograph shows, anticlockwise; `sensors` are what the vehicle must carry.
     """
 
     id: int
@@ -22,16 +25,60 @@ class Viewpoint:
     height_agl_m: float
     yaw_rad: float
     footprint: tuple[GeoPosition, ...]
+    sensors: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sortie:
+    """One flight: home, climb, viewpoints in order, home or the vehicle's end, land.
+
+    `bends` has one entry a leg: that to each viewpoint, then that to where it lands. An open
+    flight lands at its last viewpoint and has no last leg.
+    """
+
+    viewpoints: tuple[Viewpoint, ...]
+    bends: tuple[Bends, ...]
+    length_m: float
+    duration_s: float
+    energy_wh: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """What one vehicle flies: home, climb, viewpoints in order, home, land; empty: nothing."""
+    """What one vehicle flies, in one flight or more with battery swaps at home; empty: nothing.
+
+    `delay_s` is how long it waits on the ground before it takes off first.
+    """
 
     vehicle: Vehicle
-    viewpoints: tuple[Viewpoint, ...]
-    length_m: float
-    duration_s: float
+    sorties: tuple[Sortie, ...]
+    delay_s: float = 0.0
+
+    @property
+    def viewpoints(self) -> tuple[Viewpoint, ...]:
+        """Viewpoints of all flights in flying order."""
+        return tuple(viewpoint for sortie in self.sorties for viewpoint in sortie.viewpoints)
+
+    @property
+    def length_m(self) -> float:
+        """Horizontal length of all flights."""
+        return sum(sortie.length_m for sortie in self.sorties)
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first take-off to the last touch-down, battery swaps included."""
+        swaps = max(0, len(self.sorties) - 1) * (self.vehicle.battery_swap_s or 0.0)
+        return sum(sortie.duration_s for sortie in self.sorties) + swaps
+
+    @property
+    def finish_s(self) -> float:
+        """Time from the start of the mission to the last touch-down; 0 if it does not fly."""
+        return self.delay_s + self.duration_s if self.sorties else 0.0
+
+    @property
+    def energy_wh(self) -> float:
+        """Electric energy of all flights."""
+        return sum(sortie.energy_wh for sortie in self.sorties)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +93,10 @@ class SurveyPlan:
         Between neighbouring viewpoints in the direction of the image's width and height.
     lower_bound_s, lower_bound_method
         No plan for these viewpoints and vehicles has a shorter makespan, and what proved it.
+    largest_hole_m2
+        Area of the largest connected part of the regions that no photograph shows.
+    minimum_separation_m
+        Least distance of any two vehicles in the air; infinite if no two ever are.
     """
 
     plan_id: str
@@ -57,11 +108,13 @@ class SurveyPlan:
     lower_bound_method: str
     region_area_m2: float
     covered_area_m2: float
+    largest_hole_m2: float = 0.0
+    minimum_separation_m: float = field(default=float('inf'))
 
     @property
     def makespan_s(self) -> float:
-        """Duration of the route that takes longest."""
-        return max(route.duration_s for route in self.routes)
+        """Time from the start of the mission until the last vehicle has landed."""
+        return max(route.finish_s for route in self.routes)
 
     @property
     def longest_route_m(self) -> float:
@@ -72,6 +125,16 @@ class SurveyPlan:
     def total_length_m(self) -> float:
         """Length of all routes together."""
         return sum(route.length_m for route in self.routes)
+
+    @property
+    def total_duration_s(self) -> float:
+        """Duration of all routes together."""
+        return sum(route.duration_s for route in self.routes)
+
+    @property
+    def total_energy_wh(self) -> float:
+        """Electric energy of all routes together."""
+        return sum(route.energy_wh for route in self.routes)
 
     @property
     def gap_fraction(self) -> float:

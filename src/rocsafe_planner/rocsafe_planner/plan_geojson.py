@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plan for a map: GeoJSON (RFC 7946), styled by simplestyle-spec 1.1.
 
-Each feature's property `kind` says what it is: region, route, home, viewpoint or footprint.
+Each feature's property `kind` says what it is: region, exclusion, route (one a flight), home,
+viewpoint or footprint.
 Coordinates are WGS84 longitude, latitude, and altitude above the ellipsoid where it is known.
 """
 
@@ -14,21 +15,21 @@ import shapely
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.document import Document
+from rocsafe_planner.flight_path import flight_path
 from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
 from rocsafe_planner.plan_json import quality_document
-from rocsafe_planner.route_colors import route_color
+from rocsafe_planner.route_colors import EXCLUSION_COLOR, route_color
 
 _DECIMALS = 9  # of a degree: a tenth of a millimetre
 
 
 def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
     """Return a FeatureCollection of region, routes, homes, viewpoints and, asked, footprints."""
-    features = [_region(plan)]
+    features = [*_regions(plan), *(_exclusion(zone) for zone in plan.request.exclusions)]
     for index, route in enumerate(plan.routes):
         color = route_color(index)
         features.append(_home(route, color))
-        if route.viewpoints:
-            features.append(_route(route, color))
+        features.extend(_flight(route, number, color) for number in range(len(route.sorties)))
         for order, viewpoint in enumerate(route.viewpoints, start=1):
             features.append(_viewpoint(route, viewpoint, order, color))
             if with_footprints:
@@ -36,56 +37,95 @@ def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
     return {'type': 'FeatureCollection', 'features': features}
 
 
-def _region(plan: SurveyPlan) -> Document:
+def _regions(plan: SurveyPlan) -> list[Document]:
+    """Return the regions; the first one tells of the whole plan."""
+    features = []
+    for number, region in enumerate(plan.request.regions):
+        properties = {
+            'kind': 'region',
+            'name': region.area.name,
+            'sensors': list(region.sensors),
+            **(quality_document(plan) if number == 0 else {}),
+            'stroke': '#333333',
+            'fill': '#333333',
+            'fill-opacity': 0.08,
+        }
+        features.append(_feature('Polygon', area_rings(region.area), properties))
+    return features
+
+
+def _exclusion(zone: SurveyArea) -> Document:
     properties = {
-        'kind': 'region', 'name': plan.request.area.name, **quality_document(plan),
-        'stroke': '#333333', 'fill': '#333333', 'fill-opacity': 0.08,
+        'kind': 'exclusion',
+        'name': zone.name,
+        'stroke': EXCLUSION_COLOR,
+        'fill': EXCLUSION_COLOR,
+        'fill-opacity': 0.25,
     }
-    return _feature('Polygon', area_rings(plan.request.area), properties)
+    return _feature('Polygon', area_rings(zone), properties)
 
 
-def _route(route: Route, color: str) -> Document:
-    home = route.vehicle.home
-    stops = [home, *(viewpoint.position for viewpoint in route.viewpoints), home]
+def _flight(route: Route, number: int, color: str) -> Document:
+    sortie = route.sorties[number]
     properties = {
-        'kind': 'route', 'vehicle': route.vehicle.name, 'length_m': route.length_m,
-        'duration_s': route.duration_s, 'viewpoint_count': len(route.viewpoints),
-        'stroke': color, 'stroke-width': 2,
+        'kind': 'route',
+        'vehicle': route.vehicle.name,
+        'flight': number + 1,
+        'length_m': sortie.length_m,
+        'duration_s': sortie.duration_s,
+        'viewpoint_count': len(sortie.viewpoints),
+        'stroke': color,
+        'stroke-width': 2,
     }
     # A line is flat on a map; a home's altitude is ground, a viewpoint's is not.
-    return _feature('LineString', [_coordinates(stop)[:2] for stop in stops], properties)
+    places = [_coordinates(stop.position)[:2] for stop in flight_path(route, number)]
+    return _feature('LineString', places, properties)
 
 
 def _home(route: Route, color: str) -> Document:
-    properties = {'kind': 'home', 'vehicle': route.vehicle.name, 'marker-color': color,
-                  'marker-symbol': 'heliport'}
+    properties = {
+        'kind': 'home',
+        'vehicle': route.vehicle.name,
+        'marker-color': color,
+        'marker-symbol': 'heliport',
+    }
     return _feature('Point', _coordinates(route.vehicle.home), properties)
 
 
 def _viewpoint(route: Route, viewpoint: Viewpoint, order: int, color: str) -> Document:
     properties = {
-        'kind': 'viewpoint', 'vehicle': route.vehicle.name, 'id': viewpoint.id, 'order': order,
-        'height_agl_m': viewpoint.height_agl_m, 'yaw_rad': viewpoint.yaw_rad,
-        'marker-color': color, 'marker-size': 'small',
+        'kind': 'viewpoint',
+        'vehicle': route.vehicle.name,
+        'id': viewpoint.id,
+        'order': order,
+        'height_agl_m': viewpoint.height_agl_m,
+        'yaw_rad': viewpoint.yaw_rad,
+        'marker-color': color,
+        'marker-size': 'small',
     }
     return _feature('Point', _coordinates(viewpoint.position), properties)
 
 
 def _footprint(route: Route, viewpoint: Viewpoint, color: str) -> Document:
-    properties = {'kind': 'footprint', 'vehicle': route.vehicle.name, 'id': viewpoint.id,
-                  'stroke': color, 'stroke-width': 1, 'fill': color, 'fill-opacity': 0.05}
+    properties = {
+        'kind': 'footprint',
+        'vehicle': route.vehicle.name,
+        'id': viewpoint.id,
+        'stroke': color,
+        'stroke-width': 1,
+        'fill': color,
+        'fill-opacity': 0.05,
+    }
     return _feature('Polygon', [_closed(viewpoint.footprint)], properties)
 
 
 def area_rings(area: SurveyArea) -> list[list[list[float]]]:
     """Return closed rings, the outer one anticlockwise, holes clockwise (RFC 7946, 3.1.6)."""
-    polygon = shapely.Polygon(
-        _closed(area.boundary), [_closed(hole) for hole in area.holes]
-    )
+    polygon = shapely.Polygon(_closed(area.boundary), [_closed(hole) for hole in area.holes])
     oriented = shapely.geometry.polygon.orient(polygon)
     return [
-        [list(corner) for corner in ring.coords] for ring in (oriented.exterior,
-                                                              *oriented.interiors)
+        [list(corner) for corner in ring.coords]
+        for ring in (oriented.exterior, *oriented.interiors)
     ]
 
 

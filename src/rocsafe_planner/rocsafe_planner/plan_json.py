@@ -11,9 +11,11 @@ from rocsafe_planner.document import (
     camera_document,
     number,
     position_document,
+    region_document,
     vehicle_document,
 )
-from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
+from rocsafe_planner.objective import OBJECTIVE_VALUES
+from rocsafe_planner.plan import Route, Sortie, SurveyPlan, Viewpoint
 
 FORMAT_VERSION = 1
 
@@ -29,12 +31,18 @@ def plan_document(plan: SurveyPlan) -> Document:
         'height_agl_m': request.height_agl_m,
         'spacing_rule': request.spacing_rule,
         'overlap_fraction': request.overlap_fraction,
+        'front_overlap_fraction': request.front_overlap_fraction,
         'grid': request.grid,
         'spacing_m': plan.spacing_m,
         'spacing_along_m': plan.spacing_along_m,
         'budget_s': request.budget_s,
         'max_viewpoints': request.max_viewpoints,
-        'region': area_document(request.area),
+        'clearance_m': request.clearance_m,
+        'separation_m': request.separation_m,
+        'wind_mps': list(request.wind_mps),
+        'region': region_document(request.regions[0]),
+        'other_regions': [region_document(region) for region in request.regions[1:]],
+        'exclusions': [area_document(zone) for zone in request.exclusions],
         'camera': camera_document(request.camera),
         'vehicles': [vehicle_document(vehicle) for vehicle in request.vehicles],
         'routes': [_route(route) for route in plan.routes],
@@ -46,6 +54,8 @@ def quality_document(plan: SurveyPlan) -> Document:
     return {
         'plan_id': plan.plan_id,
         'method': plan.request.method,
+        'objective': plan.request.objective,
+        'objective_value': OBJECTIVE_VALUES[plan.request.objective](plan),
         'viewpoint_count': plan.viewpoint_count,
         'makespan_s': plan.makespan_s,
         'longest_route_m': plan.longest_route_m,
@@ -56,6 +66,10 @@ def quality_document(plan: SurveyPlan) -> Document:
         'region_area_m2': plan.region_area_m2,
         'covered_area_m2': plan.covered_area_m2,
         'covered_fraction': plan.covered_fraction,
+        'largest_hole_m2': plan.largest_hole_m2,
+        'minimum_separation_m': number(plan.minimum_separation_m),
+        'total_duration_s': plan.total_duration_s,
+        'total_energy_wh': plan.total_energy_wh,
     }
 
 
@@ -65,7 +79,20 @@ def _route(route: Route) -> Document:
         'home': position_document(route.vehicle.home),
         'length_m': route.length_m,
         'duration_s': route.duration_s,
+        'delay_s': route.delay_s,
         'viewpoints': [_viewpoint(viewpoint) for viewpoint in route.viewpoints],
+        'sorties': [_sortie(sortie) for sortie in route.sorties],
+    }
+
+
+def _sortie(sortie: Sortie) -> Document:
+    """Return a flight; `bends` has a list for each leg, most of them empty."""
+    return {
+        'viewpoint_ids': [viewpoint.id for viewpoint in sortie.viewpoints],
+        'bends': [[position_document(bend) for bend in bends] for bends in sortie.bends],
+        'length_m': sortie.length_m,
+        'duration_s': sortie.duration_s,
+        'energy_wh': sortie.energy_wh,
     }
 
 
@@ -75,4 +102,5 @@ def _viewpoint(viewpoint: Viewpoint) -> Document:
         **position_document(viewpoint.position),
         'height_agl_m': number(viewpoint.height_agl_m),
         'yaw_rad': viewpoint.yaw_rad,
+        'sensors': list(viewpoint.sensors),
     }

@@ -5,6 +5,8 @@ from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from rocsafe_geo.area import SurveyArea
+from rocsafe_planner.flight_path import flight_path
 from rocsafe_planner.plan import Route, SurveyPlan
 from rocsafe_planner.plan_geojson import area_rings
 from rocsafe_planner.route_colors import kml_color
@@ -18,13 +20,14 @@ def plan_kml(plan: SurveyPlan) -> str:
     """Return a document with a folder for the region and one for each vehicle."""
     root = Element('kml', xmlns=_NAMESPACE)
     document = SubElement(root, 'Document')
-    name = plan.request.area.name or 'survey'
+    name = plan.request.regions[0].area.name or 'survey'
     _text(document, 'name', f'ROCSAFE plan {plan.plan_id}: {name}')
     _text(document, 'description', _summary(plan))
-    _region_style(document)
+    _area_style(document, 'region', 'ffffff')
+    _area_style(document, 'exclusion', '0000aa')
     for index in range(len(plan.routes)):
         _vehicle_style(document, index)
-    _region(document, plan)
+    _regions(document, plan)
     for index, route in enumerate(plan.routes):
         _vehicle(document, route, index)
     ElementTree.indent(root)
@@ -40,10 +43,10 @@ def _summary(plan: SurveyPlan) -> str:
     )
 
 
-def _region_style(document: Element) -> None:
-    style = SubElement(document, 'Style', id='region')
-    _text(SubElement(style, 'LineStyle'), 'color', 'ffffffff')
-    _text(SubElement(style, 'PolyStyle'), 'color', '30ffffff')
+def _area_style(document: Element, name: str, color: str) -> None:
+    style = SubElement(document, 'Style', id=name)
+    _text(SubElement(style, 'LineStyle'), 'color', f'ff{color}')
+    _text(SubElement(style, 'PolyStyle'), 'color', f'30{color}')
 
 
 def _vehicle_style(document: Element, index: int) -> None:
@@ -58,12 +61,20 @@ def _vehicle_style(document: Element, index: int) -> None:
     _text(line, 'width', '3')
 
 
-def _region(document: Element, plan: SurveyPlan) -> None:
+def _regions(document: Element, plan: SurveyPlan) -> None:
     folder = _folder(document, 'Region')
-    placemark = _placemark(folder, plan.request.area.name or 'region', 'region')
+    for region in plan.request.regions:
+        _area(_placemark(folder, region.area.name or 'region', 'region'), region.area)
+    if plan.request.exclusions:
+        folder = _folder(document, 'Exclusions')
+    for zone in plan.request.exclusions:
+        _area(_placemark(folder, zone.name or 'exclusion', 'exclusion'), zone)
+
+
+def _area(placemark: Element, area: SurveyArea) -> None:
     polygon = SubElement(placemark, 'Polygon')
     _text(polygon, 'tessellate', '1')
-    outer, *inner = area_rings(plan.request.area)
+    outer, *inner = area_rings(area)
     for tag, ring in (('outerBoundaryIs', outer), *(('innerBoundaryIs', hole) for hole in inner)):
         linear = SubElement(SubElement(polygon, tag), 'LinearRing')
         _text(linear, 'coordinates', _places((lon, lat, 0.0) for lon, lat in ring))
@@ -72,25 +83,36 @@ def _region(document: Element, plan: SurveyPlan) -> None:
 def _vehicle(document: Element, route: Route, index: int) -> None:
     vehicle = route.vehicle
     folder = _folder(document, vehicle.name)
-    _text(folder, 'description', f'{len(route.viewpoints)} photographs, {route.length_m:.0f} m, '
-                                 f'{route.duration_s:.0f} s')
+    _text(
+        folder,
+        'description',
+        f'{len(route.viewpoints)} photographs, {route.length_m:.0f} m, {route.duration_s:.0f} s',
+    )
     home = (vehicle.home.longitude_deg, vehicle.home.latitude_deg)
     home_mark = _placemark(folder, f'{vehicle.name} home', f'vehicle{index}')
     icon_style = SubElement(SubElement(home_mark, 'Style'), 'IconStyle')
     _text(SubElement(icon_style, 'Icon'), 'href', _HOME)
     _geometry(home_mark, 'Point', [(*home, 0.0)])
-    stops = [
-        (v.position.longitude_deg, v.position.latitude_deg, v.height_agl_m)
-        for v in route.viewpoints
-    ]
-    if not stops:
+    for number in range(len(route.sorties)):
+        mark = _placemark(folder, f'{vehicle.name} route', f'vehicle{index}')
+        _geometry(mark, 'LineString', _line(route, number))
+    if not route.sorties:
         return
-    height = stops[0][2]
-    line = [(*home, 0.0), (*home, height), *stops, (*home, height), (*home, 0.0)]
-    _geometry(_placemark(folder, f'{vehicle.name} route', f'vehicle{index}'), 'LineString', line)
     shots = _folder(folder, 'Viewpoints')
-    for viewpoint, stop in zip(route.viewpoints, stops, strict=True):
-        _geometry(_placemark(shots, str(viewpoint.id), f'vehicle{index}'), 'Point', [stop])
+    for viewpoint in route.viewpoints:
+        place = (viewpoint.position.longitude_deg, viewpoint.position.latitude_deg)
+        mark = _placemark(shots, str(viewpoint.id), f'vehicle{index}')
+        _geometry(mark, 'Point', [(*place, viewpoint.height_agl_m)])
+
+
+def _line(route: Route, number: int) -> list[tuple[float, float, float]]:
+    """Return the places of a flight, from the ground at home to the ground where it lands."""
+    height = route.viewpoints[0].height_agl_m
+    places = [
+        (stop.position.longitude_deg, stop.position.latitude_deg)
+        for stop in flight_path(route, number)
+    ]
+    return [(*places[0], 0.0), *((*place, height) for place in places), (*places[-1], 0.0)]
 
 
 def _folder(parent: Element, name: str) -> Element:

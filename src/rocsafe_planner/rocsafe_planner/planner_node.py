@@ -69,8 +69,10 @@ class PlannerNode(Node):
             return self._refuse(goal, error)
         message.header.stamp = self.get_clock().now().to_msg()
         self._plan_publisher.publish(message)
-        self.get_logger().info(f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
-                               f'no plan is below {message.lower_bound_s:.0f} s')
+        self.get_logger().info(
+            f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
+            f'no plan is below {message.lower_bound_s:.0f} s'
+        )
         goal.succeed()
         return result_of_plan(message)
 

@@ -3,22 +3,39 @@
 
 import hashlib
 import json
+import math
 from collections import Counter
 from dataclasses import dataclass
 
 from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.limits import require_count, require_not_negative, require_positive
+from rocsafe_geo.limits import (
+    require_between,
+    require_count,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_planner.coverage import GRIDS, spacing_m
-from rocsafe_planner.document import area_document, camera_document, vehicle_document
+from rocsafe_planner.document import (
+    area_document,
+    camera_document,
+    region_document,
+    vehicle_document,
+)
 from rocsafe_planner.routing import METHODS
+from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 
 DEFAULT_METHOD = 'paper_greedy'
 DEFAULT_MAX_VIEWPOINTS = 5000
 MAX_VEHICLES = 1000
+MAX_REGIONS = 1000
 MAX_HEIGHT_AGL_M = 20_000.0
-_IDENTITY_VERSION = 1
+MAX_CLEARANCE_M = 1000.0
+OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
+DEFAULT_OBJECTIVE = OBJECTIVES[0]
+_IDENTITY_VERSION = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,48 +44,75 @@ class SurveyRequest:
 
     Attributes
     ----------
-    area, camera, vehicles
-        The region, a nadir camera that all vehicles carry, and the fleet.
+    regions, camera, vehicles
+        What to photograph, a nadir camera that all vehicles carry, and the fleet.
     height_agl_m
         Of the camera above level ground.
     spacing_rule
         ``'iou'`` (the paper's) or ``'linear'`` (surveyors'), see `coverage.spacing_m`.
     overlap_fraction
-        0 to below 1, meant as `spacing_rule` says.
+        0 to below 1, meant as `spacing_rule` says: across the image, and along it too unless
+        `front_overlap_fraction` says otherwise.
+    front_overlap_fraction
+        Along the image, in which the nose points.
     grid
-        ``'axis_aligned'`` (the paper's circum-rectangle) or ``'rotated'`` (the smallest one).
+        ``'axis_aligned'`` (the paper's circum-rectangle), ``'rotated'`` (the smallest one) or
+        ``'best'`` (the angle that needs the fewest viewpoints).
     method
         Name of a routing method, see `routing.METHODS`.
+    objective
+        What is to be small, see `objective.OBJECTIVE_VALUES`; the methods without a search take
+        no notice of it.
+    exclusions, clearance_m
+        Zones that no leg crosses and no viewpoint lies in, and the distance to be kept from them.
+    wind_mps
+        (east, north) that the air moves towards, slower than any vehicle.
+    separation_m
+        Vehicles take off so late that no two in the air come nearer; 0: they all take off at once.
     budget_s
-        Wall-clock time that may be used to improve the plan; today's methods need none.
+        Wall-clock time that may be used to improve the plan.
     seed
-        Of methods that draw random numbers; today's do not.
+        Of methods that draw random numbers.
     max_viewpoints
-        A region that needs more is refused.
+        A survey that needs more is refused.
     """
 
-    area: SurveyArea
+    regions: tuple[SurveyRegion, ...]
     camera: PinholeCamera
     vehicles: tuple[Vehicle, ...]
     height_agl_m: float
     spacing_rule: str = 'iou'
     overlap_fraction: float = 0.2
+    front_overlap_fraction: float | None = None
     grid: str = 'axis_aligned'
     method: str = DEFAULT_METHOD
+    objective: str = DEFAULT_OBJECTIVE
+    exclusions: tuple[SurveyArea, ...] = ()
+    clearance_m: float = 2.0
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+    separation_m: float = 0.0
     budget_s: float = 0.0
     seed: int = 0
     max_viewpoints: int = DEFAULT_MAX_VIEWPOINTS
 
     def __post_init__(self) -> None:
+        require_count('number of regions', len(self.regions), 1, MAX_REGIONS)
+        require_count('number of exclusions', len(self.exclusions), 0, MAX_REGIONS)
         _check_vehicles(self.vehicles)
+        _check_wind(self.wind_mps, self.vehicles)
         height = require_positive('height_agl_m', self.height_agl_m, 'm')
         if height > MAX_HEIGHT_AGL_M:
             raise ValueError(
                 f'height_agl_m is {height:g} m: must be at most {MAX_HEIGHT_AGL_M:g} m'
             )
         spacing_m(1.0, self.overlap_fraction, self.spacing_rule)
+        if self.front_overlap_fraction is not None:
+            _check_front_overlap(self.front_overlap_fraction)
         require_one_of('grid', self.grid, tuple(GRIDS))
         require_one_of('method', self.method, tuple(METHODS))
+        require_one_of('objective', self.objective, OBJECTIVES)
+        require_between('clearance_m', self.clearance_m, 0.0, MAX_CLEARANCE_M, 'm')
+        require_not_negative('separation_m', self.separation_m, 'm')
         require_not_negative('budget_s', self.budget_s, 's')
         require_count('seed', self.seed, 0, 2**64 - 1)
         require_count('max_viewpoints', self.max_viewpoints, 1, 2**32 - 1)
@@ -77,14 +121,20 @@ class SurveyRequest:
         """Return 16 hexadecimal digits that name the request: SHA-256 of all that it says."""
         said = {
             'identity_version': _IDENTITY_VERSION,
-            'area': area_document(self.area),
+            'regions': [region_document(region) for region in self.regions],
             'camera': camera_document(self.camera),
             'vehicles': [vehicle_document(vehicle) for vehicle in self.vehicles],
             'height_agl_m': float(self.height_agl_m),
             'spacing_rule': self.spacing_rule,
             'overlap_fraction': float(self.overlap_fraction),
+            'front_overlap_fraction': self.front_overlap_fraction,
             'grid': self.grid,
             'method': self.method,
+            'objective': self.objective,
+            'exclusions': [area_document(zone) for zone in self.exclusions],
+            'clearance_m': float(self.clearance_m),
+            'wind_mps': [float(part) for part in self.wind_mps],
+            'separation_m': float(self.separation_m),
             'budget_s': float(self.budget_s),
             'seed': self.seed,
             'max_viewpoints': self.max_viewpoints,
@@ -104,3 +154,20 @@ def _check_vehicles(vehicles: tuple[Vehicle, ...]) -> None:
     name, count = Counter(vehicle.name for vehicle in vehicles).most_common(1)[0]
     if count > 1:
         raise ValueError(f'vehicle name {name!r} is given {count} times: names must differ')
+
+
+def _check_front_overlap(overlap: float) -> None:
+    value = require_finite('front_overlap_fraction', overlap)
+    if not 0.0 <= value < 1.0:
+        raise ValueError(f'front_overlap_fraction is {value:g}: must be from 0 to below 1')
+
+
+def _check_wind(wind_mps: tuple[float, float], vehicles: tuple[Vehicle, ...]) -> None:
+    east, north = (require_finite('wind_mps', part, 'm/s') for part in wind_mps)
+    speed = math.hypot(east, north)
+    slowest = min(vehicles, key=lambda vehicle: vehicle.cruise_speed_mps)
+    if speed >= slowest.cruise_speed_mps:
+        raise ValueError(
+            f'wind_mps is {speed:g} m/s: must be below the cruise speed of {slowest.name}, '
+            f'{slowest.cruise_speed_mps:g} m/s'
+        )

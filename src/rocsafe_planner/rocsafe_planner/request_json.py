@@ -23,7 +23,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from rocsafe_geo.area import Ring, SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.request import DEFAULT_MAX_VIEWPOINTS, DEFAULT_METHOD, SurveyRequest
+from rocsafe_planner.request import (
+    DEFAULT_MAX_VIEWPOINTS,
+    DEFAULT_METHOD,
+    DEFAULT_OBJECTIVE,
+    SurveyRequest,
+)
+from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 
 Place = Annotated[list[float], Field(min_length=2, max_length=3)]
@@ -35,12 +41,18 @@ class _Strict(BaseModel):
     model_config = ConfigDict(extra='forbid', strict=True, frozen=True)
 
 
-class RegionJson(_Strict):
-    """The region to survey."""
+class ZoneJson(_Strict):
+    """A polygon with holes."""
 
     polygon: list[Place]
     holes: list[list[Place]] = []
     name: str = ''
+
+
+class RegionJson(ZoneJson):
+    """A region to survey."""
+
+    sensors: list[str] = []
 
 
 class CameraJson(_Strict):
@@ -62,19 +74,32 @@ class VehicleJson(_Strict):
     descent_rate_mps: float
     hover_s: float
     endurance_s: float
+    battery_swap_s: float | None = None
+    end: Place | None = None
+    is_open: bool = False
+    sensors: list[str] = []
+    cruise_power_w: float = 200.0
+    hover_power_w: float = 220.0
 
 
 class RequestJson(_Strict):
     """The whole request; `output_directory` empty: no files are written."""
 
     region: RegionJson
+    other_regions: list[RegionJson] = []
+    exclusions: list[ZoneJson] = []
     camera: CameraJson
     vehicles: list[VehicleJson]
     height_agl_m: float
     spacing_rule: str = 'iou'
     overlap_fraction: float = 0.2
+    front_overlap_fraction: float | None = None
     grid: str = 'axis_aligned'
     method: str = DEFAULT_METHOD
+    objective: str = DEFAULT_OBJECTIVE
+    clearance_m: float = 2.0
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+    separation_m: float = 0.0
     budget_s: float = 0.0
     seed: int = 0
     max_viewpoints: int = DEFAULT_MAX_VIEWPOINTS
@@ -83,15 +108,22 @@ class RequestJson(_Strict):
     def survey_request(self) -> SurveyRequest:
         """Return the request proper; ValueError naming the value and the limit."""
         camera = self.camera
+        apart = {'region', 'other_regions', 'exclusions', 'camera', 'vehicles', 'output_directory'}
         return SurveyRequest(
-            area=_area(self.region),
+            regions=(
+                _region('region', self.region),
+                *(_region(f'other_regions.{k}', r) for k, r in enumerate(self.other_regions)),
+            ),
+            exclusions=tuple(
+                _area(f'exclusions.{k}', zone) for k, zone in enumerate(self.exclusions)
+            ),
             camera=PinholeCamera(
                 math.radians(camera.horizontal_fov_deg),
                 camera.image_width_px,
                 camera.image_height_px,
             ),
             vehicles=tuple(_vehicle(vehicle) for vehicle in self.vehicles),
-            **self.model_dump(exclude={'region', 'camera', 'vehicles', 'output_directory'}),
+            **self.model_dump(exclude=apart),
         )
 
 
@@ -112,14 +144,17 @@ def parse_request(text: str) -> RequestJson:
         raise ValueError(f'{path}: {first["msg"]}') from error
 
 
-def _area(region: RegionJson) -> SurveyArea:
-    return SurveyArea(
-        boundary=_ring('region.polygon', region.polygon),
-        holes=tuple(
-            _ring(f'region.holes.{number}', hole) for number, hole in enumerate(region.holes)
-        ),
-        name=region.name,
-    )
+def _region(path: str, region: RegionJson) -> SurveyRegion:
+    return SurveyRegion(area=_area(path, region), sensors=tuple(region.sensors))
+
+
+def _area(path: str, zone: ZoneJson) -> SurveyArea:
+    boundary = _ring(f'{path}.polygon', zone.polygon)
+    holes = tuple(_ring(f'{path}.holes.{number}', hole) for number, hole in enumerate(zone.holes))
+    try:
+        return SurveyArea(boundary=boundary, holes=holes, name=zone.name)
+    except ValueError as error:
+        raise ValueError(f'{path}: {error}') from error
 
 
 def _ring(path: str, places: list[Place]) -> Ring:
@@ -128,7 +163,15 @@ def _ring(path: str, places: list[Place]) -> Ring:
 
 def _vehicle(vehicle: VehicleJson) -> Vehicle:
     home = _position(f'{vehicle.name} home', vehicle.home)
-    return Vehicle(**{**vehicle.model_dump(), 'home': home})
+    end = None if vehicle.end is None else _position(f'{vehicle.name} end', vehicle.end)
+    return Vehicle(
+        **{
+            **vehicle.model_dump(),
+            'home': home,
+            'end': end,
+            'sensors': tuple(vehicle.sensors),
+        }
+    )
 
 
 def _position(path: str, place: Place) -> GeoPosition:

@@ -5,8 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rocsafe_geo.motion import leg_duration_s
-from rocsafe_planner.fleet_problem import FleetProblem, Order, distances_m
+from rocsafe_planner.boustrophedon import boustrophedon_equal, boustrophedon_minmax, strips
+from rocsafe_planner.christofides import christofides
+from rocsafe_planner.fleet_problem import FleetProblem, Order
 
 # Distances that differ by rounding only are equal: the lower index wins on every machine.
 _DECIMALS = 6
@@ -20,15 +21,20 @@ def paper_greedy(problem: FleetProblem) -> list[Order]:
     minimum distance where the point of minimum distance is meant. Its text says nothing of where
     the agents start, so that the first points would be arbitrary: here every vehicle starts at
     its home. Speeds, and the way home, are left out of its choice, as printed; its strict
-    rotation does not balance unequal vehicles.
+    rotation does not balance unequal vehicles. A vehicle that lacks the sensors for every
+    point left is passed over.
 
     Returns
     -------
     The order of every vehicle; n points and m vehicles take n steps of O(n).
     """
     tour = _GrowingRoutes(problem)
-    for step in range(len(problem.points)):
-        tour.extend(step % len(problem.vehicles))
+    turn = 0
+    for _ in range(len(problem.points)):
+        while not tour.can_extend(turn % len(problem.vehicles)):
+            turn += 1
+        tour.extend(turn % len(problem.vehicles))
+        turn += 1
     return tour.orders
 
 
@@ -39,13 +45,19 @@ def nearest_to_shortest(problem: FleetProblem) -> list[Order]:
     """
     tour = _GrowingRoutes(problem)
     for _ in range(len(problem.points)):
-        tour.extend(int(np.argmin(np.round(tour.home_s, _DECIMALS))))
+        able = [tour.can_extend(k) for k in range(len(problem.vehicles))]
+        ends = np.where(able, np.round(tour.home_s, _DECIMALS), np.inf)
+        tour.extend(int(np.argmin(ends)))
     return tour.orders
 
 
 METHODS: dict[str, Callable[[FleetProblem], list[Order]]] = {
     'paper_greedy': paper_greedy,
     'nearest_to_shortest': nearest_to_shortest,
+    'boustrophedon_equal': boustrophedon_equal,
+    'boustrophedon_minmax': boustrophedon_minmax,
+    'strips': strips,
+    'christofides': christofides,
 }
 """Routing methods by the name under which a request asks for them."""
 
@@ -57,21 +69,30 @@ class _GrowingRoutes:
         self.problem = problem
         self.orders: list[Order] = [[] for _ in problem.vehicles]
         self.home_s = np.zeros(len(problem.vehicles))
-        self._ends = problem.homes.copy()
+        self._at = [problem.home_site(k) for k in range(len(problem.vehicles))]
         self._elapsed_s = np.zeros(len(problem.vehicles))
         self._is_open = np.ones(len(problem.points), dtype=bool)
 
+    def can_extend(self, vehicle: int) -> bool:
+        """Return whether a point is open that `vehicle` has the sensors for."""
+        return bool((self._is_open & self.problem.allowed(vehicle)).any())
+
     def extend(self, vehicle: int) -> None:
-        """Send `vehicle` on to the nearest open point."""
-        spec = self.problem.vehicles[vehicle]
-        distances = distances_m(self.problem.points, self._ends[vehicle])
-        chosen = int(np.argmin(np.where(self._is_open, np.round(distances, _DECIMALS), np.inf)))
+        """Send `vehicle` on to the nearest open point that it has the sensors for."""
+        problem, spec = self.problem, self.problem.vehicles[vehicle]
+        here = self._at[vehicle]
+        distances = np.round(problem.distances_m(here)[: len(problem.points)], _DECIMALS)
+        is_candidate = self._is_open & problem.allowed(vehicle)
+        chosen = int(np.argmin(np.where(is_candidate, distances, np.inf)))
         if not self.orders[vehicle]:
-            self._elapsed_s[vehicle] = self.problem.fixed_s(vehicle)
-        leg = leg_duration_s(float(distances[chosen]), spec.motion)
-        self._elapsed_s[vehicle] += leg + spec.hover_s
-        self._ends[vehicle] = self.problem.points[chosen]
+            self._elapsed_s[vehicle] = problem.fixed_s(vehicle)
+        self._elapsed_s[vehicle] += self._leg_s(vehicle, here, chosen) + spec.hover_s
+        self._at[vehicle] = chosen
         self._is_open[chosen] = False
         self.orders[vehicle].append(chosen)
-        way_home = float(distances_m(self._ends[vehicle], self.problem.homes[vehicle]))
-        self.home_s[vehicle] = self._elapsed_s[vehicle] + leg_duration_s(way_home, spec.motion)
+        end = problem.end_site(vehicle)
+        way_home = 0.0 if end is None else self._leg_s(vehicle, chosen, end)
+        self.home_s[vehicle] = self._elapsed_s[vehicle] + way_home
+
+    def _leg_s(self, vehicle: int, origin: int, target: int) -> float:
+        return float(self.problem.legs_s(vehicle, np.array([origin]), np.array([target]))[0])

@@ -29,6 +29,14 @@ class Vehicle:
         Standing time at each viewpoint.
     endurance_s
         Usable flight time on a full battery.
+    battery_swap_s
+        Time on the ground at home to change the battery; None: a battery is not changed.
+    end, is_open
+        Where it lands instead of home; whether it lands at its last viewpoint instead.
+    sensors
+        Names of what it carries besides the camera.
+    cruise_power_w, hover_power_w
+        Electric power on legs, climb and descent, and at viewpoints: for the objective `energy`.
     """
 
     name: str
@@ -39,6 +47,12 @@ class Vehicle:
     descent_rate_mps: float
     hover_s: float
     endurance_s: float
+    battery_swap_s: float | None = None
+    end: GeoPosition | None = None
+    is_open: bool = False
+    sensors: tuple[str, ...] = ()
+    cruise_power_w: float = 200.0
+    hover_power_w: float = 220.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
@@ -47,11 +61,17 @@ class Vehicle:
                 'or underscores'
             )
         rates = ('cruise_speed_mps', 'acceleration_mps2', 'climb_rate_mps', 'descent_rate_mps')
-        for field in (*rates, 'endurance_s'):
+        for field in (*rates, 'endurance_s', 'cruise_power_w', 'hover_power_w'):
             value = require_positive(f'{self.name} {field}', getattr(self, field))
             object.__setattr__(self, field, value)
         hover = require_not_negative(f'{self.name} hover_s', self.hover_s)
         object.__setattr__(self, 'hover_s', hover)
+        if self.battery_swap_s is not None:
+            swap = require_not_negative(f'{self.name} battery_swap_s', self.battery_swap_s)
+            object.__setattr__(self, 'battery_swap_s', swap)
+        if self.is_open and self.end is not None:
+            raise ValueError(f'{self.name} has an end and is_open: must have one of them at most')
+        object.__setattr__(self, 'sensors', require_sensors(self.name, self.sensors))
 
     @property
     def motion(self) -> MotionLimits:
@@ -61,3 +81,14 @@ class Vehicle:
     def vertical_s(self, height_m: float) -> float:
         """Return the time to climb to `height_m` above home and to descend from it."""
         return height_m / self.climb_rate_mps + height_m / self.descent_rate_mps
+
+
+def require_sensors(owner: str, sensors: tuple[str, ...]) -> tuple[str, ...]:
+    """Return names of sensors sorted and each once; raise ValueError if one is none."""
+    for sensor in sensors:
+        if not isinstance(sensor, str) or not _NAME.fullmatch(sensor):
+            raise ValueError(
+                f'{owner} sensors has {sensor!r}: must be a letter and up to 63 letters, digits '
+                'or underscores'
+            )
+    return tuple(sorted(set(sensors)))

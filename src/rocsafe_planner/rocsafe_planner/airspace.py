@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Legs around zones that must not be flown over: a visibility graph in the plane.
+
+A shortest path among polygons bends at their corners only (Lozano-Perez and Wesley, 1979). Zones
+are widened by the clearance that legs must keep; the corners to bend at lie a little further out,
+so that no rounding makes a path touch the zone it follows.
+"""
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
+Flight = Callable[[FloatArray], FloatArray]
+"""Time of straight flights of given displacements (..., 2), in seconds."""
+
+MAX_SITES = 5000
+"""Lengths of detours are kept for all pairs: 5000 sites take 300 MB."""
+
+# How much further out than the clearance paths bend.
+_MARGIN_M = 1e-3
+_BLOCK = 256
+
+
+class Airspace:
+    """The plane without its zones.
+
+    Parameters
+    ----------
+    zones
+        Polygons (east, north; metres) that no leg may cross.
+    clearance_m
+        Distance from them that legs and sites must keep.
+    """
+
+    def __init__(self, zones: list[shapely.Polygon], clearance_m: float) -> None:
+        union = shapely.union_all(zones)
+        self.closed: shapely.Geometry = _widened(union, clearance_m)
+        self._corners = _vertices(_widened(union, clearance_m + _MARGIN_M))
+        self._edges = _edges(self.closed)
+
+    def holds(self, places: FloatArray) -> BoolArray:
+        """Return which of the places (n, 2) may be flown to, shape (n,)."""
+        inside: BoolArray = shapely.intersects_xy(self.closed, places[:, 0], places[:, 1])
+        return ~inside
+
+    def detours(self, sites: FloatArray) -> 'Detours':
+        """Return the shortest paths among sites (s, 2), all of which may be flown to.
+
+        Raises
+        ------
+        TooManyViewpointsError
+            If there are more than `MAX_SITES`.
+        NoWayError
+            If zones shut off a site from another.
+        """
+        if len(sites) > MAX_SITES:
+            raise TooManyViewpointsError(
+                f'{len(sites)} viewpoints and homes are to be joined around exclusions: must be '
+                f'at most {MAX_SITES}'
+            )
+        return Detours(sites, self._corners[self.holds(self._corners)], self._edges)
+
+
+class Detours:
+    """Shortest paths among sites.
+
+    Attributes
+    ----------
+    length_m
+        From each site to each, shape (s, s).
+    """
+
+    def __init__(self, sites: FloatArray, corners: FloatArray, edges: FloatArray) -> None:
+        self._sites, self._corners = sites, corners
+        ways, self._next = _corner_paths(corners, edges)
+        reach = _distances(sites, corners)
+        reach[_blocked(sites, corners, edges)] = np.inf
+        self.length_m: FloatArray = _distances(sites, sites)
+        self.first: NDArray[np.int32] = np.full(self.length_m.shape, -1, dtype=np.int32)
+        self.last: NDArray[np.int32] = self.first.copy()
+        self._fill(_blocked(sites, sites, edges), reach, ways)
+        self._durations: dict[Flight, FloatArray] = {}
+
+    def _fill(self, blocked: BoolArray, reach: FloatArray, ways: FloatArray) -> None:
+        """Set lengths, and first and last corners, of the blocked pairs, row by row."""
+        np.fill_diagonal(blocked, val=False)
+        for i in np.flatnonzero(blocked.any(axis=1)):
+            others = np.flatnonzero(blocked[i])
+            through = reach[i][:, None] + ways
+            out = through.argmin(axis=0)
+            lengths = through[out, np.arange(len(out))] + reach[others]
+            last = lengths.argmin(axis=1)
+            best = lengths[np.arange(len(others)), last]
+            if np.isinf(best).any():
+                lost = others[int(np.isinf(best).argmax())]
+                raise NoWayError(_no_way(self._sites[i], self._sites[lost]))
+            self.length_m[i, others] = best
+            self.first[i, others], self.last[i, others] = out[last], last
+
+    def bends(self, origin: int, target: int) -> FloatArray:
+        """Return where the path from one site to another bends, shape (k, 2)."""
+        corner, last = int(self.first[origin, target]), int(self.last[origin, target])
+        if corner < 0:
+            return np.zeros((0, 2))
+        path = [corner]
+        while corner != last:
+            corner = int(self._next[corner, last])
+            path.append(corner)
+        return self._corners[path]
+
+    def duration_s(self, origins: IndexArray, targets: IndexArray, flight: Flight) -> FloatArray:
+        """Return the times of paths, broadcast; a vehicle stops where its path bends."""
+        origins, targets = np.broadcast_arrays(origins, targets)
+        first, last = self.first[origins, targets], self.last[origins, targets]
+        durations = np.asarray(flight(self._sites[targets] - self._sites[origins]), float)
+        bent = first >= 0
+        if not bent.any():
+            return durations
+        durations = np.array(durations)
+        begin, end = self._corners[first[bent]], self._corners[last[bent]]
+        durations[bent] = (
+            flight(begin - self._sites[origins[bent]])
+            + self._between_corners_s(flight)[first[bent], last[bent]]
+            + flight(self._sites[targets[bent]] - end)
+        )
+        return durations
+
+    def _between_corners_s(self, flight: Flight) -> FloatArray:
+        """Return the times of the paths among corners, shape (c, c); computed once a flight."""
+        if flight not in self._durations:
+            self._durations[flight] = self._walked_s(flight)
+        return self._durations[flight]
+
+    def _walked_s(self, flight: Flight) -> FloatArray:
+        count = len(self._corners)
+        at, target = np.indices((count, count))
+        total = np.zeros((count, count))
+        for _ in range(count):
+            step = np.where(at == target, at, self._next[at, target])
+            total += flight(self._corners[step] - self._corners[at])
+            at = step
+        return total
+
+    @cached_property
+    def is_straight(self) -> bool:
+        """Whether no path bends."""
+        return bool((self.first < 0).all())
+
+
+def _widened(union: shapely.Geometry, distance_m: float) -> shapely.Geometry:
+    return shapely.buffer(union, distance_m, join_style='mitre') if distance_m else union
+
+
+def _rings(geometry: shapely.Geometry) -> list[FloatArray]:
+    polygons = shapely.get_parts(geometry)
+    return [shapely.get_coordinates(ring) for ring in shapely.get_rings(polygons)]
+
+
+def _vertices(geometry: shapely.Geometry) -> FloatArray:
+    return np.vstack([ring[:-1] for ring in _rings(geometry)])
+
+
+def _edges(geometry: shapely.Geometry) -> FloatArray:
+    """Return begin and end of each edge, shape (e, 2, 2)."""
+    return np.vstack([np.stack([ring[:-1], ring[1:]], axis=1) for ring in _rings(geometry)])
+
+
+def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    distances: FloatArray = np.hypot(a[:, None, 0] - b[None, :, 0], a[:, None, 1] - b[None, :, 1])
+    return distances
+
+
+def _blocked(a: FloatArray, b: FloatArray, edges: FloatArray) -> BoolArray:
+    """Return which segments from `a` (n, 2) to `b` (k, 2) meet an edge, shape (n, k)."""
+    blocked = np.zeros((len(a), len(b)), dtype=bool)
+    for start in range(0, len(a), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        for begin, end in edges:
+            blocked[block] |= _meets(a[block], b, begin, end)
+    return blocked
+
+
+def _meets(a: FloatArray, b: FloatArray, begin: FloatArray, end: FloatArray) -> BoolArray:
+    """Return which segments meet one edge: both lie across, or on, each other's line."""
+    side_a, side_b = _cross(end - begin, a - begin), _cross(end - begin, b - begin)
+    apart = side_a[:, None] * side_b[None, :] > 0.0
+    # cross(b - a, c - a) = cross(a, b) - cross(a, c) + cross(b, c), with c an end of the edge
+    pair = a[:, None, 0] * b[None, :, 1] - a[:, None, 1] * b[None, :, 0]
+    to_begin = pair - _cross(a, begin)[:, None] + _cross(b, begin)[None, :]
+    to_end = pair - _cross(a, end)[:, None] + _cross(b, end)[None, :]
+    meets: BoolArray = ~apart & (to_begin * to_end <= 0.0)
+    return meets
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    product: FloatArray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product
+
+
+def _corner_paths(corners: FloatArray, edges: FloatArray) -> tuple[FloatArray, IndexArray]:
+    """Return lengths, and the corner after the first, of all paths (Floyd, 1962)."""
+    count = len(corners)
+    ways = _distances(corners, corners)
+    blocked = _blocked(corners, corners, edges)
+    np.fill_diagonal(blocked, val=False)
+    ways[blocked] = np.inf
+    following = np.broadcast_to(np.arange(count), (count, count)).copy()
+    for middle in range(count):
+        through = ways[:, middle, None] + ways[None, middle, :]
+        shorter = through < ways
+        ways = np.where(shorter, through, ways)
+        following = np.where(shorter, following[:, middle, None], following)
+    return ways, following
+
+
+def _no_way(a: FloatArray, b: FloatArray) -> str:
+    return (
+        f'exclusions shut off the place {a[0]:.0f} m east, {a[1]:.0f} m north of the centre from '
+        f'the one at {b[0]:.0f} m, {b[1]:.0f} m: no leg can join them'
+    )
