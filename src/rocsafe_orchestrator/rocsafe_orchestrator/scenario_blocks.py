@@ -89,7 +89,7 @@ class SurveyBlock(Block):
     height_agl_m: float = Field(gt=0.0, le=500.0)
     spacing_rule: Literal['iou', 'linear'] = 'iou'
     overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
-    grid: Literal['axis_aligned', 'rotated'] = 'axis_aligned'
+    grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
     method: str = ''
     budget_s: float = Field(default=0.0, ge=0.0, le=3600.0)
     max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
