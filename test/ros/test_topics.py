@@ -35,7 +35,7 @@ def test_state_is_latched(spec):
 def test_measurements_reach_who_comes_late(spec):
     """A recorder that is started again gets what was published while it was away."""
     assert spec.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-    assert spec.qos.depth == topics.STREAM_DEPTH
+    assert spec.qos.depth == topics.MEASUREMENTS_KEPT
 
 
 def test_vehicle_is_a_namespace():

@@ -41,6 +41,9 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
 STREAM_DEPTH = 600
+# Late subscribers get as many measurements as pass, at full speed, while they are being found;
+# more would greet an operator's `ros2 topic echo` with history.
+MEASUREMENTS_KEPT = 50
 # Pictures are large; who was away for longer finds them in the image store.
 PICTURES_KEPT = 8
 # A vehicle that says nothing for this long is taken for lost.
@@ -58,7 +61,7 @@ def _stream() -> QoSProfile:
     return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 
 
-def _kept(depth: int = STREAM_DEPTH) -> QoSProfile:
+def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
     """Return a stream whose last `depth` messages also reach who asks for them later.
 
     A recorder or field that is started again, or hears of a vehicle late, then misses nothing.
@@ -269,7 +272,7 @@ def create_subscription(
     With `raw` the callback gets the serialised bytes.
     """
     qos = QoSProfile(
-        depth=spec.qos.depth,
+        depth=1 if spec.qos.depth == 1 else STREAM_DEPTH,
         reliability=spec.qos.reliability,
         durability=spec.qos.durability,
     )
