@@ -4,6 +4,8 @@
 import math
 from pathlib import Path
 
+import cv2
+
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.camera import GroundCamera
 from rocsafe_sim.ground import Ground
@@ -23,6 +25,8 @@ def make_ground(options: VehicleOptions) -> Ground:
     ------
     GroundError: if it is a file that cannot be read.
     """
+    # Other vehicles are other processes: threads of their own would only contend.
+    cv2.setNumThreads(1)
     if options.ground == PROCEDURAL:
         return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
     return OrthophotoGround(Path(options.ground), options.frame())

@@ -356,7 +356,7 @@ def _homestead(seed: int) -> Iterator[Thing]:
 def _trees(seed: int) -> Iterator[Thing]:
     for name, line in (
         ('hedge_north', [[-44, 20], [0, 31.5], [40, 30], [90, 25.5], [150, 29]]),
-        ('hedge_road_west', [[-75.5, 20], [-71, 27]]),
+        ('hedge_road_west', [[-78, 19], [-75.5, 27]]),
         ('hedge_road_north', [[-71, 42], [-64, 78], [-60, 112]]),
         ('hedge_road_east', [[-63, 23], [-55, 62], [-48, 108]]),
         ('hedge_garden', [[-112, 26], [-112, 53], [-92, 56], [-90, 53]]),

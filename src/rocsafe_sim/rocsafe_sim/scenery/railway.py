@@ -19,15 +19,15 @@ GAUGE_M = 1.6
 SLEEPER_SPACING_M = 0.65
 _RAIL_WIDTH_M = 0.13
 
-_SHOULDER = Paint((112, 104, 92), 200, 0.75, 0.3)
+_SHOULDER = Paint((110, 103, 88), 200)
 _BALLAST = Paint((139, 132, 122), 235)
-_CROWN = Paint((152, 146, 137), 245, 0.8, 0.3)
-_CESS = Paint((104, 98, 78), 150, 0.6, 0.3)
+_CROWN = Paint((150, 144, 135), 245)
+_CESS = Paint((104, 98, 78), 150, 0.6)
 _SLEEPER = Paint((168, 164, 156), 60)
 _OLD_SLEEPER = Paint((92, 78, 66), 90)
 _RAIL_SIDE = Paint((74, 52, 40), 20)
 _RAIL_TOP = Paint((186, 184, 182), 10)
-_SCATTER = Paint((136, 128, 116), 230, 0.7, 0.2)
+_SCATTER = Paint((136, 128, 116), 230, 0.7)
 
 
 def track(name: str, line: Points, gaps: tuple[tuple[float, float], ...], seed: int) -> Thing:

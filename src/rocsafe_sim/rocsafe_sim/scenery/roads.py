@@ -19,16 +19,16 @@ from rocsafe_sim.scenery.marks import (
 from rocsafe_sim.scenery.outlines import blob, faded, generator, smooth_line
 from rocsafe_sim.scenery.scene import Thing
 
-_VERGE = Paint((112, 116, 70), 140, 0.5, 0.3)
+_VERGE = Paint((112, 116, 70), 140, 0.5)
 _ASPHALT = Paint((101, 101, 104), 55)
-_WORN = Paint((118, 117, 116), 60, 0.45, 0.3)
+_WORN = Paint((118, 117, 116), 60, 0.4)
 _PATCH = Paint((76, 76, 80), 50, 0.7)
 _LINE = Paint((222, 222, 212), 30, 0.85)
-_GRAVEL = Paint((158, 146, 122), 170, 0.9, 0.3)
-_RUT = Paint((126, 112, 88), 150, 0.55, 0.3)
-_WATER = Paint((58, 76, 76), 25, 0.96, 0.2)
-_DEEP = Paint((40, 56, 58), 20, 0.6, 0.3)
-_BANK = Paint((70, 82, 44), 160, 0.7, 0.3)
+_GRAVEL = Paint((154, 143, 118), 170)
+_RUT = Paint((126, 112, 88), 150, 0.5)
+_WATER = Paint((58, 76, 75), 25)
+_DEEP = Paint((44, 60, 62), 20)
+_BANK = Paint((70, 82, 44), 160, 0.7)
 _REEDS = Paint((120, 124, 66), 190, 0.8)
 _WINDOW = Paint((38, 44, 52), 10)
 _TYRE = Paint((24, 24, 26), 20)
@@ -77,7 +77,7 @@ def stream(name: str, points: Coordinates, width_m: float, seed: int) -> Thing:
     wavy = line + rng.normal(0.0, 0.16, line.shape)
     ground: list[Mark] = [
         stroke(wavy, width_m + 3.2, _BANK),
-        stroke(wavy, width_m + 1.0, Paint((96, 88, 60), 150, 0.7, 0.3)),
+        stroke(wavy, width_m + 1.0, Paint((92, 85, 58), 150)),
         stroke(wavy, width_m, _WATER),
         stroke(_beside(wavy, 0.2), 0.5 * width_m, _DEEP),
     ]
