@@ -127,3 +127,65 @@ def test_commands_without_a_node_do_not_load_ros():
         check=True,
     )
     assert done.stdout == 'False\n'
+
+
+@pytest.mark.parametrize(
+    'words',
+    [
+        ('topic', 'pub', '--once', 'bad//name', 'std_msgs/msg/String'),
+        ('topic', 'echo', 'bad//name'),
+        ('topic', 'hz', 'bad//name'),
+        ('service', 'call', 'bad//name', 'std_srvs/srv/Trigger'),
+        ('action', 'send_goal', 'bad//name', FLY),
+        ('action', 'info', 'bad//name'),
+    ],
+)
+def test_a_name_that_cannot_be_one_is_refused(robot, ros2, words):
+    """By rcl's words, which show the place, and without a traceback."""
+    status, out, error = ros2(*words)
+    assert (status, out) == (1, '')
+    lines = error.splitlines()
+    assert lines[0].endswith("name must not contain repeated '/':")
+    assert lines[1:] == ["  '/bad//name'", '        ^']
+
+
+@pytest.mark.parametrize(
+    ('words', 'error'),
+    [
+        (('topic', 'echo', '/x', '--filter', 'm ='), "not a Python expression: 'm ='"),
+        (('topic', 'echo', '/x', '--timeout', '0'), 'Value must be positive'),
+        (('topic', 'echo', '/x', '-l', '-1'), 'value must be non-negative integer'),
+        (
+            ('topic', 'pub', '/x', 'std_msgs/msg/String', '-r', 'a'),
+            'Expects a floating point number',
+        ),
+        (('param', 'list', '--filter', '['), "not a regular expression: '['"),
+    ],
+)
+def test_a_wrong_option_is_named(ros2, words, error):
+    """By argparse, with the value; status 2."""
+    status, _, shown = ros2(*words)
+    assert status == 2
+    assert error in shown.splitlines()[-1]
+
+
+def test_a_condition_that_does_not_fit_the_message_is_refused(robot, ros2):
+    """The expression is shown with what is wrong with it."""
+    answer = ros2('topic', 'echo', '/rav1/fix', '--filter', 'm.height > 1')
+    error = "Cannot evaluate 'm.height > 1': 'NavSatFix' object has no attribute 'height'\n"
+    assert answer == (1, '', error)
+
+
+def test_a_wrong_domain_is_refused_in_one_line(ros2_process):
+    """What rcl says, less the place in its code."""
+    process = ros2_process('topic', 'list', environment={'ROS_DOMAIN_ID': 'abc'})
+    out, error = process.communicate(timeout=DEADLINE_S)
+    assert (process.returncode, out) == (1, '')
+    assert error == 'failed to initialize rcl: ROS_DOMAIN_ID is not an integral number\n'
+
+
+def test_a_workspace_that_is_not_sourced_is_named(ros2, monkeypatch):
+    """Packages are looked for in AMENT_PREFIX_PATH."""
+    monkeypatch.delenv('AMENT_PREFIX_PATH')
+    error = "Environment variable 'AMENT_PREFIX_PATH' is not set or empty\n"
+    assert ros2('pkg', 'list') == (1, '', error)

@@ -12,6 +12,7 @@ from rocsafe_ros.ros2_cli.command_node import NAME_PREFIX, CommandNode, command_
 from rocsafe_ros.ros2_cli.interfaces import interface_class
 from rocsafe_ros.ros2_cli.message_fill import fill, new_message, read_values, values_text
 from rocsafe_ros.ros2_cli.message_text import yaml_text
+from rocsafe_ros.ros2_cli.topic_graph import full_topic_name
 
 CANCEL_LIMIT_S = 5.0
 """How long the server may take to confirm that a goal is being cancelled."""
@@ -51,7 +52,8 @@ def _send_goal(options: Namespace) -> int:
         raise CommandError(f'Failed to populate message fields: {error!r}') from error
     name = f'{NAME_PREFIX}_send_goal_{options.action_type.replace("/", "_")}'
     with command_node(name) as holder:
-        client = ActionClient(holder.node, action_type, options.action_name)
+        action_name = full_topic_name(holder.node, options.action_name)
+        client = ActionClient(holder.node, action_type, action_name)
         try:
             _run_goal(holder, client, goal, options)
         finally:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers on the command line, with their limits."""
+"""Values on the command line, with their limits."""
 
+import re
 from argparse import ArgumentTypeError
 
 
@@ -23,6 +24,14 @@ def positive_float(text: str) -> float:
     if not value > 0.0:
         raise ArgumentTypeError('Value must be positive')
     return value
+
+
+def regular_expression(text: str) -> re.Pattern[str]:
+    """Return the expression, compiled."""
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise ArgumentTypeError(f"not a regular expression: '{text}': {error}") from error
 
 
 def _whole(text: str, lowest: int, complaint: str) -> int:

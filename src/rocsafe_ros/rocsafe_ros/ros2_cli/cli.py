@@ -5,6 +5,7 @@ import argparse
 import importlib
 import io
 import os
+import re
 import signal
 import sys
 import threading
@@ -47,9 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with _sigterm_raises():
             return _run(words)
-    except CommandError as error:
-        print(error, file=sys.stderr)
-        return 1
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Terminated:
@@ -57,6 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         _discard_output()
         return 128 + int(signal.SIGPIPE)
+    except (CommandError, RuntimeError, OSError) as error:
+        # RuntimeError: what rcl refuses, such as a wrong ROS_DOMAIN_ID, with a place in its code.
+        print(re.sub(r', at /\S+:\d+$', '', str(error)), file=sys.stderr)
+        return 1
 
 
 def _run(words: list[str]) -> int:

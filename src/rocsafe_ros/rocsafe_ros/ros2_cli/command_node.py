@@ -10,10 +10,12 @@ from typing import Any
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.ros2_cli.command import CommandError
 from rocsafe_ros.ros2_cli.discovery import await_discovery
 
 SLICE_S = 0.1
@@ -91,11 +93,14 @@ class CommandNode:
 @contextmanager
 def command_node(name: str = '', *, use_sim_time: bool = False) -> Iterator[CommandNode]:
     """Make a node for one verb and take it down afterwards."""
-    holder = CommandNode(name, use_sim_time=use_sim_time)
     try:
-        yield holder
-    finally:
-        holder.close()
+        holder = CommandNode(name, use_sim_time=use_sim_time)
+        try:
+            yield holder
+        finally:
+            holder.close()
+    except NameValidationException as error:
+        raise CommandError(str(error)) from error
 
 
 @contextmanager

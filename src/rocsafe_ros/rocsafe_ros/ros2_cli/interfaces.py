@@ -86,7 +86,8 @@ def interface_file(name: str) -> Path:
     if not prefix:
         raise CommandError(f"Unknown package '{package}'")
     stem = Path(prefix) / 'share' / name
-    candidates = (stem.with_name(f'{stem.name}.{kind}'), stem.with_name(f'{stem.name}.idl'))
+    suffixes = ('',) if '.' in stem.name else (f'.{kind}', '.idl')
+    candidates = [stem.with_name(stem.name + suffix) for suffix in suffixes]
     for candidate in candidates:
         if candidate.exists():
             return candidate

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ros2 param`."""
 
-import re
 import sys
 import time
 from argparse import ArgumentParser, Namespace
@@ -12,7 +11,7 @@ from rcl_interfaces.msg import Parameter
 from rclpy.parameter import get_parameter_value, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 
-from rocsafe_ros.ros2_cli.argument_types import unsigned_int
+from rocsafe_ros.ros2_cli.argument_types import regular_expression, unsigned_int
 from rocsafe_ros.ros2_cli.command import Command, CommandError, Verb
 from rocsafe_ros.ros2_cli.command_node import CommandNode, add_node_arguments, command_node
 from rocsafe_ros.ros2_cli.discovery import await_discovery, wait_for
@@ -120,7 +119,9 @@ def _set(options: Namespace) -> int:
 def _add_list_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of `list`."""
     _add_node_name(parser, optional=True)
-    parser.add_argument('--filter', nargs=1, help='Show only names that match this expression')
+    parser.add_argument(
+        '--filter', nargs=1, type=regular_expression, help='Show only names that match'
+    )
     parser.add_argument('--param-prefixes', nargs='+', default=[], help='Show only these')
     parser.add_argument('--param-type', action='store_true', help='Show the types too')
 
@@ -149,7 +150,7 @@ def _print_names(holder: CommandNode, client: Any, node_name: str, options: Name
     future = client.list_parameters(prefixes=options.param_prefixes)
     names = sorted(_answer(holder, future, node_name).result.names)
     if options.filter is not None:
-        names = [name for name in names if re.match(options.filter[0], name)]
+        names = [name for name in names if options.filter[0].match(name)]
     if names and options.node_name is None:
         print(f'{node_name}:')
     types = dict.fromkeys(names, '')

@@ -12,6 +12,7 @@ from rocsafe_ros.ros2_cli.command import CommandError, Verb
 from rocsafe_ros.ros2_cli.command_node import CommandNode, add_node_arguments, command_node
 from rocsafe_ros.ros2_cli.discovery import OTHERS_LIMIT_S, await_discovery, wait_for
 from rocsafe_ros.ros2_cli.interfaces import message_class
+from rocsafe_ros.ros2_cli.message_filter import add_filter_argument, passes
 from rocsafe_ros.ros2_cli.message_text import TextStyle, csv_text, yaml_text
 from rocsafe_ros.ros2_cli.topic_graph import not_published_warning, topic_class
 from rocsafe_ros.ros2_cli.topic_qos import (
@@ -46,9 +47,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
     for flag, text in FLAGS.items():
         parser.add_argument(flag, action='store_true', help=text)
     parser.add_argument('--field', help="Echo one field (e.g. 'pose.pose.position')")
-    parser.add_argument(
-        '--filter', dest='condition', metavar='EXPR', help='Python expression of m, the message'
-    )
+    add_filter_argument(parser)
     parser.add_argument('--timeout', metavar='N', type=positive_float, help='End after N seconds')
     parser.add_argument(
         '--include-message-info', '-i', action='store_true', help='Show times and sequence numbers'
@@ -144,7 +143,7 @@ class _Printer:
         if self._options.once and self.has_printed:
             return
         value = self._selected(message)
-        if self._passes(value):
+        if passes(self._options.condition, value):
             self.has_printed = True
             self._print(value, info)
 
@@ -156,12 +155,6 @@ class _Printer:
         except AttributeError as error:
             raise CommandError(f"Invalid field '{'.'.join(self._fields)}': {error}") from error
         return message
-
-    def _passes(self, message: Any) -> bool:
-        """Return whether the message meets the condition of the user."""
-        condition = self._options.condition
-        # The user's own expression on the user's own machine, as the real command takes it.
-        return not condition or bool(eval(condition, {'m': message}))  # noqa: S307
 
     def _print(self, value: Any, info: dict[str, Any]) -> None:
         """Print a message, or a value that is none."""

@@ -13,6 +13,7 @@ from rocsafe_ros.ros2_cli.argument_types import positive_int
 from rocsafe_ros.ros2_cli.command import Verb
 from rocsafe_ros.ros2_cli.command_node import add_node_arguments, command_node
 from rocsafe_ros.ros2_cli.discovery import OTHERS_LIMIT_S, wait_for
+from rocsafe_ros.ros2_cli.message_filter import add_filter_argument, passes
 from rocsafe_ros.ros2_cli.topic_graph import not_published_warning, topic_class
 
 DEFAULT_WINDOW = 10000
@@ -80,9 +81,7 @@ def _add_arguments(parser: ArgumentParser) -> None:
         default=DEFAULT_WINDOW,
         help='Number of intervals the rate is taken over (default: %(default)s)',
     )
-    parser.add_argument(
-        '--filter', dest='condition', metavar='EXPR', help='Python expression of m, the message'
-    )
+    add_filter_argument(parser)
     parser.add_argument('--wall-time', action='store_true', help='Use wall time')
     add_node_arguments(parser)
 
@@ -96,8 +95,7 @@ def _hz(options: Namespace) -> int:
             clock = holder.node.get_clock()
 
         def take(message: Any) -> None:
-            # The user's own expression on the user's own machine, as the real command takes it.
-            if not options.condition or eval(options.condition, {'m': message}):  # noqa: S307
+            if passes(options.condition, message):
                 report = meter.arrive(clock.now().nanoseconds)
                 if report:
                     print(report)
