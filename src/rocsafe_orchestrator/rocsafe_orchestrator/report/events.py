@@ -13,6 +13,7 @@ from rocsafe_orchestrator.summary import RunSummary, flight_ns
 _NS_PER_S = 1_000_000_000
 # A list that nobody reads to its end says less.
 _MOST_EVENTS = 60
+_MOST_NAMES = 5
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -73,14 +74,24 @@ def event_list(listed: tuple[Event, ...]) -> Markup:
 
 def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:
     samples = record.log.samples if record.log else {}
-    for flight in flights(record, zero_ns):
-        yield Event(flight.start_s, f'{flight.vehicle} takes off')
+    flown = flights(record, zero_ns)
+    for start_s in sorted({flight.start_s for flight in flown}):
+        names = [flight.vehicle for flight in flown if flight.start_s == start_s]
+        yield Event(start_s, _take_off_text(names))
+    for flight in flown:
         last = samples[flight.vehicle][-1]
         if last.is_airborne:
             yield Event(flight.end_s, f'{flight.vehicle} is heard for the last time, in the air')
         else:
             shots = f'{last.shots_taken} photographs'
             yield Event(flight.end_s, f'{flight.vehicle} lands with {shots}')
+
+
+def _take_off_text(names: list[str]) -> str:
+    if len(names) == 1:
+        return f'{names[0]} takes off'
+    who = formats.sentence_list(names) if len(names) <= _MOST_NAMES else f'{len(names)} vehicles'
+    return f'{who} take off'
 
 
 def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterator[Event]:

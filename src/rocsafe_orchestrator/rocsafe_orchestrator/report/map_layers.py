@@ -124,14 +124,15 @@ def sources_layer(data: MapData) -> Markup:
 
 
 def homes_layer(data: MapData, colours: Mapping[str, str]) -> Markup:
-    """Return where the vehicles start and land."""
+    """Return where the vehicles start and land, named unless there are too many."""
+    is_named = len(data.homes) <= MOST_LABELLED_VEHICLES
     return layer(
         'homes',
         (
             pin(
                 place,
                 element('circle', class_='home', r=6, stroke=colours[name]),
-                _label(f'{name} home', 12),
+                _label(f'{name} home', 12) if is_named else None,
             )
             for name, place in data.homes.items()
         ),
