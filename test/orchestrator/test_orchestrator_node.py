@@ -67,6 +67,12 @@ class Servers(Node):
         self.create_service(SetBool, 'world/run', self._run)
         self.create_service(Trigger, 'mosaic/save', self._save)
 
+    def destroy_node(self) -> None:
+        """Destroy the node and its action servers."""
+        for server in self._actions:
+            server.destroy()
+        super().destroy_node()
+
     def _plan(self, handle: Any) -> PlanSurvey.Result:
         self.goals.append(handle.request)
         handle.succeed()

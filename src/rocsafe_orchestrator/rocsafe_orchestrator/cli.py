@@ -3,6 +3,7 @@
 
 import argparse
 import math
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TypeAlias
 
 from rich.console import Console
 
-from rocsafe_orchestrator.errors import EXIT_SETUP, OrchestratorError
+from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, OrchestratorError
 from rocsafe_orchestrator.scenario_blocks import LARGEST_SEED
 
 DESCRIPTION = """\
@@ -53,11 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
         return EXIT_SETUP
     except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:
-        # Whoever read our output, `head` for instance, has seen enough.
-        sys.stderr.close()
-        return 0
+        return EXIT_SIGNAL_BASE + signal.SIGINT
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -75,9 +75,10 @@ class MissionRun:
         """
         parts = self._parts
         try:
-            self._look_for_company()
             for spec in parts.table:
                 parts.supervisor.start(spec.name)
+            # Meanwhile they load: nobody is disturbed if they have to end again.
+            self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
             while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:

@@ -61,6 +61,11 @@ class OrchestratorNode(Node):
             topics.create_subscription(self, topics.RADIATION, on_reading, name)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
 
+    def destroy_node(self) -> None:
+        """Destroy the node and the clients that it made."""
+        self.requests.close()
+        super().destroy_node()
+
     def publish_region(self) -> None:
         """Publish what is surveyed."""
         region = conversions.region_of_scenario(self._scenario)

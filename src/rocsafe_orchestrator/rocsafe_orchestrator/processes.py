@@ -79,80 +79,80 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
     radiation = tuple(
         Endpoint(spec=topics.RADIATION, vehicle=name) for name in scenario.vehicle_names
     )
-    step_done = (Endpoint(spec=topics.STEP_DONE),)
     return (
-        ProcessSpec(
-            name='recorder',
-            package='rocsafe_orchestrator',
-            executable='recorder',
-            node='/recorder',
-            parameters=node_parameters.recorder_parameters(scenario, run),
-            readiness=step_done,
+        _process(
+            'recorder',
+            ('rocsafe_orchestrator', 'recorder'),
+            node_parameters.recorder_parameters(scenario, run),
+            Endpoint(spec=topics.STEP_DONE),
         ),
-        ProcessSpec(
-            name='planner',
-            package='rocsafe_planner',
-            executable='planner',
-            node='/planner',
-            parameters=node_parameters.planner_parameters(scenario, run),
-            readiness=(Endpoint(spec=topics.PLAN_SURVEY), Endpoint(spec=topics.PLAN)),
+        _process(
+            'planner',
+            ('rocsafe_planner', 'planner'),
+            node_parameters.planner_parameters(scenario, run),
+            Endpoint(spec=topics.PLAN_SURVEY),
+            Endpoint(spec=topics.PLAN),
         ),
-        ProcessSpec(
-            name='world',
-            package='rocsafe_sim',
-            executable='world',
-            node='/world',
-            parameters=node_parameters.world_parameters(scenario),
-            readiness=(Endpoint(spec=topics.WORLD_RUN), Endpoint(spec=topics.CLOCK)),
+        _process(
+            'world',
+            ('rocsafe_sim', 'world'),
+            node_parameters.world_parameters(scenario),
+            Endpoint(spec=topics.WORLD_RUN),
+            Endpoint(spec=topics.CLOCK),
         ),
-        ProcessSpec(
-            name='radiation_field',
-            package='rocsafe_radiation',
-            executable='field',
-            node='/radiation_field',
-            parameters=node_parameters.field_parameters(scenario),
-            readiness=radiation,
+        _process(
+            'radiation_field',
+            ('rocsafe_radiation', 'field'),
+            node_parameters.field_parameters(scenario),
+            *radiation,
         ),
-        ProcessSpec(
-            name='collector',
-            package='rocsafe_mapping',
-            executable='collector',
-            node='/collector',
-            parameters=node_parameters.collector_parameters(scenario, run),
-            readiness=(Endpoint(spec=topics.RECEIPTS),),
+        _process(
+            'collector',
+            ('rocsafe_mapping', 'collector'),
+            node_parameters.collector_parameters(scenario, run),
+            Endpoint(spec=topics.RECEIPTS),
         ),
-        ProcessSpec(
-            name='mosaic',
-            package='rocsafe_mapping',
-            executable='mosaic',
-            node='/mosaic',
-            parameters=node_parameters.mosaic_parameters(run),
-            readiness=(Endpoint(spec=topics.SAVE_MOSAIC),),
+        _process(
+            'mosaic',
+            ('rocsafe_mapping', 'mosaic'),
+            node_parameters.mosaic_parameters(run),
+            Endpoint(spec=topics.SAVE_MOSAIC),
         ),
+    )
+
+
+def _process(
+    name: str,
+    executable: tuple[str, str],
+    parameters: dict[str, Any],
+    *readiness: Endpoint,
+    namespace: str = '',
+    node: str = '',
+) -> ProcessSpec:
+    """Return the process `name` of (package, executable); its node is called so too."""
+    return ProcessSpec(
+        name=name,
+        package=executable[0],
+        executable=executable[1],
+        node=f'{namespace}/{node or name}',
+        parameters=parameters,
+        readiness=readiness,
     )
 
 
 def _vehicles(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
     if scenario.simulation.processes == 'fleet':
-        name = node_parameters.FLEET
-        return (
-            ProcessSpec(
-                name=name,
-                package='rocsafe_sim',
-                executable='fleet',
-                node=f'/{name}',
-                parameters=node_parameters.fleet_parameters(scenario, run),
-                readiness=tuple(e for v in scenario.vehicle_names for e in _vehicle_endpoints(v)),
-            ),
-        )
+        endpoints = (e for name in scenario.vehicle_names for e in _vehicle_endpoints(name))
+        parameters = node_parameters.fleet_parameters(scenario, run)
+        return (_process(node_parameters.FLEET, ('rocsafe_sim', 'fleet'), parameters, *endpoints),)
     return tuple(
-        ProcessSpec(
-            name=vehicle.name,
-            package='rocsafe_sim',
-            executable='rav',
-            node=f'/{vehicle.name}/rav',
-            parameters=node_parameters.rav_parameters(scenario, vehicle, run),
-            readiness=_vehicle_endpoints(vehicle.name),
+        _process(
+            vehicle.name,
+            ('rocsafe_sim', 'rav'),
+            node_parameters.rav_parameters(scenario, vehicle, run),
+            *_vehicle_endpoints(vehicle.name),
+            namespace=f'/{vehicle.name}',
+            node='rav',
         )
         for vehicle in scenario.vehicles
     )

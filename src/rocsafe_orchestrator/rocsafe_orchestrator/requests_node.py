@@ -55,6 +55,11 @@ class Requests:
         """Report answers to `mission` from now on."""
         self._mission = mission
 
+    def close(self) -> None:
+        """Destroy the clients of actions, which keep their node in the graph."""
+        for client in (self._planner, *self._vehicles.values()):
+            client.destroy()
+
     def send(self, order: Order) -> None:
         """Send `order` to the node that carries it out."""
         self._send[order.kind](order)
