@@ -79,7 +79,14 @@ def build_environment(tools: Mapping[str, str], layout: Layout) -> dict[str, str
     """Return the environment for colcon: as `tools`, with a home folder in the checkout."""
     home = layout.cache / 'home'
     home.mkdir(parents=True, exist_ok=True)
-    return {**tools, 'HOME': str(home)}
+    # Left to itself colcon also limits the load: on a busy machine that stretches two minutes
+    # to more than ten.
+    return {**tools, 'HOME': str(home), 'MAKEFLAGS': f'-j{core_count()}'}
+
+
+def core_count() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def _kept_entries(user: Mapping[str, str], name: str, root: Path) -> list[str]:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from workspace import building, machine, packages, records
 from workspace.console import say, step
-from workspace.environment import tool_environment
+from workspace.environment import core_count, tool_environment
 from workspace.errors import SetupError
 from workspace.layout import Layout
 from workspace.machine import BasePython
@@ -210,7 +210,7 @@ def _ready_build(workspace: Workspace, version: str) -> None:
         for record in before
     ):
         building.clear(layout)
-    with step(f'colcon build of the packages in src/, {_core_count()} at a time'):
+    with step(f'colcon build of the packages in src/, {core_count()} at a time'):
         building.build(layout, workspace.tools)
     record = {'build': workspace.build_mark(version), 'ground': ground, 'files': files}
     for path in layout.build_records:
@@ -226,7 +226,3 @@ def _ready_commands(workspace: Workspace, version: str) -> None:
     with step(f'commands {names}'):
         building.write_commands(layout, workspace.ros, mark, stand_in=workspace.needs_stand_in)
     records.write(layout.venv_record, {**record, 'commands': mark})
-
-
-def _core_count() -> int:
-    return len(os.sched_getaffinity(0))
