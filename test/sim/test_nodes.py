@@ -365,6 +365,14 @@ def test_fleet_flies_many_in_one_process(ros: Any, operator: Operator, world: An
         node.destroy_node()
 
 
+def test_without_lock_step_the_wall_clock_steps(operator: Operator, rav: Any) -> None:
+    """Alone, a vehicle lives in real time and still stamps multiples of its fix period."""
+    rav(lock_step=False, fix_rate_hz=20.0)
+    fixes = operator.listen(topics.FIX)
+    operator.ros.spin_until(lambda: len(fixes) >= 3, DEADLINE_S)
+    assert all(ns_of_stamp(fix.header.stamp) % 50_000_000 == 0 for fix in fixes)
+
+
 def test_world_names_who_it_waits_for(operator: Operator, world: Any, rav: Any) -> None:
     """A participant that is not there is named in the diagnostics; the others do not hang."""
     world('rav1', 'missing')

@@ -9,7 +9,7 @@ from rclpy.action import ActionServer, CancelResponse
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import is_due
+from rocsafe_sim.cadence import Cadence
 from rocsafe_sim.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight_record import Outcome
@@ -32,6 +32,7 @@ class FlyRouteServer:
         self._rav = rav
         self._on_order = on_order
         self._has_time = False
+        self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
         self._early: list[Any] = []
         self._flying: list[Any] = []
         self._refusals: dict[bytes, FlyRoute.Result] = {}
@@ -50,7 +51,7 @@ class FlyRouteServer:
         while self._early:
             self._on_goal(self._early.pop(0))
         self.end_goals()
-        if self._flying and is_due(time_ns, FEEDBACK_PERIOD_NS):
+        if self._feedbacks.is_due(time_ns) and self._flying:
             feedback = self._feedback()
             for goal in self._flying:
                 goal.publish_feedback(feedback)

@@ -9,7 +9,7 @@ from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import is_due
+from rocsafe_sim.cadence import Cadence
 from rocsafe_sim.conversions import (
     MAP_FRAME,
     STATES,
@@ -34,7 +34,9 @@ class Telemetry:
 
     def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
         self._rav = rav
-        self._fix_period_ns = fix_period_ns
+        self._fixes = Cadence(fix_period_ns)
+        self._slow = Cadence(SLOW_PERIOD_NS)
+        self._unseen_path = Cadence(UNSEEN_PATH_PERIOD_NS)
         self._name = rav.parts.name
         self._truth = topics.create_publisher(node, topics.GROUND_TRUTH_FIX)
         self._fix = topics.create_publisher(node, topics.FIX)
@@ -51,9 +53,9 @@ class Telemetry:
     def publish(self, seen: Observation) -> None:
         """Publish what is due at a step, position first."""
         stamp = stamp_of_ns(seen.time_ns)
-        if is_due(seen.time_ns, self._fix_period_ns):
+        if self._fixes.is_due(seen.time_ns):
             self._publish_motion(seen, stamp)
-        if is_due(seen.time_ns, SLOW_PERIOD_NS):
+        if self._slow.is_due(seen.time_ns):
             self._battery.publish(battery_message(seen, stamp, f'{self._name}/base_link'))
             self._publish_path(seen, stamp)
             self._publish_state(seen, stamp)
@@ -105,7 +107,7 @@ class Telemetry:
         self._track.header.stamp = stamp
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
         is_seen = self._path.get_subscription_count() > 0
-        if is_seen or is_due(seen.time_ns, UNSEEN_PATH_PERIOD_NS):
+        if self._unseen_path.is_due(seen.time_ns) or is_seen:
             self._path.publish(self._track)
 
     def _publish_markers(self) -> None:
