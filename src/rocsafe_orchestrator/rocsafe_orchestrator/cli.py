@@ -9,10 +9,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from rich.console import Console
-
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, OrchestratorError
-from rocsafe_orchestrator.scenario_blocks import LARGEST_SEED
+from rocsafe_orchestrator.limits import (
+    LARGEST_FLEET,
+    LARGEST_HEIGHT_M,
+    LARGEST_SEED,
+    LARGEST_SPEED,
+)
 
 DESCRIPTION = """\
 ROCSAFE surveys a region with a fleet of unmanned vehicles: it plans who photographs what, flies
@@ -157,11 +160,13 @@ def _add_report(commands: Commands) -> None:
     parser.set_defaults(command=_report)
 
 
-# Each command loads what it needs when it runs: `--help` and `check` are quick, and work where
-# ROS is not set up.
+# Each command loads what it needs when it runs: `--help` and `check` are quick and work where ROS
+# is not set up, and a Ctrl-C while Python still loads is no traceback.
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
     from rocsafe_orchestrator.run_command import RunRequest, run_scenario
 
     request = RunRequest(
@@ -176,12 +181,16 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
     from rocsafe_orchestrator.check_command import check
 
     return check(arguments.scenario, Console())
 
 
 def _plan(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
     from rocsafe_orchestrator.plan_command import PlanRequest, plan
 
     request = PlanRequest(
@@ -195,6 +204,8 @@ def _plan(arguments: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
     from rocsafe_orchestrator.report_command import report
 
     return report(arguments.run, Console())
@@ -211,11 +222,11 @@ def _number(text: str, low: float, high: float, unit: str) -> float:
 
 
 def _speed(text: str) -> float:
-    return _number(text, 0.0, 1000.0, ' simulated seconds a second')
+    return _number(text, 0.0, LARGEST_SPEED, ' simulated seconds a second')
 
 
 def _height(text: str) -> float:
-    return _number(text, 1.0, 500.0, ' m')
+    return _number(text, 1.0, LARGEST_HEIGHT_M, ' m')
 
 
 def _whole(text: str, low: int, high: int) -> int:
@@ -229,7 +240,7 @@ def _seed(text: str) -> int:
 
 
 def _count(text: str) -> int:
-    return _whole(text, 1, 300)
+    return _whole(text, 1, LARGEST_FLEET)
 
 
 if __name__ == '__main__':

@@ -8,8 +8,8 @@ from pydantic import Field
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.limits import LARGEST_FLEET, LARGEST_SEED
 from rocsafe_orchestrator.scenario_blocks import (
-    LARGEST_SEED,
     Block,
     CameraBlock,
     ClockBlock,
@@ -36,7 +36,7 @@ class Scenario(Block):
     camera: CameraBlock = CameraBlock()
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
-    vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=300)
+    vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
     radiation: RadiationBlock = RadiationBlock()
 
     @property

@@ -10,13 +10,14 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from rocsafe_orchestrator.limits import LARGEST_HEIGHT_M, LARGEST_SPEED
+
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, which a vehicle may not take.
 RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'mission', 'mosaic', 'orchestrator', 'plan',
      'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
-LARGEST_SEED = 2**31 - 1
 
 
 def _within(name: str, low: float, high: float) -> Callable[[float], float]:
@@ -59,7 +60,7 @@ class Block(BaseModel):
 class ClockBlock(Block):
     """Simulated time: `speed` simulated seconds a second, 0 = as fast as the machine can."""
 
-    speed: float = Field(default=0.0, ge=0.0, le=1000.0)
+    speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
     step_s: float = Field(default=0.1, ge=0.001, le=1.0)
     start: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_START
 
@@ -86,7 +87,7 @@ class RegionBlock(Block):
 class SurveyBlock(Block):
     """How the region is photographed, and how hard the planner may try."""
 
-    height_agl_m: float = Field(gt=0.0, le=500.0)
+    height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
     spacing_rule: Literal['iou', 'linear'] = 'iou'
     overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
     grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
