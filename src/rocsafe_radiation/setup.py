@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'field = rocsafe_radiation.field_node:main',
+            'localize = rocsafe_radiation.localize_cli:main',
         ],
     },
 )

@@ -26,7 +26,7 @@ def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> N
         assert signal_code in text
 
 
-@pytest.mark.parametrize('command', ['run', 'plan', 'check', 'report'])
+@pytest.mark.parametrize('command', ['run', 'plan', 'check', 'report', 'localize'])
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`rocsafe COMMAND --help` says what the command does."""
     with pytest.raises(SystemExit) as ended:
@@ -107,3 +107,20 @@ def test_report_of_something_else_is_refused(
     """A folder that is no run directory is named."""
     assert main(['report', str(tmp_path)]) == errors.EXIT_USAGE
     assert 'is no run directory (it has no run.json)' in capsys.readouterr().err
+
+
+def test_localize_runs_the_executable_with_the_options(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """What it prints is printed; what it refuses is one line, with exit code 1."""
+    executable = tmp_path / 'lib' / 'rocsafe_radiation' / 'localize'
+    executable.parent.mkdir(parents=True)
+    executable.write_text(
+        '#!/bin/sh\necho "got $*"\ntest "$1" = good.csv && exit 0\necho "error: no" >&2\nexit 2\n'
+    )
+    executable.chmod(0o755)
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    assert main(['localize', 'good.csv', '--model', 'air', '--json']) == 0
+    assert capfd.readouterr().out == 'got good.csv --model=air --json\n'
+    assert main(['localize', 'bad.csv']) == 1
+    assert capfd.readouterr().err == 'rocsafe: no\n'

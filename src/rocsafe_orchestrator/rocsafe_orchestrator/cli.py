@@ -29,6 +29,7 @@ examples:
   rocsafe plan config/scenarios/derailment.yaml     plan it, without flying
   rocsafe run config/scenarios/derailment.yaml      fly it as fast as this machine can
   rocsafe run config/scenarios/derailment.yaml --speed 1    fly it in real time
+  rocsafe localize readings.csv                     find the sources in a file of readings
 
 exit codes:
   0    done; for `run`: the mission is complete
@@ -72,6 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_check(commands)
     _add_plan(commands)
     _add_report(commands)
+    _add_localize(commands)
     return parser
 
 
@@ -160,6 +162,29 @@ def _add_report(commands: Commands) -> None:
     parser.set_defaults(command=_report)
 
 
+def _add_localize(commands: Commands) -> None:
+    text = (
+        'Find gamma sources in a CSV file of readings: place with its 95 % ellipse, strength, and '
+        'how many there are. Columns: latitude_deg, longitude_deg, altitude_m (or east_m, '
+        'north_m, up_m), dose_rate_usvh (or counts, live_time_s), as in readings.csv of a run.'
+    )
+    parser = commands.add_parser('localize', help='find sources in readings', description=text)
+    parser.add_argument('file', metavar='READINGS.csv', help='readings, one a row')
+    parser.add_argument('--model', choices=('auto', 'paper', 'air'), help='law of the dose rate')
+    parser.add_argument('--nuclide', metavar='NAME', help='of the sources (default: Cs-137)')
+    parser.add_argument(
+        '--sensitivity',
+        metavar='CPS',
+        help='counts a second for 1 uSv/h (default: as in the file)',
+    )
+    parser.add_argument(
+        '--height', metavar='M', help='metres above the ground, of a file without altitudes'
+    )
+    parser.add_argument('--out', metavar='DIR', help='also write sources.json, sources.geojson')
+    parser.add_argument('--json', action='store_true', help='print JSON')
+    parser.set_defaults(command=_localize)
+
+
 # Each command loads what it needs when it runs: `--help` and `check` are quick and work where ROS
 # is not set up, and a Ctrl-C while Python still loads is no traceback.
 
@@ -209,6 +234,15 @@ def _report(arguments: argparse.Namespace) -> int:
     from rocsafe_orchestrator.report_command import report
 
     return report(arguments.run, Console())
+
+
+def _localize(arguments: argparse.Namespace) -> int:
+    from rocsafe_orchestrator.localize_command import localize
+
+    names = ('model', 'nuclide', 'sensitivity', 'height', 'out')
+    given = ((name, getattr(arguments, name)) for name in names)
+    options = [f'--{name}={value}' for name, value in given if value is not None]
+    return localize([arguments.file, *options, *(['--json'] if arguments.json else [])])
 
 
 def _number(text: str, low: float, high: float, unit: str) -> float:

@@ -70,6 +70,8 @@ def child_environment(run: RunDirectory) -> Mapping[str, str]:
         # ROS writes a file a process; beside ours they would hide in the user's home.
         'ROS_LOG_DIR': str(run.logs / 'ros'),
         'PYTHONUNBUFFERED': '1',
+        # Many processes share few cores: threads of each would only wait for each other.
+        'OPENBLAS_NUM_THREADS': '1',
     }
 
 

@@ -38,6 +38,15 @@ def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
     return result.reshape(np.shape(distances_m))
 
 
+def air_transmission_and_slope(nuclide_name: str, distances_m: Array) -> tuple[Array, Array]:
+    """Return the same and its derivative by the distance, 1/m."""
+    values, slopes = _table(nuclide_name)
+    places = np.minimum(distances_m * (1.0 / STEP_M), float(len(slopes) - 1))
+    indices = places.astype(np.intp)
+    steps = slopes[indices]
+    return values[indices] + (places - indices) * steps, steps * (1.0 / STEP_M)
+
+
 def exact_air_transmission(nuclide_name: str, distances_m: Array) -> Array:
     """Return the same, line by line."""
     return shielded_transmission(nuclide_name, {AIR: distances_m})

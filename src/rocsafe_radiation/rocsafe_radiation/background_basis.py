@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A background that varies smoothly, by few numbers: bumps on a coarse grid."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+# A source seen from above is two heights wide at half its maximum, a bump of this spacing 3.3.
+HEIGHTS_PER_LENGTH = 2.0
+LARGEST_BUMPS_A_SIDE = 7
+
+
+def smooth_basis(positions_enu_m: Array, height_m: float) -> Array:
+    """Return the value of each bump at each of n places, shape (n, bumps).
+
+    Bumps are Gaussians on a square grid, each with the standard deviation 0.7 times the spacing:
+    their sum is smooth. The spacing is at least two heights above the ground.
+    """
+    east, north = positions_enu_m[:, 0], positions_enu_m[:, 1]
+    extent = max(float(np.ptp(east)), float(np.ptp(north)), 1.0)
+    spacing = max(HEIGHTS_PER_LENGTH * height_m, extent / LARGEST_BUMPS_A_SIDE)
+    width = 0.7 * spacing
+    bumps = [
+        np.exp(-((east - x) ** 2 + (north - y) ** 2) / (2.0 * width * width))
+        for x in _nodes(east, spacing)
+        for y in _nodes(north, spacing)
+    ]
+    basis = np.stack(bumps, axis=1)
+    # A bump that no reading sees would only follow its prior.
+    return np.asarray(basis[:, basis.max(axis=0) > 0.3])
+
+
+def _nodes(axis: Array, spacing: float) -> Array:
+    low, high = float(axis.min()), float(axis.max())
+    count = max(1, math.ceil((high - low) / spacing) + 1)
+    start = (low + high) / 2.0 - (count - 1) * spacing / 2.0
+    return np.asarray(start + spacing * np.arange(count))

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Poisson likelihood of counts given sources and background, and its maximum.
+
+Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
+sum of c_j phi_j) and the kernel g. Parameters: c0, c_j, then for each source east, north, up and
+the logarithm of its strength. Fitted by damped Fisher scoring.
+
+Errors of position and gain make counts scatter by a share rho of what the sources add, beyond
+Poisson. They enter as weights w = 1 / (1 + rho^2 e^2 / n), taken from the data (e: excess over
+the background level), so that all models are compared with the same weights, and as half the sum
+of log w in the likelihood, so that different rho can be compared, too.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.survey import Survey
+
+Array = NDArray[np.float64]
+SOURCE_PARAMETERS = 4
+UP = 2
+# Of the logarithm of the background level, uSv/h: anything that occurs.
+LEVEL_MEAN, LEVEL_STD = float(np.log(0.1)), 3.0
+SMALLEST_COUNTS = 1e-9
+LARGEST_LOG_STEP = 1.5
+LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """What is held fixed in a fit.
+
+    Attributes
+    ----------
+    kernel: of all sources.
+    source_up_m, source_up_std_m: height of sources as known before; a standard deviation of 0
+        keeps it.
+    background_std: of each c_j as known before; 0: the background is the same everywhere.
+    rho: share of the excess by which counts scatter beyond Poisson.
+    """
+
+    kernel: Kernel = field(default_factory=Kernel)
+    source_up_m: float = 0.0
+    source_up_std_m: float = 0.0
+    background_std: float = 0.0
+    rho: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """A maximum: parameters, its logarithmic likelihood with priors, and the information there."""
+
+    parameters: Array
+    log_likelihood: float
+    information: Array
+
+
+class Likelihood:
+    """The likelihood of one survey in one setting."""
+
+    def __init__(self, survey: Survey, setting: Setting, basis: Array) -> None:
+        self.survey = survey
+        self.setting = setting
+        has_bumps = setting.background_std > 0.0
+        self.basis = basis if has_bumps else np.empty((survey.size, 0))
+        self.background_size = 1 + self.basis.shape[1]
+        self.weights = _weights(survey, setting.rho)
+        counts = survey.counts
+        # With this constant the likelihood of a perfect fit is 0: no large numbers are compared.
+        perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)) - counts, 0.0)
+        self._constant = float(0.5 * np.log(self.weights).sum() - self.weights @ perfect)
+        self._step_limit_m = 20.0
+        self._columns = np.ascontiguousarray(survey.positions_enu_m.T)
+
+    def source_count(self, parameters: Array) -> int:
+        """Return the number of sources that `parameters` describe."""
+        return (len(parameters) - self.background_size) // SOURCE_PARAMETERS
+
+    def sources(self, parameters: Array) -> Array:
+        """Return east, north, up and log strength of each source, shape (sources, 4)."""
+        return parameters[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+
+    def background_usvh(self, parameters: Array) -> Array:
+        """Return the background at each reading, shape (n,)."""
+        logs = parameters[0] + self.basis @ parameters[1 : self.background_size]
+        return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)))
+
+    def expected(self, parameters: Array) -> Array:
+        """Return the expected counts of each reading, shape (n,)."""
+        rates = self.background_usvh(parameters)
+        sources = self.sources(parameters)
+        if len(sources):
+            offsets = self._offsets(sources)
+            squares = np.einsum('kcn,kcn->kn', offsets, offsets)
+            rates = rates + np.exp(sources[:, 3]) @ self.setting.kernel.values(squares)
+        return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
+
+    def objective(self, parameters: Array) -> float:
+        """Return the logarithm of likelihood and priors."""
+        expected = self.expected(parameters)
+        terms = self.survey.counts * np.log(expected) - expected
+        misses = parameters - self._prior_means(parameters)
+        prior = 0.5 * float(self._prior_precisions(parameters) @ (misses * misses))
+        return float(self.weights @ terms) + self._constant - prior
+
+    def dispersion(self, parameters: Array) -> float:
+        """Return by how many standard deviations Pearson's chi^2 exceeds what Poisson allows."""
+        expected = self.expected(parameters)
+        chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
+        degrees = max(1, self.survey.size - len(parameters))
+        # The variance of each term, 2 + 1/m, matters with few counts.
+        spread = float(np.sqrt((2.0 + 1.0 / np.maximum(expected, 1e-3)).sum()))
+        return (chi2 - degrees) / spread
+
+    def fit(self, start: Array, iterations: int = 40) -> Fit:
+        """Return the maximum near `start`."""
+        parameters, value = start, self.objective(start)
+        damping = 1e-2
+        for _ in range(iterations):
+            information, gradient = self.information_and_gradient(parameters)
+            gained = 0.0
+            while damping < LARGEST_DAMPING:
+                proposal = parameters + self._step(information, gradient, damping)
+                better = self.objective(proposal)
+                if better >= value:
+                    gained, parameters, value = better - value, proposal, better
+                    damping = max(damping / 10.0, SMALLEST_DAMPING)
+                    break
+                damping *= 5.0
+            if gained < 1e-5:
+                break
+        information, _ = self.information_and_gradient(parameters)
+        return Fit(parameters=parameters, log_likelihood=value, information=information)
+
+    def information_and_gradient(self, parameters: Array) -> tuple[Array, Array]:
+        """Return the expected information and the gradient of the objective."""
+        expected, slopes = self._expected_and_slopes(parameters)
+        misses = parameters - self._prior_means(parameters)
+        precisions = self._prior_precisions(parameters)
+        residuals = self.weights * (self.survey.counts / expected - 1.0)
+        gradient = slopes.T @ residuals - precisions * misses
+        information = (slopes * (self.weights / expected)[:, None]).T @ slopes
+        information[np.diag_indices_from(information)] += precisions
+        return information, gradient
+
+    def _expected_and_slopes(self, parameters: Array) -> tuple[Array, Array]:
+        exposures, setting = self.survey.exposures, self.setting
+        slopes = np.empty((self.survey.size, len(parameters)))
+        rates = self.background_usvh(parameters)
+        slopes[:, 0] = rates
+        slopes[:, 1 : self.background_size] = self.basis * rates[:, None]
+        sources = self.sources(parameters)
+        if len(sources):
+            offsets = self._offsets(sources)
+            squares = np.einsum('kcn,kcn->kn', offsets, offsets)
+            values, by_square = setting.kernel.values_and_slopes(squares)
+            strengths = np.exp(sources[:, 3])[:, None]
+            parts = np.empty((len(sources), SOURCE_PARAMETERS, self.survey.size))
+            parts[:, :3] = (-2.0 * strengths * by_square)[:, None, :] * offsets
+            parts[:, 3] = strengths * values
+            slopes[:, self.background_size :] = parts.reshape(-1, self.survey.size).T
+            rates = rates + parts[:, 3].sum(axis=0)
+        expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
+        return expected, slopes * exposures[:, None]
+
+    def _offsets(self, sources: Array) -> Array:
+        """Return the way from each source to each reading, shape (sources, 3, n)."""
+        return self._columns[None, :, :] - sources[:, :3, None]
+
+    def _step(self, information: Array, gradient: Array, damping: float) -> Array:
+        matrix = information.copy()
+        diagonal = np.diag_indices_from(matrix)
+        matrix[diagonal] += damping * matrix[diagonal] + 1e-12
+        step: Array = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
+        step[: self.background_size] = np.clip(
+            step[: self.background_size], -LARGEST_LOG_STEP, LARGEST_LOG_STEP
+        )
+        sources = step[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+        limits = np.array([self._step_limit_m] * 3 + [LARGEST_LOG_STEP])
+        np.clip(sources, -limits, limits, out=sources)
+        return step
+
+    def _prior_means(self, parameters: Array) -> Array:
+        means = np.zeros_like(parameters)
+        means[0] = LEVEL_MEAN
+        means[self.background_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
+        return means
+
+    def _prior_precisions(self, parameters: Array) -> Array:
+        precisions = np.zeros_like(parameters)
+        precisions[0] = LEVEL_STD**-2
+        if self.setting.background_std > 0.0:
+            precisions[1 : self.background_size] = self.setting.background_std**-2
+        # A height that is kept is one known to a tenth of a millimetre.
+        up_std = max(self.setting.source_up_std_m, 1e-4)
+        precisions[self.background_size + UP :: SOURCE_PARAMETERS] = up_std**-2
+        return precisions
+
+
+def background_level_usvh(survey: Survey) -> float:
+    """Return a low level of all readings: the rate of the quiet fifth."""
+    rates = survey.counts / survey.exposures
+    quiet = rates <= np.quantile(rates, 0.2)
+    level = survey.counts[quiet].sum() / survey.exposures[quiet].sum()
+    return max(float(level), 1e-6)
+
+
+def _weights(survey: Survey, rho: float) -> Array:
+    excess = survey.counts - survey.exposures * background_level_usvh(survey)
+    excess = np.maximum(excess, 0.0)
+    variance = rho * rho * excess * excess / np.maximum(survey.counts, 1.0)
+    return np.asarray(1.0 / (1.0 + variance))

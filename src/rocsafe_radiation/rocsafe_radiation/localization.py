@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sources found in readings: where, how strong, how sure."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Likelihood, Setting
+from rocsafe_radiation.order_search import LARGEST_ORDER, OrderSearch, search
+from rocsafe_radiation.survey import Survey
+
+Array = NDArray[np.float64]
+METHOD = 'poisson-ml'
+# Chi-square of two degrees of freedom at 0.95.
+ELLIPSE_95 = 5.991
+NORMAL_95 = 1.96
+FEWEST_READINGS = 8
+# Cells of this share of the height lose nothing that matters, and bound the time of a fit.
+CELL_HEIGHTS = 0.125
+
+
+class TooFewReadingsError(RadiationError):
+    """There is nothing to localise from."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalizationOptions:
+    """What is known before the readings.
+
+    Attributes
+    ----------
+    kernel: law of the dose rate.
+    source_up_m, source_up_std_m: height of sources in the mission frame and its standard
+        deviation; 0: exactly there.
+    largest_order: most sources looked for.
+    """
+
+    kernel: Kernel = field(default_factory=Kernel)
+    source_up_m: float = 0.5
+    source_up_std_m: float = 1.0
+    largest_order: int = LARGEST_ORDER
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.source_up_std_m < math.inf:
+            raise ValueError(f'source_up_std_m = {self.source_up_std_m} must be at least 0')
+        if not 0 <= self.largest_order <= LARGEST_ORDER:
+            raise ValueError(
+                f'largest_order = {self.largest_order} must be within 0 and {LARGEST_ORDER}'
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceEstimate:
+    """A source found.
+
+    Attributes
+    ----------
+    position_enu_m: where, shape (3,).
+    covariance_m2: of the position, shape (3, 3).
+    dose_rate_at_1m_usvh: strength, without air.
+    log_std: standard deviation of its natural logarithm.
+    detection_llr: what the logarithm of the likelihood loses without it, all else unchanged.
+    """
+
+    position_enu_m: Array
+    covariance_m2: Array
+    dose_rate_at_1m_usvh: float
+    log_std: float
+    detection_llr: float
+
+    @property
+    def dose_rate_at_1m_std_usvh(self) -> float:
+        """Standard deviation of the strength."""
+        return self.dose_rate_at_1m_usvh * self.log_std
+
+    def interval_95_usvh(self) -> tuple[float, float]:
+        """Return the bounds that hold the strength with a probability of 0.95."""
+        factor = math.exp(min(NORMAL_95 * self.log_std, 50.0))
+        return self.dose_rate_at_1m_usvh / factor, self.dose_rate_at_1m_usvh * factor
+
+    def ellipse_95(self) -> tuple[float, float, float]:
+        """Return half axes in metres, long first, and the angle of the long one from east, rad."""
+        values, vectors = np.linalg.eigh(self.covariance_m2[:2, :2])
+        axes = np.sqrt(np.maximum(values, 0.0) * ELLIPSE_95)
+        return float(axes[1]), float(axes[0]), math.atan2(vectors[1, 1], vectors[0, 1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Localization:
+    """All sources that the readings support.
+
+    Attributes
+    ----------
+    sources: strongest evidence first.
+    order_probabilities: of 0, 1, 2 ... sources.
+    background_usvh, background_std_usvh: mean background at the readings and its uncertainty.
+    reading_count: readings used.
+    dispersion: by how many standard deviations the misfit exceeds what the model allows.
+    rho: share of the excess by which readings scatter beyond their counts.
+    is_structured: the background varies from place to place.
+    """
+
+    sources: tuple[SourceEstimate, ...]
+    order_probabilities: tuple[float, ...]
+    background_usvh: float
+    background_std_usvh: float
+    reading_count: int
+    dispersion: float
+    rho: float
+    is_structured: bool
+
+
+def localize(survey: Survey, options: LocalizationOptions | None = None) -> Localization:
+    """Return the sources that `survey` supports.
+
+    Raises
+    ------
+    TooFewReadingsError: with fewer than 8 readings, or all of them at one place.
+    """
+    options = options or LocalizationOptions()
+    _require_enough(survey)
+    cell_m = CELL_HEIGHTS * survey.height_m(options.source_up_m)
+    merged = survey.merged(cell_m)
+    _require_enough(merged)
+    setting = Setting(
+        kernel=options.kernel,
+        source_up_m=options.source_up_m,
+        source_up_std_m=options.source_up_std_m,
+    )
+    return _described(search(merged, setting, options.largest_order), survey.size)
+
+
+def _require_enough(survey: Survey) -> None:
+    if survey.size < FEWEST_READINGS:
+        raise TooFewReadingsError(
+            f'{survey.size} readings at different places: at least {FEWEST_READINGS} are needed'
+        )
+
+
+def _described(found: OrderSearch, reading_count: int) -> Localization:
+    likelihood, fit = found.likelihood, found.best
+    covariance = np.asarray(np.linalg.inv(fit.information), np.float64)
+    estimates = [
+        _estimate(likelihood, found, covariance, index)
+        for index in range(likelihood.source_count(fit.parameters))
+    ]
+    background = likelihood.background_usvh(fit.parameters)
+    setting = likelihood.setting
+    return Localization(
+        sources=tuple(sorted(estimates, key=lambda one: one.detection_llr, reverse=True)),
+        order_probabilities=found.probabilities(),
+        background_usvh=float(background.mean()),
+        background_std_usvh=float(background.mean() * math.sqrt(min(covariance[0, 0], 100.0))),
+        reading_count=reading_count,
+        dispersion=likelihood.dispersion(fit.parameters),
+        rho=setting.rho,
+        is_structured=setting.background_std > 0.0,
+    )
+
+
+def _estimate(
+    likelihood: Likelihood, found: OrderSearch, covariance: Array, index: int
+) -> SourceEstimate:
+    start = likelihood.background_size + SOURCE_PARAMETERS * index
+    own = covariance[start : start + SOURCE_PARAMETERS, start : start + SOURCE_PARAMETERS]
+    source = likelihood.sources(found.best.parameters)[index]
+    others = np.delete(found.best.parameters, range(start, start + SOURCE_PARAMETERS))
+    without = likelihood.objective(others)
+    if found.order == 1:
+        without = found.fits[0].log_likelihood
+    position = source[:3].copy()
+    if likelihood.setting.source_up_std_m == 0.0:
+        position[UP] = likelihood.setting.source_up_m
+    return SourceEstimate(
+        position_enu_m=position,
+        covariance_m2=own[:3, :3],
+        dose_rate_at_1m_usvh=float(np.exp(source[3])),
+        log_std=math.sqrt(max(float(own[3, 3]), 0.0)),
+        detection_llr=found.best.log_likelihood - without,
+    )

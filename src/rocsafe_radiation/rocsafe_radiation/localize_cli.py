@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`localize`: sources from a survey file, without ROS."""
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
+from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide_names
+from rocsafe_radiation.readings_file import ReadingsFile, read_readings
+from rocsafe_radiation.source_document import source_document, source_geojson
+from rocsafe_radiation.survey import survey_of
+
+EXIT_OK, EXIT_REFUSED = 0, 2
+AUTO = 'auto'
+COLUMNS = """\
+columns of the file, comma separated, with a row of names; others do not matter:
+  latitude_deg, longitude_deg, altitude_m   WGS84, metres above any one datum
+  or east_m, north_m, up_m                  metres in any local frame, up above the ground
+  dose_rate_usvh                            microsievert per hour; or _nsvh, _msvh, _svh (per
+                                            hour) or _usvps (microsievert per second)
+  or counts, live_time_s                    with --sensitivity; or both, which is best
+  dose_rate_std_usvh, time_ns, vehicle      if there are any
+Rows without a valid place and value are left out and counted.
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Read, localise, print, and return the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        readings = read_readings(options.file, options.height)
+        found = localize(
+            survey_of(readings.observations, options.sensitivity), _options(options, readings)
+        )
+        if options.out is not None:
+            _write(options.out, found, readings)
+    except (RadiationError, OSError) as error:
+        sys.stderr.write(f'error: {error}\n')
+        return EXIT_REFUSED
+    if options.json:
+        sys.stdout.write(json.dumps(source_document(found, readings.frame), indent=1) + '\n')
+    else:
+        sys.stdout.write('\n'.join([*_notes(readings), *_lines(found, readings)]) + '\n')
+    return EXIT_OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='localize',
+        description='Find gamma sources in a file of readings, and say how sure that is.',
+        epilog=COLUMNS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument('file', type=Path, metavar='READINGS.csv')
+    parser.add_argument(
+        '--model',
+        choices=(AUTO, PAPER_MODEL, AIR_MODEL),
+        default=AUTO,
+        help='law of the dose rate (default: what the file says, else air)',
+    )
+    parser.add_argument(
+        '--nuclide',
+        choices=nuclide_names(),
+        default=DEFAULT_NUCLIDE,
+        metavar='NAME',
+        help=f'whose photons air attenuates (default: {DEFAULT_NUCLIDE})',
+    )
+    parser.add_argument(
+        '--sensitivity',
+        type=_number('sensitivity', 1e-6, 1e7),
+        default=0.0,
+        metavar='CPS',
+        help='counts a second for 1 uSv/h (default: from counts and dose rate)',
+    )
+    parser.add_argument(
+        '--height',
+        type=_number('height', 0.0, 1e4),
+        default=math.nan,
+        metavar='M',
+        help='metres above the ground, of a file without altitudes',
+    )
+    parser.add_argument('--json', action='store_true', help='print JSON instead of a table')
+    parser.add_argument(
+        '--out', type=Path, metavar='DIR', help='also write sources.json and sources.geojson'
+    )
+    return parser
+
+
+def _number(name: str, low: float, high: float) -> Callable[[str], float]:
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(
+                f'{name} = {text}: must be within {low:g} to {high:g}'
+            )
+        return value
+
+    return parse
+
+
+def _options(options: argparse.Namespace, readings: ReadingsFile) -> LocalizationOptions:
+    model = options.model
+    if model == AUTO:
+        model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
+    return LocalizationOptions(kernel=Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide))
+
+
+def _notes(readings: ReadingsFile) -> list[str]:
+    notes = [f'{count} rows left out: {reason}' for reason, count in readings.dropped.items()]
+    if readings.backward_steps:
+        notes.append(f'the clock went backwards {readings.backward_steps} times; rows kept')
+    return notes
+
+
+def _lines(found: Localization, readings: ReadingsFile) -> list[str]:
+    chances = ', '.join(f'{k}: {p:.3f}' for k, p in enumerate(found.order_probabilities))
+    lines = [
+        f'{found.reading_count} readings, background {found.background_usvh:.3g} uSv/h'
+        + (' (uneven)' if found.is_structured else ''),
+        f'probability of the number of sources: {chances}',
+    ]
+    document = source_document(found, readings.frame)
+    for number, source in enumerate(document['sources'], 1):
+        low, high = source['dose_rate_at_1m_95_usvh']
+        place = source['place']
+        where = ', '.join(f'{name} {value}' for name, value in place.items())
+        lines.append(
+            f'source {number}: {where}; within {source["ellipse_95_m"][0]:.2f} x '
+            f'{source["ellipse_95_m"][1]:.2f} m (95 %); '
+            f'{source["dose_rate_at_1m_usvh"]:.4g} uSv/h at 1 m ({low:.4g} to {high:.4g})'
+        )
+    return lines if found.sources else [*lines, 'no source found']
+
+
+def _write(folder: Path, found: Localization, readings: ReadingsFile) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    document = source_document(found, readings.frame)
+    (folder / 'sources.json').write_text(json.dumps(document, indent=1) + '\n', encoding='utf-8')
+    if readings.frame is not None:
+        shapes = source_geojson(found, readings.frame)
+        (folder / 'sources.geojson').write_text(
+            json.dumps(shapes, indent=1) + '\n', encoding='utf-8'
+        )
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

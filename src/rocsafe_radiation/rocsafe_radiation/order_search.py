@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How many sources there are: fits of rising order, compared by their evidence."""
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.background_basis import smooth_basis
+from rocsafe_radiation.candidates import (
+    best_separated,
+    candidate_grid,
+    grid_kernel,
+    score_candidates,
+)
+from rocsafe_radiation.likelihood import Fit, Likelihood, Setting, background_level_usvh
+from rocsafe_radiation.survey import Survey
+
+Array = NDArray[np.float64]
+LARGEST_ORDER = 4
+# East, north and strength; the height is known before.
+FREE_PARAMETERS = 3
+TRIED_CANDIDATES = 3
+ROUGH_ITERATIONS = 8
+SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
+# Of one more source before any reading: sources are rare, and ground and detectors never quite as
+# assumed.
+LOG_PRIOR_ODDS = -3.0
+# What may be wrong with "Poisson about a constant background": background_std, rho.
+NUISANCES = (
+    (0.0, 0.0),
+    (0.3, 0.0),
+    (0.0, 0.05),
+    (0.3, 0.05),
+    (0.0, 0.1),
+    (0.3, 0.1),
+    (0.0, 0.2),
+)
+# Pearson's chi^2 beyond this many standard deviations says that something is wrong.
+LARGEST_DISPERSION = 3.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderSearch:
+    """The best fit of each order in one setting.
+
+    Attributes
+    ----------
+    likelihood: with its setting.
+    fits: of 0, 1, 2 ... sources.
+    scores: logarithm of the evidence of each, by BIC for sources and Laplace for the background,
+        and of the prior odds.
+    """
+
+    likelihood: Likelihood
+    fits: tuple[Fit, ...]
+    scores: tuple[float, ...]
+
+    @property
+    def order(self) -> int:
+        """The number of sources with the best evidence."""
+        return int(np.argmax(self.scores))
+
+    @property
+    def best(self) -> Fit:
+        """The fit of that order."""
+        return self.fits[self.order]
+
+    @property
+    def dispersion(self) -> float:
+        """By how many standard deviations its misfit exceeds that of Poisson counts."""
+        return self.likelihood.dispersion(self.best.parameters)
+
+    def probabilities(self) -> tuple[float, ...]:
+        """Return the probability of each order, sources being rare before."""
+        logs = np.array(self.scores) - max(self.scores)
+        return tuple((np.exp(logs) / np.exp(logs).sum()).tolist())
+
+
+def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER) -> OrderSearch:
+    """Return the best fits to `survey`, in the nuisance setting that explains it best.
+
+    It begins with pure Poisson counts about a constant background. Where these do not explain the
+    readings, or need more than one source, the other settings are tried, in the second case with
+    fewer sources; the evidence decides.
+    """
+    trial = _Trial(survey, setting)
+    plain = trial.orders(*NUISANCES[0], largest_order)
+    if plain.dispersion >= LARGEST_DISPERSION:
+        others = [trial.orders(*nuisance, largest_order) for nuisance in NUISANCES[1:]]
+    elif plain.order > 1:
+        # Do fewer sources explain it as well, on uneven ground or with scattered readings?
+        others = [trial.orders(*nuisance, plain.order - 1) for nuisance in NUISANCES[1:]]
+    else:
+        others = []
+    return max([plain, *others], key=lambda result: max(result.scores))
+
+
+class _Trial:
+    """Searches of one survey in different nuisance settings."""
+
+    def __init__(self, survey: Survey, setting: Setting) -> None:
+        self._survey = survey
+        self._setting = setting
+        height = survey.height_m(setting.source_up_m)
+        self._basis = smooth_basis(survey.positions_enu_m, height)
+        self._grid = candidate_grid(survey, setting.source_up_m)
+        self._kernel = grid_kernel(survey, setting, self._grid)
+
+    def orders(self, background_std: float, rho: float, largest_order: int) -> OrderSearch:
+        """Return the best fit of each order, until one more source is worse."""
+        setting = replace(self._setting, background_std=background_std, rho=rho)
+        likelihood = Likelihood(self._survey, setting, self._basis)
+        start = np.zeros(likelihood.background_size)
+        start[0] = math.log(background_level_usvh(self._survey))
+        fits = [likelihood.fit(start)]
+        scores = [_score(likelihood, fits[0])]
+        # One more may be worse where two more win; splitting tries pairs, so no further is gone.
+        while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
+            fit = _with_one_more(likelihood, fits[-1], self._grid, self._kernel)
+            if fit is None:
+                break
+            fits.append(fit)
+            scores.append(_score(likelihood, fit))
+        return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
+
+
+def _with_one_more(likelihood: Likelihood, fit: Fit, grid: Array, kernel: Array) -> Fit | None:
+    """Return the best fit found with one more source, None without any start."""
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    starts = [
+        *_added(likelihood, fit.parameters, grid, kernel, height),
+        *_split(likelihood, fit.parameters, 0.4 * height),
+    ]
+    if not starts:
+        return None
+    rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+    ranked = sorted(rough, key=lambda result: result.log_likelihood, reverse=True)
+    return max(
+        (likelihood.fit(result.parameters) for result in ranked[:2]),
+        key=lambda result: result.log_likelihood,
+    )
+
+
+def _added(
+    likelihood: Likelihood, parameters: Array, grid: Array, kernel: Array, height: float
+) -> list[Array]:
+    gains, strengths = score_candidates(likelihood, parameters, kernel)
+    up = likelihood.setting.source_up_m
+    return [
+        np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
+        for index in best_separated(grid, gains, TRIED_CANDIDATES, height)
+    ]
+
+
+def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list[Array]:
+    """Return starts with one source replaced by a pair of half its strength."""
+    sources = likelihood.sources(parameters)
+    starts = []
+    for index, angle in itertools.product(range(len(sources)), SPLIT_ANGLES_RAD):
+        offset = distance_m * np.array([math.cos(angle), math.sin(angle)])
+        pair = np.stack([sources[index], sources[index]])
+        pair[:, :2] += np.stack([offset, -offset])
+        pair[:, 3] -= math.log(2.0)
+        others = np.delete(sources, index, axis=0)
+        background = parameters[: likelihood.background_size]
+        starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
+    return starts
+
+
+def _score(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
+    order = likelihood.source_count(fit.parameters)
+    penalty = order * (0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size) - LOG_PRIOR_ODDS)
+    bumps = slice(1, likelihood.background_size)
+    std = likelihood.setting.background_std
+    if std > 0.0:
+        _, volume = np.linalg.slogdet(fit.information[bumps, bumps] * std**2)
+        penalty += 0.5 * float(volume)
+    return fit.log_likelihood - penalty

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sources are found where they are, as many as there are, and as surely as it is said."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.likelihood import Likelihood, Setting
+from rocsafe_radiation.localization import (
+    LocalizationOptions,
+    SourceEstimate,
+    TooFewReadingsError,
+    localize,
+)
+from rocsafe_radiation.survey import Observation, Survey, survey_of
+
+from .simulated_survey import HEIGHT_M, LOSSLESS, survey
+
+CAESIUM_10_GBQ = 925.0
+
+
+def errors_m(found, sources):
+    """Return the distance from each true source to the nearest found."""
+    places = np.array([source.position_enu_m[:2] for source in found.sources])
+    return [np.hypot(*(places - source[:2]).T).min() for source in np.array(sources)]
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_no_source_is_found_where_none_is(seed):
+    """Background alone, and its level."""
+    found = localize(survey([], seed), LOSSLESS)
+    assert found.sources == ()
+    assert found.order_probabilities[0] > 0.9
+    assert found.background_usvh == pytest.approx(0.1, rel=0.03)
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_one_source_is_found_within_its_ellipse(seed):
+    """10 GBq from 32 m: within 5 sigma, as strong as it is, certainly one."""
+    truth = (120.0, 170.0, CAESIUM_10_GBQ)
+    found = localize(survey([truth], seed), LOSSLESS)
+    (source,) = found.sources
+    miss = source.position_enu_m[:2] - truth[:2]
+    assert miss @ np.linalg.solve(source.covariance_m2[:2, :2], miss) < 25.0
+    assert abs(math.log(source.dose_rate_at_1m_usvh / truth[2])) < 5.0 * source.log_std
+    assert found.order_probabilities[1] > 0.9
+    assert source.detection_llr > 100.0
+
+
+def test_three_sources_are_told_apart():
+    """One strong, two weaker ones 58 m and more away."""
+    truth = [(200.0, 60.0, 3000.0), (100.0, 170.0, 900.0), (160.0, 230.0, 600.0)]
+    found = localize(survey(truth), LOSSLESS)
+    assert len(found.sources) == 3
+    assert max(errors_m(found, truth)) < 6.0
+
+
+def test_position_noise_makes_no_further_sources():
+    """3 m of noise about a strong source scatter counts far beyond Poisson."""
+    truth = [(140.0, 150.0, 9250.0)]
+    found = localize(survey(truth, position_noise_m=3.0), LOSSLESS)
+    assert len(found.sources) == 1
+    assert found.rho > 0.0
+    assert errors_m(found, truth)[0] < 4.0
+
+
+def test_a_height_unknown_by_a_metre_is_fitted():
+    """The strength goes with the height: with its prior, both come near the truth."""
+    readings = survey([(140.0, 150.0, 9250.0)])
+    lifted = Survey(
+        positions_enu_m=readings.positions_enu_m + np.array([0.0, 0.0, 1.5]),
+        counts=readings.counts,
+        exposures=readings.exposures,
+    )
+    options = LocalizationOptions(kernel=Kernel(is_lossy=False), source_up_std_m=1.0)
+    (source,) = localize(lifted, options).sources
+    assert source.position_enu_m[2] == pytest.approx(1.5, abs=1.0)
+    assert source.covariance_m2[2, 2] < 1.0
+
+
+def test_the_gradient_is_that_of_the_objective():
+    """Against difference quotients, background and all."""
+    readings = survey([(140.0, 150.0, 3000.0)])
+    basis = np.random.default_rng(1).uniform(size=(readings.size, 2))
+    setting = Setting(kernel=Kernel(), background_std=0.3, rho=0.05, source_up_std_m=1.0)
+    likelihood = Likelihood(readings, setting, basis)
+    place = np.array([math.log(0.12), 0.1, -0.2, 133.0, 158.0, 0.3, math.log(2500.0)])
+    _, gradient = likelihood.information_and_gradient(place)
+    for index, step in enumerate(np.diag(np.full(len(place), 1e-4))):
+        slope = (likelihood.objective(place + step) - likelihood.objective(place - step)) / 2e-4
+        assert gradient[index] == pytest.approx(slope, rel=1e-3, abs=0.05)
+
+
+def test_the_same_readings_in_another_order_give_the_same():
+    """Nothing depends on the order, nor is anything random."""
+    readings = survey([(120.0, 170.0, CAESIUM_10_GBQ)])
+    turned = Survey(
+        positions_enu_m=readings.positions_enu_m[::-1],
+        counts=readings.counts[::-1],
+        exposures=readings.exposures[::-1],
+    )
+    first, second = localize(readings, LOSSLESS), localize(turned, LOSSLESS)
+    assert first.sources[0].position_enu_m == pytest.approx(second.sources[0].position_enu_m)
+
+
+def test_an_ellipse_points_along_its_long_axis():
+    """Of a covariance with 9 m^2 along north-east and 1 m^2 across."""
+    turn = np.array([[1.0, -1.0], [1.0, 1.0]]) / math.sqrt(2.0)
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = turn @ np.diag([9.0, 1.0]) @ turn.T
+    source = SourceEstimate(
+        position_enu_m=np.zeros(3),
+        covariance_m2=covariance,
+        dose_rate_at_1m_usvh=1.0,
+        log_std=0.1,
+        detection_llr=9.0,
+    )
+    long_m, short_m, angle = source.ellipse_95()
+    assert (long_m, short_m) == pytest.approx((3 * 2.4477, 2.4477), rel=1e-3)
+    assert math.tan(angle) == pytest.approx(1.0)
+
+
+def test_too_few_readings_are_refused():
+    """Also many at one place."""
+    reading = Observation(position_enu_m=(0.0, 0.0, HEIGHT_M), dose_rate_usvh=0.1)
+    with pytest.raises(TooFewReadingsError, match='1 readings at different places'):
+        localize(survey_of([reading] * 50))
+    with pytest.raises(TooFewReadingsError, match='at least 8'):
+        localize(survey_of([reading] * 3))
+
+
+def test_counts_win_over_dose_rates():
+    """Exposure is counts over dose rate, or sensitivity times live time."""
+    counted = Observation(
+        position_enu_m=(0, 0, 32), dose_rate_usvh=0.2, counts=110, live_time_s=1.0
+    )
+    assert survey_of([counted]).exposures == pytest.approx([550.0])
+    assert survey_of([counted], 600.0).exposures == pytest.approx([600.0])
+    stated = Observation(position_enu_m=(0, 0, 32), dose_rate_usvh=0.2, dose_rate_std_usvh=0.02)
+    assert survey_of([stated]).counts == pytest.approx([100.0])
+
+
+def test_merging_keeps_counts_and_exposures():
+    """And the mean place."""
+    merged = survey([(120.0, 170.0, 925.0)]).merged(40.0)
+    whole = survey([(120.0, 170.0, 925.0)])
+    assert merged.counts.sum() == whole.counts.sum()
+    assert merged.exposures.sum() == pytest.approx(whole.exposures.sum())
+    assert merged.size < whole.size / 5

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Anyone's file of readings is read or refused in one line, and its sources are told."""
+
+import itertools
+import json
+import math
+
+import pytest
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.localize_cli import main
+from rocsafe_radiation.readings_file import ReadingsFileError, read_readings
+
+from .simulated_survey import survey
+
+ORIGIN = GeoPosition(53.28, -9.06, 66.0)
+HEAD = 'time_ns,vehicle,latitude_deg,longitude_deg,altitude_m,dose_rate_usvh\n'
+
+
+@pytest.fixture
+def table(tmp_path):
+    """Give a function that writes a file."""
+
+    def write(text):
+        path = tmp_path / 'readings.csv'
+        path.write_text(text, encoding='utf-8')
+        return path
+
+    return write
+
+
+def derailment():
+    """Return rows of a survey over a source at 120 m east, 170 m north of the origin."""
+    readings = survey([(120.0, 170.0, 9250.0)])
+    places = LocalFrame(ORIGIN).to_geodetic(readings.positions_enu_m)
+    rates = readings.counts / readings.exposures
+    ground = '0,rav1,53.28,-9.06,66.0,0.1\n'
+    return ground + ''.join(
+        f'{number + 1},rav1,{lat!r},{lon!r},{alt!r},{rate!r}\n'
+        for number, ((lat, lon, alt), rate) in enumerate(
+            zip(places.tolist(), rates.tolist(), strict=True)
+        )
+    )
+
+
+def test_a_source_is_printed_with_its_place_and_its_ellipse(table, capsys):
+    """In degrees, on the ground below the lowest reading."""
+    assert main([str(table(HEAD + derailment())), '--model', 'paper', '--json']) == 0
+    document = json.loads(capsys.readouterr().out)
+    (source,) = document['sources']
+    place = source['place']
+    found = LocalFrame(ORIGIN).enu_of(
+        GeoPosition(place['latitude_deg'], place['longitude_deg'], place['altitude_m'])
+    )
+    assert math.hypot(found[0] - 120.0, found[1] - 170.0) < 2.0
+    assert source['dose_rate_at_1m_usvh'] == pytest.approx(9250.0, rel=0.1)
+
+
+def test_products_are_written(table, tmp_path, capsys):
+    """A GeoJSON point and a closed ring around it."""
+    assert main([str(table(HEAD + derailment())), '--out', str(tmp_path / 'out')]) == 0
+    assert 'source 1: latitude_deg 53.28' in capsys.readouterr().out
+    shapes = json.loads((tmp_path / 'out' / 'sources.geojson').read_text())
+    point, ellipse = (feature['geometry'] for feature in shapes['features'])
+    ring = ellipse['coordinates'][0]
+    assert point['type'] == 'Point'
+    assert ring[0] == ring[-1]
+    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in itertools.pairwise(ring))
+    assert area > 0.0, 'rings run anticlockwise'
+
+
+def test_bad_rows_are_left_out_and_counted(table):
+    """NaN, words, impossible places, negative values and repeated stamps; clock jumps are kept."""
+    rows = (
+        '1,a,53.0,-9.0,60.0,0.1\n2,a,nan,-9.0,60.0,0.1\n3,a,53.0,-9.0,60.0,high\n'
+        '4,a,93.0,-9.0,60.0,0.1\n5,a,53.0,-9.0,60.0,-0.1\n1,a,53.0,-9.0,60.0,0.1\n'
+        '1,b,53.0,-9.0,60.0,0.1\n9,a,53.0,-9.0,60.0,0.1\n6,a,53.0,-9.0,60.0,0.1\n'
+    )
+    readings = read_readings(table(HEAD + rows))
+    assert len(readings.observations) == 4
+    assert sorted(readings.dropped.values()) == [1, 1, 1, 2]
+    assert readings.backward_steps == 1
+
+
+@pytest.mark.parametrize(
+    ('head', 'words'),
+    [
+        ('a,b\n', 'has no columns latitude_deg and longitude_deg'),
+        ('latitude_deg,longitude_deg,dose_rate_usvh\n', 'has no column altitude_m'),
+        ('east_m,north_m,up_m\n', 'has no column dose_rate_usvh, nor counts'),
+        ('east_m,north_m,up_m,counts\n', 'has no column dose_rate_usvh, nor counts'),
+        (
+            'east_m,north_m,up_m,dose_rate_usvh,dose_rate_svh\n',
+            'several units, dose_rate_svh and dose_rate_usvh',
+        ),
+        ('', 'has no columns latitude_deg'),
+    ],
+)
+def test_a_file_that_is_no_survey_is_refused_in_one_line(table, head, words, capsys):
+    """Saying what is missing."""
+    path = table(head + '1,2,3,4,5\n')
+    if head:
+        with pytest.raises(ReadingsFileError, match=words):
+            read_readings(path)
+    assert main([str(path)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_units_are_those_of_the_column(table):
+    """Sievert, microsievert a second."""
+    for name, value in (('svh', '1e-6'), ('nsvh', '1000'), ('usvps', repr(1 / 3600))):
+        readings = read_readings(table(f'east_m,north_m,up_m,dose_rate_{name}\n1,2,3,{value}\n'))
+        assert readings.observations[0].dose_rate_usvh == pytest.approx(1.0)
+
+
+def test_no_file_is_one_line(tmp_path, capsys):
+    """With its name."""
+    assert main([str(tmp_path / 'none.csv')]) == 2
+    assert 'none.csv: cannot be read' in capsys.readouterr().err
