@@ -125,6 +125,8 @@ def test_command_starts_the_executable_in_its_namespace(
         '--ros-args',
         '-r',
         '__ns:=/rav2',
+        '-p',
+        'use_sim_time:=true',
         '--params-file',
         'my.yaml',
         '--params-file',

@@ -80,7 +80,8 @@ def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch
     parameters = run.parameters_of(spec.name)
     write_parameters(parameters, spec.node, spec.parameters)
     files = [str(path) for path in (config, parameters) if path is not None]
-    arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}']
+    # Every process stamps what it says in the world's time.
+    arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
     for file in files:
         arguments += ['--params-file', file]
     return Launch(

@@ -150,7 +150,10 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
     ------
     SetupError: if ROS cannot start.
     """
-    arguments = [] if config is None else ['--ros-args', '--params-file', str(config)]
+    # Every mission of this suite's own world runs on simulated time.
+    arguments = ['--ros-args', '-p', 'use_sim_time:=true']
+    if config is not None:
+        arguments += ['--params-file', str(config)]
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy's own error classes are not public

@@ -18,11 +18,13 @@ def planned():
     from rocsafe_geo.area import SurveyArea
     from rocsafe_planner.planning import plan_survey
     from rocsafe_planner.request import SurveyRequest
+    from rocsafe_planner.survey_region import SurveyRegion
     from rocsafe_planner.vehicle import Vehicle
 
     corners = [(53.28, -9.06), (53.281, -9.06), (53.281, -9.062), (53.28, -9.062)]
+    boundary = tuple(GeoPosition(*corner) for corner in corners)
     request = SurveyRequest(
-        area=SurveyArea(boundary=tuple(GeoPosition(*corner) for corner in corners), name='yard'),
+        regions=(SurveyRegion(area=SurveyArea(boundary=boundary, name='yard')),),
         camera=PinholeCamera(math.radians(60.0), 640, 480),
         vehicles=(
             Vehicle(
