@@ -48,7 +48,7 @@ def test_plan_of_the_planner_is_read_whole(planned, tmp_path):
     assert plan.makespan_s == planned.makespan_s
     assert plan.gap_fraction == planned.gap_fraction
     assert plan.covered_fraction == planned.covered_fraction
-    assert plan.region.boundary == planned.request.area.boundary
+    assert plan.region.boundary == planned.request.regions[0].area.boundary
     assert [v.position for v in plan.routes[0].viewpoints] == [
         v.position for v in planned.routes[0].viewpoints
     ]
