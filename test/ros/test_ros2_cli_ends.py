@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ros2 command as a process: how it starts, waits and ends."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -63,6 +64,21 @@ def test_signals_end_the_command_quietly(robot, ros2_process, words, first, numb
     process.send_signal(number)
     _, error = process.communicate(timeout=DEADLINE_S)
     assert (process.returncode, error) == (int(number), '')
+
+
+def test_the_rate_of_a_topic_is_measured_until_ctrl_c(robot, ros2_process):
+    """The robot publishes at 20 Hz; best effort may lose many on a busy machine."""
+    process = ros2_process('topic', 'hz', '/rav1/fix', '--window', '20')
+    name, _, rate_hz = process.stdout.readline().partition(': ')
+    assert name == 'average rate'
+    assert 2.0 < float(rate_hz) < 40.0
+    assert re.fullmatch(
+        r'\tmin: \d\.\d{3}s max: \d\.\d{3}s std dev: \d\.\d{5}s window: \d+\n',
+        process.stdout.readline(),
+    )
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=DEADLINE_S)
+    assert (process.returncode, error) == (2, '')
 
 
 def test_ctrl_c_cancels_the_goal(robot, ros2_process):
