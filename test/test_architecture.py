@@ -38,6 +38,7 @@ ROSDEP_KEYS = {
     'piexif': 'python3-piexif',
     'pydantic': 'python3-pydantic',
     'pydantic_core': 'python3-pydantic',
+    'pymavlink': 'python3-pymavlink-pip',
     'pyproj': 'python3-pyproj',
     'rasterio': 'python3-rasterio',
     'rich': 'python3-rich',

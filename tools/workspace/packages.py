@@ -23,6 +23,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'mcap': ('mcap', (1, 0)),
     'PIL': ('pillow', (9, 0)),
     'pydantic': ('pydantic', (2, 0)),
+    'pymavlink': ('pymavlink', (2, 4, 41)),
     'pyproj': ('pyproj', (3, 4)),
     'rasterio': ('rasterio', (1, 3)),
     'rich': ('rich', (13, 0)),

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""MAVLink's message definitions: payload bytes <-> named fields, and the checksum.
+
+The only module that imports pymavlink, and of it only the tables made from the XML definitions:
+its parser keeps state that anybody with reach of the socket can spoil.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pymavlink.dialects.v20 import ardupilotmega as _tables
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message, in the units of MAVLink.
+
+    Attributes
+    ----------
+    name: for instance ``HEARTBEAT``.
+    fields: by name; numbers, texts, and lists of numbers.
+    system: sender's system, 1 to 255.
+    component: sender's component, 1 to 255.
+    """
+
+    name: str
+    fields: Mapping[str, Any]
+    system: int = 0
+    component: int = 0
+
+    def __getitem__(self, name: str) -> Any:
+        return self.fields[name]
+
+
+class _Layout:
+    """How the fields of one message lie in its payload."""
+
+    def __init__(self, table: Any) -> None:
+        self.name = str(table.msgname)
+        self.message_id = int(table.id)
+        self.crc_extra = bytes([table.crc_extra])
+        self.pack = table.unpacker.pack
+        self.unpack = table.unpacker.unpack
+        self.size = int(table.unpacker.size)
+        self.names = tuple(table.ordered_fieldnames)
+        # Texts are one value to struct, arrays of numbers as many as they are long.
+        self.counts = tuple(table.lengths)
+        self.is_flat = all(count == 1 for count in self.counts)
+
+    def fields(self, payload: bytes) -> dict[str, Any]:
+        """Return the fields of a payload; zeros at its end may have been cut off."""
+        values = self.unpack(payload[: self.size].ljust(self.size, b'\0'))
+        if not self.is_flat:
+            values = self._grouped(values)
+        return {
+            name: clean_text(value) if isinstance(value, bytes) else value
+            for name, value in zip(self.names, values, strict=True)
+        }
+
+    def payload(self, fields: Mapping[str, Any]) -> bytes:
+        """Return the payload of `fields`; those not given are zero or empty."""
+        values: list[Any] = []
+        blank = self.fields(b'')
+        for name in self.names:
+            value = fields.get(name, blank[name])
+            if isinstance(value, str):
+                value = value.encode()
+            values.extend(value if isinstance(value, (list, tuple)) else [value])
+        return bytes(self.pack(*values))
+
+    def _grouped(self, values: tuple[Any, ...]) -> list[Any]:
+        grouped: list[Any] = []
+        place = 0
+        for count in self.counts:
+            one = values[place]
+            grouped.append(one if count == 1 else list(values[place : place + count]))
+            place += count
+        return grouped
+
+
+_BY_ID = {number: _Layout(table) for number, table in _tables.mavlink_map.items()}
+_BY_NAME = {layout.name: layout for layout in _BY_ID.values()}
+# What is added to the checksum of each message, so that both ends mean the same definition.
+CRC_EXTRAS: Mapping[int, bytes] = {number: layout.crc_extra for number, layout in _BY_ID.items()}
+
+
+def clean_text(raw: bytes) -> str:
+    """Return a text as sent by who knows whom: what is no text replaced, control codes removed."""
+    text = raw.split(b'\0', 1)[0].decode('utf-8', 'replace')
+    return ''.join(letter for letter in text if letter.isprintable())
+
+
+def checksum(data: bytes) -> int:
+    """Return CRC-16/MCRF4XX of `data`, which MAVLink calls X.25."""
+    return int(_tables.x25crc(data).crc)
+
+
+def decode(message_id: int, payload: bytes, system: int, component: int) -> Message:
+    """Return the message of a payload.
+
+    Raises
+    ------
+    KeyError: if no message has this id.
+    """
+    layout = _BY_ID[message_id]
+    return Message(layout.name, layout.fields(payload), system, component)
+
+
+def encode(message: Message) -> tuple[int, bytes]:
+    """Return id and payload, uncut.
+
+    Raises
+    ------
+    ValueError: if there is no such message or field, or a value does not fit into its field.
+    """
+    layout = _BY_NAME.get(message.name)
+    if layout is None:
+        raise ValueError(f'message {message.name!r} is not known')
+    unknown = set(message.fields) - set(layout.names)
+    if unknown:
+        raise ValueError(f'{message.name} has no field {min(unknown)!r}')
+    try:
+        return layout.message_id, layout.payload(message.fields)
+    except Exception as error:
+        # struct's own error class, or an overflow, by the kind of field.
+        raise ValueError(f'{message.name}: {error}') from error

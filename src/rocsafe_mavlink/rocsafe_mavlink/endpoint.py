@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Addresses of links, as people write them.
+
+``udp://HOST:PORT`` waits there for vehicles; ``udp://HOST:PORT?peer=HOST:PORT`` hears that address
+only (``peer`` may be repeated); ``udpout://HOST:PORT`` and ``tcp://HOST:PORT`` call a vehicle;
+``serial:///dev/ttyACM0?baud=57600`` is a wire.
+"""
+
+import ipaddress
+from dataclasses import dataclass
+from enum import Enum
+from urllib.parse import SplitResult, parse_qs, urlsplit
+
+from rocsafe_mavlink.errors import EndpointError
+
+IpAddress = tuple[str, int]
+DEFAULT_BAUD = 57_600
+LARGEST_BAUD = 4_000_000
+
+
+class EndpointKind(Enum):
+    """What carries the bytes."""
+
+    UDP = 'udp'
+    UDP_OUT = 'udpout'
+    TCP = 'tcp'
+    SERIAL = 'serial'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endpoint:
+    """One end of a link.
+
+    Attributes
+    ----------
+    kind: what carries the bytes.
+    host, port: to wait at or to call; not of a serial line.
+    peers: addresses to hear, none: whoever is on this machine.
+    device, baud: of a serial line.
+    """
+
+    kind: EndpointKind
+    host: str = ''
+    port: int = 0
+    peers: tuple[IpAddress, ...] = ()
+    device: str = ''
+    baud: int = DEFAULT_BAUD
+
+    @property
+    def is_stream(self) -> bool:
+        """Whether bytes come without borders."""
+        return self.kind in (EndpointKind.TCP, EndpointKind.SERIAL)
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether nobody on another machine can reach it."""
+        return self.kind is not EndpointKind.UDP or is_loopback(self.host)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether `host` is this machine and no other."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == 'localhost'
+
+
+def parse_endpoint(text: str, *, allow_network: bool = False) -> Endpoint:
+    """Return the endpoint that `text` names.
+
+    Parameters
+    ----------
+    text: see the module.
+    allow_network: whether it may wait for senders on other machines.
+
+    Raises
+    ------
+    EndpointError: naming the text and what is wrong with it.
+    """
+    try:
+        endpoint = _parsed(text)
+    except ValueError as error:
+        raise EndpointError(f'link {text!r}: {error}') from error
+    if not endpoint.is_loopback and not allow_network:
+        raise EndpointError(
+            f'link {text!r}: listens beyond this machine, which has to be allowed explicitly'
+        )
+    return endpoint
+
+
+def _parsed(text: str) -> Endpoint:
+    parts = urlsplit(text)
+    kinds = {kind.value: kind for kind in EndpointKind}
+    if parts.scheme not in kinds:
+        raise ValueError(f'must begin with one of: {", ".join(f"{name}://" for name in kinds)}')
+    query = parse_qs(parts.query, keep_blank_values=True, strict_parsing=bool(parts.query))
+    kind = kinds[parts.scheme]
+    if kind is EndpointKind.SERIAL:
+        return _serial(parts, query)
+    peers = tuple(_address(peer) for peer in query.pop('peer', []))
+    if peers and kind is not EndpointKind.UDP:
+        raise ValueError('only udp:// has peers')
+    _require_empty(query)
+    if parts.path not in ('', '/'):
+        raise ValueError(f'{parts.path!r} after the port is not understood')
+    host, port = _address(parts.netloc)
+    return Endpoint(kind=kind, host=host, port=port, peers=peers)
+
+
+def _serial(parts: SplitResult, query: dict[str, list[str]]) -> Endpoint:
+    bauds = query.pop('baud', [str(DEFAULT_BAUD)])
+    _require_empty(query)
+    if parts.netloc or not parts.path.strip('/'):
+        raise ValueError('must name a device, like serial:///dev/ttyACM0?baud=57600')
+    if len(bauds) != 1 or not bauds[0].isdecimal() or not 0 < int(bauds[0]) <= LARGEST_BAUD:
+        raise ValueError(f'baud = {bauds[-1]!r} must be a number up to {LARGEST_BAUD}')
+    return Endpoint(kind=EndpointKind.SERIAL, device=parts.path, baud=int(bauds[0]))
+
+
+def _address(text: str) -> IpAddress:
+    parts = urlsplit(f'//{text}')
+    if not parts.hostname or parts.port is None or '@' in text:
+        raise ValueError(f'{text!r} must be HOST:PORT')
+    return parts.hostname, parts.port
+
+
+def _require_empty(query: dict[str, list[str]]) -> None:
+    if query:
+        raise ValueError(f'option {min(query)!r} is not known')
