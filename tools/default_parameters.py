@@ -26,6 +26,7 @@ NODES = (
     ('rav', 'one simulated vehicle', 'rocsafe_sim.options:RavOptions'),
     ('fleet', 'many simulated vehicles, alike', 'rocsafe_sim.options:FleetOptions'),
     ('radiation_field', 'simulated gamma field', 'rocsafe_radiation.options:FieldOptions'),
+    ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),
 )

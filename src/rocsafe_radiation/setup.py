@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'field = rocsafe_radiation.field_node:main',
+            'localizer = rocsafe_radiation.localizer_node:main',
             'localize = rocsafe_radiation.localize_cli:main',
         ],
     },

@@ -22,6 +22,7 @@ from rocsafe_orchestrator.scenario_blocks import Nuclide, RadiationBlock
 from rocsafe_orchestrator.scenario_file import read_scenario
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detector import DETECTOR_NAMES
+from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.options import NODE_MODELS, FieldOptions
 from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
@@ -32,6 +33,7 @@ OPTIONS: dict[str, Any] = {
     'rav': RavOptions,
     'fleet': FleetOptions,
     'field': FieldOptions,
+    'localizer': LocalizerOptions,
     'collector': CollectorOptions,
     'mosaic': MosaicOptions,
     'recorder': RecorderOptions,
@@ -83,7 +85,9 @@ def test_vehicles_are_processes_of_their_own_or_one(
     """The table has a `rav` a vehicle, or one `fleet`, and the world waits for them."""
     each = process_table(read_scenario(small()), run)
     one = process_table(read_scenario(small(FLEET)), run)
-    fleet_level = {'recorder', 'planner', 'world', 'radiation_field', 'collector', 'mosaic'}
+    fleet_level = {
+        'recorder', 'planner', 'world', 'radiation_field', 'localizer', 'collector', 'mosaic'
+    }  # fmt: skip
     assert {spec.name for spec in each} == fleet_level | {'rav1', 'rav2'}
     assert {spec.name for spec in one} == fleet_level | {'fleet'}
     worlds = [next(s for s in table if s.name == 'world') for table in (each, one)]

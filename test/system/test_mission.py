@@ -14,7 +14,9 @@ import pytest
 
 # 9 viewpoints, see small.yaml.
 IMAGES = 9
-NODES = ('planner', 'world', 'rav1', 'radiation_field', 'collector', 'mosaic', 'recorder')
+NODES = (
+    'planner', 'world', 'rav1', 'radiation_field', 'localizer', 'collector', 'mosaic', 'recorder'
+)  # fmt: skip
 # Slow enough to be caught in the air, fast enough for a test.
 SPEED = ('--speed', '12')
 

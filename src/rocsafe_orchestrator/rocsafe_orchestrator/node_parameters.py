@@ -91,6 +91,15 @@ def field_parameters(scenario: Scenario) -> Parameters:
     }
 
 
+def localizer_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the localizer, which is not told of the sources."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'model': scenario.radiation.model,
+        'ground_altitude_m': scenario.origin.ground_altitude_m,
+    }
+
+
 def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the image store."""
     return {'vehicles': list(scenario.vehicle_names), 'store_directory': str(run.images)}

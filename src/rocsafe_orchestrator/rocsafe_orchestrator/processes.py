@@ -107,6 +107,12 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
             *radiation,
         ),
         _process(
+            'localizer',
+            ('rocsafe_radiation', 'localizer'),
+            node_parameters.localizer_parameters(scenario),
+            Endpoint(spec=topics.HAZARD_SOURCES),
+        ),
+        _process(
             'collector',
             ('rocsafe_mapping', 'collector'),
             node_parameters.collector_parameters(scenario, run),

@@ -15,8 +15,8 @@ from rocsafe_orchestrator.limits import LARGEST_HEIGHT_M, LARGEST_SPEED
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, which a vehicle may not take.
 RESERVED_NAMES = frozenset(
-    {'clock', 'collector', 'fleet', 'hazard', 'mission', 'mosaic', 'orchestrator', 'plan',
-     'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
+    {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
+     'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
 
 

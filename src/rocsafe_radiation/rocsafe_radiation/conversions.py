@@ -6,10 +6,21 @@ from collections.abc import Sequence
 
 from sensor_msgs.msg import NavSatFix
 
-from rocsafe_interfaces.msg import GeoPoint, RadiationReading
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_interfaces.msg import GeoPoint, HazardSource, HazardSourceArray, RadiationReading
 from rocsafe_radiation.counting import Sample, WindowReading
 from rocsafe_radiation.detector import IDEAL
-from rocsafe_ros.conversions import has_position, ns_of_stamp, stamp_of_ns
+from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
+from rocsafe_radiation.reading_log import ReadingLog
+from rocsafe_radiation.survey import Observation
+from rocsafe_ros.conversions import (
+    has_position,
+    ns_of_stamp,
+    point_of_position,
+    position_of_point,
+    stamp_of_ns,
+)
 
 Coordinates = tuple[float, float, float]
 NOWHERE: Coordinates = (math.nan, math.nan, math.nan)
@@ -88,3 +99,60 @@ def counted_reading_of(
     reading.header.stamp = stamp_of_ns(window.time_ns)
     reading.header.frame_id = f'{vehicle}/radiation_sensor'
     return reading
+
+
+def reading_key(vehicle: str, reading: RadiationReading) -> tuple[str, int]:
+    """Return what tells a reading from all others: vehicle and stamp in nanoseconds."""
+    return vehicle, ns_of_stamp(reading.header.stamp)
+
+
+def place_of_reading(reading: RadiationReading) -> GeoPosition | None:
+    """Return where the vehicle believed it was, None if it did not know."""
+    try:
+        return position_of_point(reading.position)
+    except ValueError:
+        return None
+
+
+def observation_of(reading: RadiationReading) -> Observation:
+    """Return what `reading` says, without its place."""
+    return Observation(
+        position_enu_m=NOWHERE,
+        dose_rate_usvh=reading.dose_rate_usvh,
+        dose_rate_std_usvh=reading.dose_rate_std_usvh,
+        counts=float(reading.counts),
+        live_time_s=reading.live_time_s,
+    )
+
+
+def sources_message(found: Localization, log: ReadingLog) -> HazardSourceArray:
+    """Return what was found in the readings of `log`, with the stamp of the newest."""
+    message = HazardSourceArray(
+        sources=[
+            _source_message(number, source, found, log.frame)
+            for number, source in enumerate(found.sources, 1)
+            if log.frame is not None
+        ],
+        source_count_probability=list(found.order_probabilities),
+        background_usvh=found.background_usvh,
+        background_std_usvh=found.background_std_usvh,
+        method=METHOD,
+    )
+    message.header.stamp = stamp_of_ns(log.newest_ns)
+    message.header.frame_id = 'earth'
+    return message
+
+
+def _source_message(
+    number: int, source: SourceEstimate, found: Localization, frame: LocalFrame
+) -> HazardSource:
+    return HazardSource(
+        id=number,
+        kind=HazardSource.GAMMA,
+        position=point_of_position(frame.position_of(source.position_enu_m)),
+        position_covariance=source.covariance_m2.ravel().tolist(),
+        dose_rate_at_1m_usvh=source.dose_rate_at_1m_usvh,
+        dose_rate_at_1m_std_usvh=source.dose_rate_at_1m_std_usvh,
+        detection_log_likelihood_ratio=source.detection_llr,
+        reading_count=found.reading_count,
+    )
