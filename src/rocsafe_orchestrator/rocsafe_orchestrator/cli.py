@@ -237,12 +237,14 @@ def _report(arguments: argparse.Namespace) -> int:
 
 
 def _localize(arguments: argparse.Namespace) -> int:
-    from rocsafe_orchestrator.localize_command import localize
+    from rocsafe_orchestrator.errors import EXIT_COMPLETE
+    from rocsafe_orchestrator.source_estimates import localize
 
     names = ('model', 'nuclide', 'sensitivity', 'height', 'out')
     given = ((name, getattr(arguments, name)) for name in names)
     options = [f'--{name}={value}' for name, value in given if value is not None]
-    return localize([arguments.file, *options, *(['--json'] if arguments.json else [])])
+    localize([arguments.file, *options, *(['--json'] if arguments.json else [])])
+    return EXIT_COMPLETE
 
 
 def _number(text: str, low: float, high: float, unit: str) -> float:

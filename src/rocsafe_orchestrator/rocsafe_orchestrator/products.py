@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The products of a run: recording, table of readings, summary and report."""
 
+import dataclasses
 import json
 from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.finalising import finalise
 from rocsafe_orchestrator.readings_table import write_readings
 from rocsafe_orchestrator.report import report_page
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.run_reading import read_run
 from rocsafe_orchestrator.run_record import RunRecord
+from rocsafe_orchestrator.source_estimates import estimate_sources
 from rocsafe_orchestrator.summary import RunSummary, summarise
 
 
@@ -30,12 +33,25 @@ def write_products(run_directory: Path) -> RunSummary:
         raise ValueError(f'{run_directory} is no run directory')
     finalise(run.path, [run.scenario, run.run_info, run.plan])
     record = read_run(run.path)
-    summary = summarise(record)
     readings = record.log.readings if record.log else ()
     write_readings(run.readings, readings, mission_frame(record))
+    record = _with_estimates(record, run)
+    summary = summarise(record)
     _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
     _write_text(run.report, report_page(record, summary, mission_frame(record)))
     return summary
+
+
+def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
+    """Return `record` with the sources that its readings support."""
+    if record.log is None or not record.log.readings or record.scenario is None:
+        return record
+    try:
+        estimates = estimate_sources(run.readings, record.scenario.radiation.model)
+    except OrchestratorError as error:
+        line = f'no estimate of sources: {error}'
+        return dataclasses.replace(record, missing=(*record.missing, line))
+    return dataclasses.replace(record, estimates=estimates)
 
 
 def mission_frame(record: RunRecord) -> LocalFrame | None:

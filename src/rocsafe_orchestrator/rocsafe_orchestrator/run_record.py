@@ -13,6 +13,7 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.phase import Phase
 from rocsafe_orchestrator.scenario import Scenario
+from rocsafe_orchestrator.source_estimates import SourceEstimates
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -186,6 +187,7 @@ class RunRecord:
     path: the run directory.
     info: content of ``run.json``.
     missing: one line for each thing that is not there or cannot be read, for people.
+    estimates: sources that the readings support.
     """
 
     path: Path
@@ -195,6 +197,7 @@ class RunRecord:
     log: FlightLog | None
     photographs: tuple[Photograph, ...]
     missing: tuple[str, ...]
+    estimates: SourceEstimates | None = None
 
     @property
     def vehicles(self) -> tuple[str, ...]:

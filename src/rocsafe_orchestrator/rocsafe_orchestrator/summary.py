@@ -20,6 +20,7 @@ from rocsafe_orchestrator.run_record import (
     RunRecord,
     VehicleSample,
 )
+from rocsafe_orchestrator.source_estimates import SourceEstimates
 
 NS_PER_S = 1_000_000_000
 S_PER_H = 3600.0
@@ -92,6 +93,7 @@ class RunSummary:
     start_up_s: wall time from the start of the run to the first word of a flight.
     real_time_factor: simulated seconds a second of wall time while flying.
     processes_restarted: process to number of restarts.
+    estimates: sources that the readings support.
     missing: one line for each thing that is not there.
     """
 
@@ -108,6 +110,7 @@ class RunSummary:
     reading_count: int
     highest_reading: HighestReading | None
     integrated_dose_usv: float | None
+    estimates: SourceEstimates | None
     mission_duration_s: float | None
     wall_time_s: float | None
     start_up_s: float | None
@@ -145,6 +148,7 @@ def summarise(record: RunRecord) -> RunSummary:
         reading_count=len(readings),
         highest_reading=highest_reading(readings),
         integrated_dose_usv=math.fsum(doses) if doses else None,
+        estimates=record.estimates,
         mission_duration_s=_mission_duration_s(record),
         wall_time_s=_wall_time_s(record.info, mission),
         start_up_s=_start_up_s(mission),

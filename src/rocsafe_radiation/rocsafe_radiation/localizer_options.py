@@ -52,7 +52,7 @@ class LocalizerOptions:
         metadata={'doc': 'most sources looked for', 'min': 0, 'max': LARGEST_ORDER},
     )
     period_s: float = field(
-        default=2.0,
+        default=5.0,
         metadata={'doc': 'wall time between two fits, seconds', 'min': 0.1, 'max': 3600.0},
     )
 

@@ -60,6 +60,16 @@ class SourcePoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class EstimatePoint:
+    """An estimated source with the half axes of its 95 % ellipse and the angle from east."""
+
+    x: float
+    y: float
+    half_axes_m: tuple[float, float]
+    angle_deg: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayTrack:
     """Positions of a vehicle: each array has shape (n,)."""
 
@@ -84,6 +94,7 @@ class MapData:
     photos: tuple[PhotoPoint, ...]
     homes: Mapping[str, Point]
     sources: tuple[SourcePoint, ...]
+    estimates: tuple[EstimatePoint, ...]
 
 
 def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
@@ -104,6 +115,7 @@ def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
         photos=_photos(record, frame, start_ns),
         homes=_homes(record, frame),
         sources=_sources(record, frame),
+        estimates=_estimates(record, frame),
     )
 
 
@@ -169,6 +181,20 @@ def _sources(record: RunRecord, frame: LocalFrame) -> tuple[SourcePoint, ...]:
     places = points(frame, (record.scenario.ground_position(s.position) for s in sources))
     return tuple(
         SourcePoint(x, y, source.name) for (x, y), source in zip(places, sources, strict=True)
+    )
+
+
+def _estimates(record: RunRecord, frame: LocalFrame) -> tuple[EstimatePoint, ...]:
+    found = record.estimates.sources if record.estimates else ()
+    places = points(frame, (source.position for source in found))
+    return tuple(
+        EstimatePoint(
+            x=x,
+            y=y,
+            half_axes_m=source.ellipse_95_m,
+            angle_deg=source.ellipse_angle_from_east_deg,
+        )
+        for (x, y), source in zip(places, found, strict=True)
     )
 
 

@@ -123,6 +123,30 @@ def sources_layer(data: MapData) -> Markup:
     )  # fmt: skip
 
 
+def estimates_layer(data: MapData) -> Markup:
+    """Return the estimated sources, each with the ellipse that holds it with 95 %."""
+    ellipses = (
+        element(
+            'ellipse',
+            class_='estimate-ellipse',
+            rx=number(source.half_axes_m[0]),
+            ry=number(source.half_axes_m[1]),
+            transform=f'translate({number(source.x)} {number(source.y)}) '
+            f'rotate({number(-source.angle_deg)})',
+        )
+        for source in data.estimates
+    )
+    marks = (
+        pin(
+            (source.x, source.y),
+            element('path', class_='estimate', d='M-15 0H-4M4 0H15M0 -15V-4M0 4V15'),
+            _label(f'source {index} (estimated)', 20, below=True),
+        )
+        for index, source in enumerate(data.estimates, 1)
+    )
+    return layer('estimates', ellipses, marks)  # fmt: skip
+
+
 def homes_layer(data: MapData, colours: Mapping[str, str]) -> Markup:
     """Return where the vehicles start and land, named unless there are too many."""
     is_named = len(data.homes) <= MOST_LABELLED_VEHICLES

@@ -21,12 +21,13 @@ SWITCHES = (
     ('region', 'Region'),
     ('highest', 'Highest reading'),
     ('sources', 'True sources (scenario)'),
+    ('estimates', 'Estimated sources, 95 %'),
     ('homes', 'Homes'),
 )
 # What each button shows; without script everything but the photographs is visible.
 VIEWS = {
-    'Everything': 'ground readings tracks routes region highest sources homes labels',
-    'Radiation': 'ground readings region highest sources',
+    'Everything': 'ground readings tracks routes region highest sources estimates homes labels',
+    'Radiation': 'ground readings region highest sources estimates',
     'Routes': 'ground tracks routes region homes labels',
     'Photographs': 'ground photos region',
 }
@@ -58,6 +59,7 @@ def map_section(
         map_layers.homes_layer(data, colours),
         map_layers.highest_layer(highest, place),
         map_layers.sources_layer(data),
+        map_layers.estimates_layer(data),
         map_layers.labels_layer(data, colours),
         map_layers.replay_layer(data, colours),
     )

@@ -16,6 +16,7 @@ from rocsafe_orchestrator.report.tables import facts
 from rocsafe_orchestrator.run_record import Photograph, Plan, RunRecord
 from rocsafe_orchestrator.scenario import Scenario
 from rocsafe_orchestrator.scenario_blocks import SourceBlock
+from rocsafe_orchestrator.source_estimates import SourceEstimates
 from rocsafe_orchestrator.summary import RunSummary
 
 OUTCOMES = {
@@ -34,7 +35,10 @@ LIMITS = (
         'no counting noise unless the model has them. They were measured in flight, not at the '
         'ground.'
     ),
-    'True sources are marked as the scenario has them. Nothing in this run estimated them.',
+    (
+        'True sources are marked as the scenario has them. Estimated ones follow from the '
+        'readings and the law of the dose rate alone.'
+    ),
     (
         'Coverage counts ground inside at least one planned footprint, on flat ground and with a '
         'level camera.'
@@ -163,6 +167,10 @@ def details(record: RunRecord, summary: RunSummary) -> Markup:
             'Radiation, as simulated',
             facts(_field_facts(record.scenario)) if record.scenario else None,
         ),
+        (
+            'Sources, as estimated',
+            facts(_estimate_facts(record.estimates)) if record.estimates else None,
+        ),
         ('Run', facts(_run_facts(record, summary))),
         ('Software', facts((name, text) for name, text in summary.versions.items())),
     )
@@ -241,6 +249,34 @@ def _field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
         place = formats.latitude_longitude(*source.position)
         height = f'{source.height_m:g}{formats.GAP}m above ground'
         rows.append((source.name, f'{_strength(source)}; {place}, {height}'))
+    return rows
+
+
+def _estimate_facts(found: SourceEstimates) -> list[tuple[str, Content]]:
+    chances = ', '.join(
+        f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
+    )
+    rows: list[tuple[str, Content]] = [('Probability of 0, 1, ... sources', chances)]
+    for number, source in enumerate(found.sources, 1):
+        place = formats.latitude_longitude(
+            source.position.latitude_deg, source.position.longitude_deg
+        )
+        low, mean, high = (
+            formats.spaced(formats.dose_rate(rate))
+            for rate in (
+                source.dose_rate_at_1m_95_usvh[0],
+                source.dose_rate_at_1m_usvh,
+                source.dose_rate_at_1m_95_usvh[1],
+            )
+        )
+        long_m, short_m = source.ellipse_95_m
+        extent = f'within {long_m:.2g} x {short_m:.2g}{formats.GAP}m (95 %)'
+        rows.append(
+            (
+                f'Source {number}',
+                f'{place}, {extent}; {mean} at 1{formats.GAP}m ({low} to {high})',
+            )
+        )
     return rows
 
 
