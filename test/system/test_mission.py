@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import time
 from collections.abc import Callable
@@ -86,6 +87,18 @@ def test_node_that_keeps_dying_ends_the_mission(fly: Fly) -> None:
     assert flight.damaged_images() == set()
     assert flight.run.mosaic.is_file()
     assert flight.run.report.is_file()
+
+
+def test_node_that_hangs_is_named(fly: Fly, tmp_path: Path) -> None:
+    """A node that neither works nor ends holds up time: the mission fails and says who."""
+    config = tmp_path / 'config.yaml'
+    config.write_text('/**/orchestrator:\n  ros__parameters:\n    stall_timeout_s: 4.0\n')
+    flight = fly(*SPEED, '--config', str(config))
+    flight.wait_for_images(2)
+    os.kill(flight.pid_of('rav1'), signal.SIGSTOP)
+    assert flight.end() == 1, flight.output
+    assert re.search(r'simulated time stands still for \d+ s: waits for rav1', flight.output)
+    assert flight.living() == []
 
 
 @pytest.mark.parametrize(

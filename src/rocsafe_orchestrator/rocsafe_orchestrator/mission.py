@@ -16,7 +16,8 @@ from rocsafe_orchestrator.standstill import Standstill
 
 PLANNER, WORLD, MOSAIC, REPORT = 'planner', 'world', 'mosaic', 'report'
 # These take long to answer, and work through every repetition.
-PATIENT_REPEAT_S = 15.0
+SLOW_ORDERS = (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
+PATIENT_REPEAT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,7 +152,9 @@ class Mission:
             if request.server == process:
                 request.reset()
         clock = self._requests.get(Order(kind=OrderKind.RUN_CLOCK))
-        if clock is not None and (process == WORLD or process in self._vehicle_processes()):
+        if clock is not None and (
+            process == WORLD or process in self._crew.vehicle_processes.values()
+        ):
             # Time may have paused while the process was away.
             clock.status = Status.WAITING
             clock.reset()
@@ -208,11 +211,11 @@ class Mission:
             return
         if all(request.status is not Status.WAITING for request in routes):
             self._add(OrderKind.RUN_CLOCK, WORLD)
-        late = [r for r in self._requests.values() if self._is_late(r, now_s)]
+        limit = self._options.accept_timeout_s
+        late = [r for r in self._requests.values() if r.waited_s(now_s) > limit]
         if late:
             names = ', '.join(dict.fromkeys(request.server for request in late))
             what = late[0].order.kind.value
-            limit = self._options.accept_timeout_s
             self._fail(f'{names}: did not accept to {what} within {limit:g} s')
         elif self._all_done(OrderKind.RUN_CLOCK):
             self._watch_time(now_s, situation)
@@ -230,8 +233,7 @@ class Mission:
         if settled < self._shots and standing_s <= self._options.collect_timeout_s:
             return
         if situation.images_stored < self._shots:
-            text = f'{situation.images_stored} of {self._shots} photographs are stored'
-            self._fault(f'only {text}')
+            self._fault(f'only {situation.images_stored} of {self._shots} photographs are stored')
         self._enter(Phase.MAPPING)
 
     def _map(self, now_s: float, _situation: Situation) -> None:
@@ -245,10 +247,9 @@ class Mission:
 
     def _report(self, now_s: float, _situation: Situation) -> None:
         self._add(OrderKind.WRITE_PRODUCTS, REPORT)
-        is_done = self._all_done(OrderKind.WRITE_PRODUCTS)
         options = self._options
         limit = options.cancel_timeout_s if self._is_cancelled else options.report_timeout_s
-        if not is_done:
+        if not self._all_done(OrderKind.WRITE_PRODUCTS):
             if self._phase_s(now_s) <= limit:
                 return
             self._fault(f'the products were not written within {limit:g} s')
@@ -282,7 +283,7 @@ class Mission:
     def _add(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
         order = Order(kind=kind, vehicle=vehicle)
         if order not in self._requests:
-            is_slow = kind in (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
+            is_slow = kind in SLOW_ORDERS
             repeat_s = PATIENT_REPEAT_S if is_slow else self._options.repeat_s
             self._requests[order] = Request(order, server, repeat_s)
 
@@ -298,9 +299,3 @@ class Mission:
         requests = self._of_kind(kind)
         is_flight = kind is OrderKind.FLY  # a plan without routes is flown at once
         return (bool(requests) or is_flight) and all(r.status is Status.DONE for r in requests)
-
-    def _is_late(self, request: Request, now_s: float) -> bool:
-        return request.waited_s(now_s) > self._options.accept_timeout_s
-
-    def _vehicle_processes(self) -> frozenset[str]:
-        return frozenset(self._crew.vehicle_processes.values())
