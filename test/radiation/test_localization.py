@@ -108,13 +108,12 @@ def test_the_same_readings_in_another_order_give_the_same():
 def test_an_ellipse_points_along_its_long_axis():
     """Of a covariance with 9 m^2 along north-east and 1 m^2 across."""
     turn = np.array([[1.0, -1.0], [1.0, 1.0]]) / math.sqrt(2.0)
-    covariance = np.zeros((3, 3))
+    covariance = np.zeros((4, 4))
     covariance[:2, :2] = turn @ np.diag([9.0, 1.0]) @ turn.T
     source = SourceEstimate(
         position_enu_m=np.zeros(3),
-        covariance_m2=covariance,
+        joint_covariance=covariance,
         dose_rate_at_1m_usvh=1.0,
-        log_std=0.1,
         detection_llr=9.0,
     )
     long_m, short_m, angle = source.ellipse_95()

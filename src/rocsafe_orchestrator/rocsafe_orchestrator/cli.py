@@ -180,7 +180,12 @@ def _add_localize(commands: Commands) -> None:
     parser.add_argument(
         '--height', metavar='M', help='metres above the ground, of a file without altitudes'
     )
-    parser.add_argument('--out', metavar='DIR', help='also write sources.json, sources.geojson')
+    parser.add_argument(
+        '--levels', nargs='+', metavar='USVH', help='dose rates of cordons, uSv/h at 1 m'
+    )
+    parser.add_argument(
+        '--out', metavar='DIR', help='also write sources, cordons (GeoJSON, KML) and dose map'
+    )
     parser.add_argument('--json', action='store_true', help='print JSON')
     parser.set_defaults(command=_localize)
 
@@ -243,7 +248,8 @@ def _localize(arguments: argparse.Namespace) -> int:
     names = ('model', 'nuclide', 'sensitivity', 'height', 'out')
     given = ((name, getattr(arguments, name)) for name in names)
     options = [f'--{name}={value}' for name, value in given if value is not None]
-    localize([arguments.file, *options, *(['--json'] if arguments.json else [])])
+    levels = ['--levels', *arguments.levels] if arguments.levels else []
+    localize([arguments.file, *options, *(['--json'] if arguments.json else []), *levels])
     return EXIT_COMPLETE
 
 

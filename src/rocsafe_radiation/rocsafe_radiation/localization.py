@@ -60,17 +60,25 @@ class SourceEstimate:
     Attributes
     ----------
     position_enu_m: where, shape (3,).
-    covariance_m2: of the position, shape (3, 3).
     dose_rate_at_1m_usvh: strength, without air.
-    log_std: standard deviation of its natural logarithm.
+    joint_covariance: of east, north, up in metres and the logarithm of the strength, (4, 4).
     detection_llr: what the logarithm of the likelihood loses without it, all else unchanged.
     """
 
     position_enu_m: Array
-    covariance_m2: Array
     dose_rate_at_1m_usvh: float
-    log_std: float
+    joint_covariance: Array
     detection_llr: float
+
+    @property
+    def covariance_m2(self) -> Array:
+        """Covariance of the position, shape (3, 3)."""
+        return self.joint_covariance[:3, :3]
+
+    @property
+    def log_std(self) -> float:
+        """Standard deviation of the natural logarithm of the strength."""
+        return math.sqrt(max(float(self.joint_covariance[3, 3]), 0.0))
 
     @property
     def dose_rate_at_1m_std_usvh(self) -> float:
@@ -177,8 +185,7 @@ def _estimate(
         position[UP] = likelihood.setting.source_up_m
     return SourceEstimate(
         position_enu_m=position,
-        covariance_m2=own[:3, :3],
         dose_rate_at_1m_usvh=float(np.exp(source[3])),
-        log_std=math.sqrt(max(float(own[3, 3]), 0.0)),
+        joint_covariance=own,
         detection_llr=found.best.log_likelihood - without,
     )

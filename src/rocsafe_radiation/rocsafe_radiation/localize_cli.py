@@ -8,13 +8,15 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
 from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide_names
+from rocsafe_radiation.products import write_products
 from rocsafe_radiation.readings_file import ReadingsFile, read_readings
-from rocsafe_radiation.source_document import source_document, source_geojson
+from rocsafe_radiation.source_document import source_document
 from rocsafe_radiation.survey import survey_of
 
 EXIT_OK, EXIT_REFUSED = 0, 2
@@ -36,11 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         readings = read_readings(options.file, options.height)
-        found = localize(
-            survey_of(readings.observations, options.sensitivity), _options(options, readings)
-        )
+        known = _options(options, readings)
+        survey = survey_of(readings.observations, options.sensitivity)
+        found = localize(survey, known)
         if options.out is not None:
-            _write(options.out, found, readings)
+            levels = options.levels or DEFAULT_LEVELS_USVH
+            write_products(options.out, found, survey, known.kernel, readings.frame, levels)
     except (RadiationError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
@@ -86,9 +89,20 @@ def _parser() -> argparse.ArgumentParser:
         metavar='M',
         help='metres above the ground, of a file without altitudes',
     )
+    parser.add_argument(
+        '--levels',
+        type=_number('level', 1e-3, 1e9),
+        nargs='+',
+        metavar='USVH',
+        help='dose rates of cordons, uSv/h at 1 m (default: 2.5 25 100 1000 100000)',
+    )
     parser.add_argument('--json', action='store_true', help='print JSON instead of a table')
     parser.add_argument(
-        '--out', type=Path, metavar='DIR', help='also write sources.json and sources.geojson'
+        '--out',
+        type=Path,
+        metavar='DIR',
+        help='also write sources.json and, of places in degrees, sources.geojson, '
+        'cordons.geojson, cordons.kml and dose_map.tif',
     )
     return parser
 
@@ -140,17 +154,6 @@ def _lines(found: Localization, readings: ReadingsFile) -> list[str]:
             f'{source["dose_rate_at_1m_usvh"]:.4g} uSv/h at 1 m ({low:.4g} to {high:.4g})'
         )
     return lines if found.sources else [*lines, 'no source found']
-
-
-def _write(folder: Path, found: Localization, readings: ReadingsFile) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    document = source_document(found, readings.frame)
-    (folder / 'sources.json').write_text(json.dumps(document, indent=1) + '\n', encoding='utf-8')
-    if readings.frame is not None:
-        shapes = source_geojson(found, readings.frame)
-        (folder / 'sources.geojson').write_text(
-            json.dumps(shapes, indent=1) + '\n', encoding='utf-8'
-        )
 
 
 if __name__ == '__main__':
