@@ -30,7 +30,8 @@ def main(arguments: Sequence[str]) -> int:
         print(f'setup: {error}', file=sys.stderr)
         return EXIT_FAILURE
     except OSError as error:
-        print(f'setup: {error.filename}: {error.strerror}', file=sys.stderr)
+        place = f'{error.filename}: ' if error.filename else ''
+        print(f'setup: {place}{error.strerror}', file=sys.stderr)
         return EXIT_FAILURE
     except Interrupted as stop:
         print('setup: interrupted; the same command goes on from here', file=sys.stderr)
