@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pinned packages belong together."""
 
+import ast
+import sys
 from pathlib import Path
 
 from workspace.packages import SYSTEM_MINIMA, pinned
@@ -16,6 +18,39 @@ def test_every_requirement_is_pinned_and_locked_alike():
             assert '==' in line, line
             key = package.replace('_', '-')
             assert locked.get(key, '').split('==')[-1] == line.split('==')[1], line
+
+
+def test_every_imported_library_is_there_for_a_mission():
+    """What the packages import is pinned for the nodes, not only for the tests."""
+    imported = {
+        name.split('.')[0]
+        for path in (FOLDER.parent / 'src').glob('*/rocsafe_*/**/*.py')
+        for node in ast.walk(ast.parse(path.read_text()))
+        for name in imported_names(node)
+    }
+    foreign = {name for name in imported - sys.stdlib_module_names if not is_ros(name)}
+    # numpy comes with ROS, pydantic_core with pydantic.
+    assert foreign - {'numpy', 'pydantic_core'} <= set(SYSTEM_MINIMA)
+
+
+def imported_names(node: ast.AST) -> list[str]:
+    """Return the modules that a statement imports."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+
+
+def is_ros(name: str) -> bool:
+    """Tell whether a module comes with ROS or is ours."""
+    known = (
+        'rclpy',
+        'rocsafe_',
+        'ament_index_python',
+        'rosidl_',
+        'rpyutils',
+        'domain_coordinator',
+    )
+    return name.startswith(known) or name.endswith(('_msgs', '_interfaces', '_srvs'))
 
 
 def test_every_library_can_come_from_the_system():

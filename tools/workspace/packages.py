@@ -21,6 +21,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'cv2': ('opencv-python-headless', (4, 5)),
     'mcap': ('mcap', (1, 0)),
+    'mcap_ros2': ('mcap-ros2-support', (0, 5)),
     'PIL': ('pillow', (9, 0)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),
