@@ -2,6 +2,8 @@
 """Areas from files people really have, and from files that attack."""
 
 import json
+import re
+import zipfile
 
 import pytest
 
@@ -112,7 +114,7 @@ FILE_THEFT = '<!DOCTYPE kml [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
     ('name', 'content', 'message'),
     [
         ('a.shp', '', r'is a \.shp file: must be one of \.geojson, \.json, \.kml'),
-        ('a.kmz', '', 'unpack a KMZ'),
+        ('a.kmz', '', 'is not a KMZ archive: File is not a zip file'),
         ('a.json', '{', 'is not JSON: Expecting .* in line 1'),
         ('a.json', '[' * 100_000, 'nested too deeply|is not JSON'),
         ('a.json', [1], 'without "type"'),
@@ -164,3 +166,78 @@ def test_unreadable_files_give_one_line(tmp_path):
     ):
         with pytest.raises(ValueError, match=message):
             read_area(path)
+
+
+def test_kmz_is_unpacked(tmp_path):
+    """The document inside an archive is read like a KML file."""
+    path = tmp_path / 'yard.kmz'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr('doc.kml', kml(HOLE))
+    assert read_area(path).name == 'yard'
+    assert len(read_area(path).holes) == 1
+
+
+def test_a_bomb_is_not_unpacked(tmp_path):
+    """What would unpack to more than the limit is refused."""
+    path = tmp_path / 'bomb.kmz'
+    with zipfile.ZipFile(path, 'w', zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr('doc.kml', ' ' * 20_000_000)
+    with pytest.raises(ValueError, match='has a document larger than 10000000 bytes'):
+        read_area(path)
+
+
+PLACES = [[lat, lon] for lon, lat in OUTER[:-1]]
+
+
+def test_surveys_of_qgroundcontrol(tmp_path):
+    """The polygon of a plan's survey is the area; simple items are not looked at."""
+    survey = {'type': 'ComplexItem', 'complexItemType': 'survey', 'polygon': PLACES}
+    plan = {'fileType': 'Plan', 'mission': {'items': [{'type': 'SimpleItem'}, survey]}}
+    area = read_area(write(tmp_path, plan, 'yard.plan'))
+    assert [[c.latitude_deg, c.longitude_deg] for c in area.boundary] == PLACES
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        '\n'.join(f'{lat},{lon}' for lat, lon in PLACES),
+        '# yard\n\nlon;name;lat\n' + '\n'.join(f'{lon};a;{lat}' for lat, lon in PLACES),
+        'Latitude\tLongitude\n' + '\n'.join(f'{lat}\t{lon}' for lat, lon in PLACES),
+    ],
+)
+def test_tables_of_corners(tmp_path, text):
+    """With or without a header, whatever separates the columns."""
+    area = read_area(write(tmp_path, text, 'yard.csv'))
+    assert [[c.latitude_deg, c.longitude_deg] for c in area.boundary] == PLACES
+
+
+@pytest.mark.parametrize(
+    ('name', 'content', 'message'),
+    [
+        ('a.csv', '', 'has no lines'),
+        ('a.csv', '53,9\n53\n', 'has 1 columns in line 2: must have 2'),
+        ('a.csv', '53,9\n53,x\n', "line 2: could not convert string to float: 'x'"),
+        ('a.csv', '53,9\n99,9\n', 'line 2: latitude_deg is 99: must be -90 to 90'),
+        ('a.plan', '{', 'is not JSON'),
+        ('a.plan', '{}', 'is not a QGroundControl plan'),
+        ('a.plan', '{"fileType": "Plan"}', 'is a plan without the list "mission.items"'),
+        ('a.plan', '{"fileType": "Plan", "mission": {"items": []}}', 'has 0 polygons'),
+        (
+            'a.plan',
+            json.dumps(
+                {
+                    'fileType': 'Plan',
+                    'mission': {'items': [{'type': 'ComplexItem', 'polygon': [3]}]},
+                }
+            ),
+            'has 3 where [latitude, longitude] must be',
+        ),
+    ],
+)
+def test_broken_files_of_others_give_one_line(tmp_path, name, content, message):
+    """The line begins with the path and says what is wrong."""
+    path = write(tmp_path, content, name)
+    with pytest.raises(ValueError, match=re.escape(message)) as caught:
+        read_area(path)
+    assert str(caught.value).startswith(f'{path}: ')
+    assert '\n' not in str(caught.value)

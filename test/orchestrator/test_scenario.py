@@ -62,6 +62,8 @@ REFUSED_BLOCKS = [
     ('region.holes', [BOW_TIE], 'region.polygon: hole 1 crosses or touches itself'),
     ('region', {'file': 'no.kml'}, "small.yaml: region.file = 'no.kml': "),
     ('region', {}, 'region: must have either polygon or file'),
+    ('exclusions', [{'polygon': BOW_TIE}], 'exclusions[0].polygon: the boundary crosses or'),
+    ('exclusions', [{'file': 'no.kml'}], "small.yaml: exclusions[0].file = 'no.kml': "),
     ('origin.latitude_deg', 53.28, 'origin: must have both latitude_deg and longitude_deg'),
 ]
 
@@ -193,3 +195,11 @@ def test_fleet_in_one_process_is_alike(small: Callable[..., Path]) -> None:
     changes = {'vehicles[1].hover_s': 3.0, 'simulation.processes': 'fleet'}
     with pytest.raises(ScenarioError, match=r'vehicles\[1\].hover_s = 3.0: must be 1.0'):
         read_scenario(small(changes))
+
+
+def test_exclusions_reach_the_planner(small: Callable[..., Path]) -> None:
+    """A zone of the file is in the request for a plan without flying."""
+    zone = [[53.2796, -9.0632], [53.2797, -9.0632], [53.2797, -9.0633]]
+    scenario = read_scenario(small({'exclusions': [{'polygon': zone}]}))
+    (area,) = scenario.exclusion_areas()
+    assert [[c.latitude_deg, c.longitude_deg] for c in area.boundary] == zone

@@ -5,14 +5,16 @@ import dataclasses
 import json
 import math
 import os
+import zipfile
 from xml.etree import ElementTree
 
 import pytest
 import shapely
+from PIL import Image
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.area_files import read_area
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_planner.plan_files import write_plan
 from rocsafe_planner.plan_geojson import plan_geojson
 from rocsafe_planner.planning import plan_survey
@@ -149,12 +151,14 @@ def test_a_vehicle_that_stays_gets_no_mission(folder):
 def test_equal_requests_give_equal_files(tmp_path):
     """Byte for byte, in whatever folder."""
     files = [write_plan(plan_survey(request()), tmp_path / name) for name in 'ab']
+    flights = [f'plan-rav{k}.{kind}' for k in (1, 2, 3) for kind in ('plan', 'waypoints', 'kmz')]
     assert [p.name for p in files[0]] == [
         'plan.kml',
         'plan.geojson',
-        'plan-rav1.plan',
-        'plan-rav2.plan',
-        'plan-rav3.plan',
+        'plan.gpx',
+        'plan.svg',
+        'plan.png',
+        *flights,
         'plan.json',
     ]
     for a, b in zip(*files, strict=True):
@@ -185,3 +189,76 @@ def test_colours_of_both_formats_agree():
     """KML writes blue first."""
     assert (route_color(0), kml_color(0)) == ('#0072B2', 'ffb27200')
     assert route_color(6) == route_color(0)
+
+
+def test_waypoints_come_back(plan, folder):
+    """A MAVLink list: home, take-off, way-point and photograph by turns, return."""
+    header, *lines = (folder / 'plan-rav1.waypoints').read_text().splitlines()
+    assert header == 'QGC WPL 110'
+    rows = [line.split('\t') for line in lines]
+    assert all(len(row) == 12 for row in rows)
+    assert [int(row[0]) for row in rows] == list(range(len(rows)))
+    commands = [int(row[3]) for row in rows]
+    assert commands == [16, 22, *[16, 2000] * len(plan.routes[0].viewpoints), 20]
+    for row, viewpoint in zip(rows[2:-1:2], plan.routes[0].viewpoints, strict=True):
+        assert float(row[4]) == 2.0
+        place = GeoPosition(float(row[8]), float(row[9]))
+        assert distance_m(place, viewpoint.position) < 0.01
+        assert float(row[10]) == 32.0
+
+
+def test_gpx_comes_back(plan, folder):
+    """A route a vehicle that flies, from home to home, its viewpoints by name."""
+    gpx = '{http://www.topografix.com/GPX/1/1}'
+    root = ElementTree.parse(folder / 'plan.gpx').getroot()  # noqa: S314 (our own file)
+    routes = root.findall(f'{gpx}rte')
+    assert [route.find(f'{gpx}name').text for route in routes] == ['rav1', 'rav2']
+    for written, route in zip(routes, plan.routes, strict=False):
+        points = written.findall(f'{gpx}rtept')
+        assert len(points) == len(route.viewpoints) + 2
+        names = [point.findtext(f'{gpx}name') for point in points[1:-1]]
+        assert names == [str(viewpoint.id) for viewpoint in route.viewpoints]
+        place = GeoPosition(float(points[1].get('lat')), float(points[1].get('lon')))
+        assert distance_m(place, route.viewpoints[0].position) < 0.001
+
+
+def test_dji_archive_comes_back(plan, folder):
+    """Both documents hold every viewpoint in order, and a photograph at each."""
+    kml, wpml = '{http://www.opengis.net/kml/2.2}', '{http://www.dji.com/wpmz/1.0.2}'
+    with zipfile.ZipFile(folder / 'plan-rav1.kmz') as archive:
+        assert archive.namelist() == ['wpmz/template.kml', 'wpmz/waylines.wpml']
+        roots = [ElementTree.fromstring(archive.read(n)) for n in archive.namelist()]  # noqa: S314
+    for root, height in zip(roots, ('height', 'executeHeight'), strict=True):
+        marks = list(root.iter(f'{kml}Placemark'))
+        for mark, viewpoint in zip(marks, plan.routes[0].viewpoints, strict=True):
+            place = mark.findtext(f'{kml}Point/{kml}coordinates').split(',')
+            assert (
+                distance_m(GeoPosition(float(place[1]), float(place[0])), viewpoint.position)
+                < 0.001
+            )
+            assert mark.findtext(f'{wpml}{height}') == '32'
+            functions = [f.text for f in mark.iter(f'{wpml}actionActuatorFunc')]
+            assert functions == ['gimbalRotate', 'hover', 'takePhoto']
+
+
+def test_flights_from_before_are_removed(plan, folder):
+    """A vehicle that stays this time leaves no flight of the last time behind."""
+    routes = (dataclasses.replace(plan.routes[0], sorties=()), *plan.routes[1:])
+    write_plan(dataclasses.replace(plan, routes=routes), folder)
+    assert sorted(p.name for p in folder.glob('plan-rav1*')) == ['plan-rav1.plan']
+
+
+def test_pictures(plan, folder):
+    """The vector picture holds every route and footprint, the other is as large."""
+    root = ElementTree.parse(folder / 'plan.svg').getroot()  # noqa: S314 (our own file)
+    svg = '{http://www.w3.org/2000/svg}'
+    lines = root.findall(f'{svg}polyline')
+    assert len(lines) == 2 + 1  # routes, scale bar
+    assert len(lines[0].get('points').split()) == len(plan.routes[0].viewpoints) + 2
+    # A region with its hole, and the footprints.
+    assert len(root.findall(f'{svg}polygon')) == 2 + plan.viewpoint_count
+    texts = [text.text for text in root.findall(f'{svg}text')]
+    assert any('% above optimal: no plan is shorter than' in text for text in texts)
+    with Image.open(folder / 'plan.png') as image:
+        assert image.size == (int(root.get('width')), int(root.get('height')))
+        assert len(image.getcolors(maxcolors=1 << 20)) > 10

@@ -179,3 +179,34 @@ def test_a_long_planning_can_be_cancelled(open_desk):
     result = desk.wait_for(handle.get_result_async()).result
     assert result.error_code == PlanSurvey.Result.CANCELLED
     assert desk.plans == []
+
+
+def test_a_newer_goal_takes_the_place(open_desk):
+    """The older one ends with what it has; the newer one's plan is published."""
+    desk = open_desk(max_viewpoints=20_000)
+    older = desk.send(goal(FIELD, height_agl_m=10.0))
+    newer = desk.ask(goal())
+    result = desk.wait_for(older.get_result_async()).result
+    assert result.error_code == PlanSurvey.Result.CANCELLED
+    assert 'a newer goal took its place' in result.error_msg
+    assert newer.error_code == PlanSurvey.Result.NONE
+    desk.ros.spin_until(lambda: desk.plans, DEADLINE_S)
+    assert [plan.plan_id for plan in desk.plans] == [newer.plan.plan_id]
+
+
+def test_legs_bend_around_exclusions(open_desk):
+    """A zone between home and region: the ways around it are in the message, the zone too."""
+    corners = [(53.279, -9.066), (53.281, -9.066), (53.281, -9.067), (53.279, -9.067)]
+    points = [GeoPoint(latitude=lat, longitude=lon, altitude=math.nan) for lat, lon in corners]
+    zone = Region(name='crane', boundary=GeoPolygon(points=points))
+    plan = open_desk().ask(goal(exclusions=[zone], clearance_m=1.0)).plan
+    (route,) = plan.routes
+    bends = [bend for viewpoint in route.viewpoints for bend in viewpoint.approach]
+    assert len(route.viewpoints[0].approach) == len(bends) > 0
+    assert len(route.homeward) > 0
+    for bend in (*bends, *route.homeward):
+        assert bend.altitude == pytest.approx(44.0, abs=0.1)
+    assert [zone.name for zone in plan.exclusions] == ['crane']
+    assert plan.front_overlap_fraction == 0.2
+    assert plan.objective == 'longest_time'
+    assert plan.minimum_separation_m == math.inf

@@ -177,7 +177,8 @@ def test_a_goal_is_sent(robot, ros2):
     assert re.sub('[0-9a-f]{32}', '<ID>', out) == (
         'Waiting for an action server to become available...\n'
         'Sending goal:\n     route:\n  vehicle: rav1\n  home:\n    latitude: 0.0\n'
-        '    longitude: 0.0\n    altitude: 0.0\n  viewpoints: []\n  length_m: 0.0\n'
+        '    longitude: 0.0\n    altitude: 0.0\n  viewpoints: []\n  homeward: []\n'
+        '  length_m: 0.0\n'
         '  duration_s: 0.0\nplan_id: p1\n\n'
         'Goal accepted with ID: <ID>\n\n'
         "Result:\n    outcome: 0\nerror_msg: ''\nviewpoints_visited: 2\nshots_taken: 0\n"

@@ -176,3 +176,38 @@ def test_time_does_not_run_backwards() -> None:
     at_s(vehicle, 5.0)
     with pytest.raises(ValueError, match='time_ns'):
         vehicle.step(START_NS)
+
+
+BENT = Route(
+    plan_id='plan-2',
+    home_enu=HOME,
+    waypoints=(
+        Waypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
+        Waypoint(
+            viewpoint_id=1,
+            position_enu=(60.0, 0.0, 32.0),
+            yaw_rad=0.5,
+            approach_enu=((0.0, 40.0, 32.0), (60.0, 40.0, 32.0)),
+        ),
+    ),
+    homeward_enu=((60.0, -40.0, 32.0),),
+)
+
+
+def test_bends_are_flown_without_photographs():
+    """Round three sides of a square, home over a corner; two photographs."""
+    vehicle = vehicle_on(BENT)
+    flown = list(steps(vehicle, 0.5))
+    assert flown[-1].shots_taken == 2
+    places = [observation.pose.position_enu for observation in flown]
+    for corner in ((0.0, 40.0), (60.0, 40.0), (60.0, -40.0)):
+        assert min(math.dist(place[:2], corner) for place in places) < 0.6
+    assert not any(5.0 < e < 55.0 and 0.5 < n < 35.0 and u > 31.9 for e, n, u in places)
+
+
+def test_a_stopped_vehicle_goes_on_where_it_was():
+    """Held on the second side of three, it does not return to the first bend."""
+    assert BENT.way_to(1, (0.0, 20.0, 32.0)) == BENT.waypoints[1].approach_enu
+    assert BENT.way_to(1, (30.0, 41.0, 32.0)) == ((60.0, 40.0, 32.0),)
+    assert BENT.way_to(1, (61.0, 20.0, 32.0)) == ()
+    assert BENT.way_to(2, (60.0, -10.0, 32.0)) == BENT.homeward_enu

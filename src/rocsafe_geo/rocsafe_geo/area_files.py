@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Survey areas from GeoJSON (RFC 7946) and KML 2.2 files."""
+"""Survey areas from GeoJSON (RFC 7946), KML 2.2, KMZ, QGroundControl plans and CSV tables."""
 
 import json
 import re
@@ -9,6 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from rocsafe_geo.area import Ring, SurveyArea
+from rocsafe_geo.area_sources import csv_ring, kml_of_kmz, plan_rings
 from rocsafe_geo.position import GeoPosition
 
 MAX_FILE_BYTES = 10_000_000
@@ -24,7 +25,7 @@ _NamedRings = tuple[list[Ring], str]
 
 
 def read_area(path: str | Path) -> SurveyArea:
-    """Return the one polygon of a `.geojson`, `.json` or `.kml` file.
+    """Return the one polygon of a `.geojson`, `.json`, `.kml`, `.kmz`, `.plan` or `.csv` file.
 
     Raises
     ------
@@ -48,12 +49,19 @@ def read_area(path: str | Path) -> SurveyArea:
 
 def _reader_of(file: Path) -> Callable[[str], list[_NamedRings]]:
     """Return the reader for the file's extension."""
-    readers = {'.geojson': _geojson_polygons, '.json': _geojson_polygons, '.kml': _kml_polygons}
+    readers: dict[str, Callable[[str], list[_NamedRings]]] = {
+        '.geojson': _geojson_polygons,
+        '.json': _geojson_polygons,
+        '.kml': _kml_polygons,
+        '.kmz': _kml_polygons,
+        '.plan': lambda text: [([ring], '') for ring in plan_rings(text)],
+        '.csv': lambda text: [([csv_ring(text)], '')],
+    }
     reader = readers.get(file.suffix.lower())
     if reader is None:
-        hint = ' (unpack a KMZ: it is a zip archive with a KML)' * (file.suffix.lower() == '.kmz')
-        raise ValueError(f'is a {file.suffix or "nameless"} file: must be one of '
-                         f'{", ".join(readers)}{hint}')
+        raise ValueError(
+            f'is a {file.suffix or "nameless"} file: must be one of {", ".join(readers)}'
+        )
     return reader
 
 
@@ -66,6 +74,8 @@ def _text_of(file: Path) -> str:
         raise ValueError(f'cannot be read: {error.strerror or error}') from error
     if len(content) > MAX_FILE_BYTES:
         raise ValueError(f'is larger than {MAX_FILE_BYTES} bytes, the limit')
+    if file.suffix.lower() == '.kmz':
+        content = kml_of_kmz(content, MAX_FILE_BYTES)
     try:
         return content.decode('utf-8-sig')
     except UnicodeDecodeError as error:

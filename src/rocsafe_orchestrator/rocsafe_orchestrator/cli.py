@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, OrchestratorError
 from rocsafe_orchestrator.limits import (
+    LARGEST_BUDGET_S,
     LARGEST_FLEET,
     LARGEST_HEIGHT_M,
     LARGEST_SEED,
@@ -123,8 +124,9 @@ def _add_check(commands: Commands) -> None:
 
 def _add_plan(commands: Commands) -> None:
     text = (
-        'Plan the survey of each scenario, or of each region file (GeoJSON, KML) with a fleet of '
-        'like vehicles that start at its first corner, and print the routes. Nothing flies.'
+        'Plan the survey of each scenario, or of each region file (GeoJSON, KML, KMZ, '
+        'QGroundControl plan, CSV) with a fleet of like vehicles that start at its first corner, '
+        'and print the routes. Nothing flies.'
     )
     parser = commands.add_parser('plan', help='plan a survey, without flying', description=text)
     parser.add_argument(
@@ -132,18 +134,38 @@ def _add_plan(commands: Commands) -> None:
         type=Path,
         nargs='+',
         metavar='SCENARIO|REGION',
-        help='scenario (.yaml) or region (.geojson, .json, .kml)',
+        help='scenario (.yaml) or region (.geojson, .json, .kml, .kmz, .plan, .csv)',
     )
     parser.add_argument(
         '--out',
         type=Path,
         metavar='DIR',
-        help='also write plan.json, plan.geojson, plan.kml and a QGroundControl .plan a vehicle '
-        'to DIR/<name of the file>',
+        help='also write the plan to DIR/<name of the file>: JSON, GeoJSON, KML, GPX, pictures, '
+        'and each flight for QGroundControl, MAVLink and DJI',
     )
     parser.add_argument('--method', default='', help="routing method (default: the planner's)")
     parser.add_argument(
-        '--vehicles', type=_count, default=3, metavar='N', help='of a region file (default: 3)'
+        '--drones',
+        '--vehicles',
+        dest='vehicles',
+        type=_count,
+        default=3,
+        metavar='N',
+        help='of a region file (default: 3)',
+    )
+    parser.add_argument(
+        '--budget',
+        type=_budget,
+        metavar='S',
+        help="seconds that may be used to improve the plan (default: the scenario's, or none)",
+    )
+    parser.add_argument(
+        '--exclude',
+        type=Path,
+        action='append',
+        default=[],
+        metavar='REGION',
+        help='region file that no leg crosses, besides those of the scenario; may be repeated',
     )
     parser.add_argument(
         '--height',
@@ -229,6 +251,8 @@ def _plan(arguments: argparse.Namespace) -> int:
         vehicles=arguments.vehicles,
         height_agl_m=arguments.height,
         parent=arguments.out,
+        budget_s=arguments.budget,
+        exclusions=tuple(arguments.exclude),
     )
     return plan(request, Console())
 
@@ -269,6 +293,10 @@ def _speed(text: str) -> float:
 
 def _height(text: str) -> float:
     return _number(text, 1.0, LARGEST_HEIGHT_M, ' m')
+
+
+def _budget(text: str) -> float:
+    return _number(text, 0.0, LARGEST_BUDGET_S, ' s')
 
 
 def _whole(text: str, low: int, high: int) -> int:

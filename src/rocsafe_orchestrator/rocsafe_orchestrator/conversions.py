@@ -38,11 +38,18 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
     survey = scenario.survey
     return PlanSurvey.Goal(
         region=region_of_scenario(scenario),
+        exclusions=[region_of_area(zone) for zone in scenario.exclusion_areas()],
+        clearance_m=survey.clearance_m,
         camera=camera_spec(scenario.camera),
         vehicles=[_vehicle_spec(scenario, vehicle) for vehicle in scenario.vehicles],
         height_agl_m=survey.height_agl_m,
         spacing_rule=survey.spacing_rule,
         overlap_fraction=survey.overlap_fraction,
+        front_overlap_fraction=-1.0
+        if survey.front_overlap_fraction is None
+        else survey.front_overlap_fraction,
+        grid=survey.grid,
+        objective=survey.objective,
         method=survey.method,
         budget_s=survey.budget_s,
         seed=scenario.seed,

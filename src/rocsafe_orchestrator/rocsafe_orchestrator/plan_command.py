@@ -11,15 +11,16 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.area_files import read_area
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
 from rocsafe_orchestrator.launches import find_executable
 from rocsafe_orchestrator.progress import clock_text
 from rocsafe_orchestrator.scenario import Scenario
-from rocsafe_orchestrator.scenario_blocks import SurveyBlock, VehicleBlock
+from rocsafe_orchestrator.scenario_blocks import RegionBlock, SurveyBlock, VehicleBlock
 from rocsafe_orchestrator.scenario_file import read_scenario, region_block
 
-REGION_SUFFIXES = ('.geojson', '.json', '.kml')
+REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
 # A plan of the largest allowed size takes a fraction of this.
 TIMEOUT_S = 600.0
 
@@ -34,6 +35,8 @@ class PlanRequest:
     method: routing method; empty: the scenario's, else the planner's own.
     vehicles, height_agl_m: of a region, which says neither.
     parent: folder below which the plans are written, None: nowhere.
+    budget_s: time to improve each plan; None: the scenario's.
+    exclusions: region files that no leg crosses, besides the scenario's own.
     """
 
     files: tuple[Path, ...]
@@ -41,6 +44,8 @@ class PlanRequest:
     vehicles: int = 3
     height_agl_m: float = 32.0
     parent: Path | None = None
+    budget_s: float | None = None
+    exclusions: tuple[Path, ...] = ()
 
 
 def plan(request: PlanRequest, console: Console) -> int:
@@ -51,7 +56,10 @@ def plan(request: PlanRequest, console: Console) -> int:
     ScenarioError: if a file is not valid.
     OrchestratorError: if there is no plan; the planner's reason is told.
     """
-    scenarios = [(path, _scenario(path, request)) for path in request.files]
+    zones = tuple(region_block(_area(path)) for path in request.exclusions)
+    scenarios = [
+        (path, _with_options(_scenario(path, request), request, zones)) for path in request.files
+    ]
     for path, scenario in scenarios:
         with tempfile.TemporaryDirectory(prefix='rocsafe-plan-') as scratch:
             folder = Path(scratch) if request.parent is None else request.parent / path.stem
@@ -66,10 +74,7 @@ def plan(request: PlanRequest, console: Console) -> int:
 def _scenario(path: Path, request: PlanRequest) -> Scenario:
     if path.suffix.lower() not in REGION_SUFFIXES:
         return read_scenario(path)
-    try:
-        area = read_area(path)
-    except ValueError as error:
-        raise ScenarioError(str(error)) from error
+    area = _area(path)
     first = area.boundary[0]
     home = (first.latitude_deg, first.longitude_deg)
     names = (f'rav{number}' for number in range(1, request.vehicles + 1))
@@ -81,12 +86,31 @@ def _scenario(path: Path, request: PlanRequest) -> Scenario:
     )
 
 
+def _area(path: Path) -> SurveyArea:
+    try:
+        return read_area(path)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from error
+
+
+def _with_options(
+    scenario: Scenario, request: PlanRequest, zones: tuple[RegionBlock, ...]
+) -> Scenario:
+    """Return the scenario with what the command line says besides."""
+    survey = scenario.survey
+    if request.budget_s is not None:
+        survey = survey.model_copy(update={'budget_s': request.budget_s})
+    exclusions = (*scenario.exclusions, *zones)
+    return scenario.model_copy(update={'survey': survey, 'exclusions': exclusions})
+
+
 def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
     """Return the request of `scenario` to the executable `plan_file`."""
     survey, camera = scenario.survey, scenario.camera
     method = method or survey.method
     return {
         'region': {'name': scenario.name, **scenario.region.model_dump(exclude={'file'})},
+        'exclusions': [zone.model_dump(exclude={'file'}) for zone in scenario.exclusions],
         'camera': camera.model_dump(exclude={'jpeg_quality', 'ground'}),
         'vehicles': [_vehicle(scenario, vehicle) for vehicle in scenario.vehicles],
         **survey.model_dump(exclude={'method'}),
@@ -134,7 +158,7 @@ def _quality_table(path: Path, document: dict[str, Any]) -> Table:
         'makespan',
         f'{clock_text(document["makespan_s"])}; no plan is shorter than '
         f'{clock_text(document["lower_bound_s"])} ({document["lower_bound_method"]}), '
-        f'gap {100.0 * document["gap_fraction"]:.1f} %',
+        f'at most {100.0 * document["gap_fraction"]:.1f} % above optimal',
     )
     table.add_row('flown in all', f'{document["total_length_m"] / 1000.0:.2f} km')
     return table

@@ -32,6 +32,7 @@ class Scenario(Block):
     clock: ClockBlock = ClockBlock()
     origin: OriginBlock = OriginBlock()
     region: RegionBlock
+    exclusions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
     survey: SurveyBlock
     camera: CameraBlock = CameraBlock()
     scene: str = 'none'
@@ -56,6 +57,15 @@ class Scenario(Block):
             holes=tuple(map(_ring, self.region.holes)),
             name=self.name,
         )
+
+    def exclusion_areas(self) -> tuple[SurveyArea, ...]:
+        """Return the zones that are not flown over.
+
+        Raises
+        ------
+        ValueError: naming the key, and saying what is wrong with its polygon.
+        """
+        return tuple(map(_exclusion, range(len(self.exclusions)), self.exclusions))
 
     def origin_position(self) -> GeoPosition:
         """Return the origin of the local frame, on the ground."""
@@ -85,6 +95,15 @@ class Scenario(Block):
         """Return the scenario as a file that `read_scenario` reads, defaults written out."""
         content = self.model_dump(exclude_none=True)
         return yaml.safe_dump(_plain(content), sort_keys=False, default_flow_style=False)
+
+
+def _exclusion(index: int, block: RegionBlock) -> SurveyArea:
+    try:
+        return SurveyArea(
+            boundary=_ring(block.polygon or ()), holes=tuple(map(_ring, block.holes))
+        )
+    except ValueError as error:
+        raise ValueError(f'exclusions[{index}].polygon: {error}') from error
 
 
 def _ring(places: tuple[LatLon, ...]) -> tuple[GeoPosition, ...]:

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from rocsafe_orchestrator.limits import LARGEST_HEIGHT_M, LARGEST_SPEED
+from rocsafe_orchestrator.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, which a vehicle may not take.
@@ -77,7 +77,7 @@ class OriginBlock(Block):
 
 
 class RegionBlock(Block):
-    """What is surveyed: a polygon with holes, written here or in a GeoJSON or KML file."""
+    """A polygon with holes, written here or in a GeoJSON or KML file."""
 
     polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=10_000)
     holes: tuple[Annotated[tuple[LatLon, ...], Field(min_length=3)], ...] = ()
@@ -90,9 +90,12 @@ class SurveyBlock(Block):
     height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
     spacing_rule: Literal['iou', 'linear'] = 'iou'
     overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
+    front_overlap_fraction: float | None = Field(default=None, ge=0.0, le=0.95)
     grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
     method: str = ''
-    budget_s: float = Field(default=0.0, ge=0.0, le=3600.0)
+    objective: str = 'longest_time'
+    clearance_m: float = Field(default=2.0, ge=0.0, le=1000.0)
+    budget_s: float = Field(default=0.0, ge=0.0, le=LARGEST_BUDGET_S)
     max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
 
 

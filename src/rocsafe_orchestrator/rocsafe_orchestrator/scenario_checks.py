@@ -25,6 +25,10 @@ def mistakes(scenario: Scenario) -> list[str]:
         area = scenario.area()
     except ValueError as error:
         return [*lines, f'region.polygon: {error}']
+    try:
+        scenario.exclusion_areas()
+    except ValueError as error:
+        lines.append(str(error))
     return [*lines, *_far_places(scenario, area), *_too_large(scenario, area)]
 
 

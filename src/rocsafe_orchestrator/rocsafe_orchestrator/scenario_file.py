@@ -67,20 +67,25 @@ def _with_options(
 
 
 def _with_region(scenario: Scenario, path: Path) -> Scenario:
-    """Return `scenario` with the polygon of its region file, if it names one."""
-    region = scenario.region
+    """Return `scenario` with the polygons of the region files that it names."""
+    exclusions = tuple(
+        _drawn(f'exclusions[{index}]', block, path)
+        for index, block in enumerate(scenario.exclusions)
+    )
+    region = _drawn('region', scenario.region, path)
+    return scenario.model_copy(update={'region': region, 'exclusions': exclusions})
+
+
+def _drawn(key: str, region: RegionBlock, path: Path) -> RegionBlock:
+    """Return a region with the polygon of its file, if it names one."""
     if (region.file is None) == (region.polygon is None):
-        raise ScenarioError(f'{path.name}: region: must have either polygon or file')
+        raise ScenarioError(f'{path.name}: {key}: must have either polygon or file')
     if region.file is None:
-        return scenario
+        return region
     if region.holes:
-        raise ScenarioError(f'{path.name}: region.holes: belong into the file {region.file}')
-    return scenario.model_copy(update={'region': _region_of(region.file, path)})
-
-
-def _region_of(file: str, path: Path) -> RegionBlock:
-    place = f'{path.name}: region.file = {file!r}'
-    source = path.parent / file
+        raise ScenarioError(f'{path.name}: {key}.holes: belong into the file {region.file}')
+    place = f'{path.name}: {key}.file = {region.file!r}'
+    source = path.parent / region.file
     try:
         return region_block(read_area(source))
     except ValueError as error:

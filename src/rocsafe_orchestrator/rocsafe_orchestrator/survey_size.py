@@ -18,9 +18,16 @@ def spacing_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:
     """
     half_angle = math.radians(camera.horizontal_fov_deg) / 2.0
     overlap = survey.overlap_fraction
-    part = (1.0 - overlap) / (1.0 + overlap) if survey.spacing_rule == 'iou' else 1.0 - overlap
-    across = 2.0 * survey.height_agl_m * math.tan(half_angle) * part
-    return across, across * camera.image_height_px / camera.image_width_px
+    front = survey.front_overlap_fraction
+    width = 2.0 * survey.height_agl_m * math.tan(half_angle)
+    height = width * camera.image_height_px / camera.image_width_px
+    along = overlap if front is None else front
+    return width * _part(overlap, survey), height * _part(along, survey)
+
+
+def _part(overlap: float, survey: SurveyBlock) -> float:
+    """Return the spacing as a part of the footprint."""
+    return (1.0 - overlap) / (1.0 + overlap if survey.spacing_rule == 'iou' else 1.0)
 
 
 def area_m2(area: SurveyArea) -> float:

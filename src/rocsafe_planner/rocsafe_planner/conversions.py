@@ -12,8 +12,8 @@ from rocsafe_planner.errors import (
     TooManyViewpointsError,
 )
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
-from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.plan import Bends, Route, SurveyPlan, Viewpoint
+from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
 from rocsafe_planner.survey_region import SurveyRegion
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_ros.conversions import (
@@ -35,14 +35,21 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
     """
     limit = goal.max_viewpoints or options.max_viewpoints
     return SurveyRequest(
-        regions=(SurveyRegion(area=area_of_region(goal.region)),),
+        regions=tuple(
+            SurveyRegion(area=area_of_region(region))
+            for region in (goal.region, *goal.other_regions)
+        ),
+        exclusions=tuple(area_of_region(zone) for zone in goal.exclusions),
+        clearance_m=goal.clearance_m,
         camera=_camera(goal.camera),
         vehicles=tuple(_vehicle(vehicle) for vehicle in goal.vehicles),
         height_agl_m=goal.height_agl_m,
         spacing_rule=goal.spacing_rule,
         overlap_fraction=goal.overlap_fraction,
-        grid=options.grid,
+        front_overlap_fraction=_known(goal.front_overlap_fraction),
+        grid=goal.grid or options.grid,
         method=goal.method or options.default_method,
+        objective=goal.objective or DEFAULT_OBJECTIVE,
         budget_s=goal.budget_s,
         seed=goal.seed,
         max_viewpoints=min(limit, options.max_viewpoints),
@@ -56,11 +63,15 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         plan_id=plan.plan_id,
         method=request.method,
         seed=request.seed,
+        objective=request.objective,
         region=region_of_area(request.regions[0].area),
+        other_regions=[region_of_area(region.area) for region in request.regions[1:]],
+        exclusions=[region_of_area(zone) for zone in request.exclusions],
         camera=_camera_message(request.camera),
         height_agl_m=request.height_agl_m,
         spacing_rule=request.spacing_rule,
         overlap_fraction=request.overlap_fraction,
+        front_overlap_fraction=request.front_overlap,
         spacing_m=plan.spacing_m,
         routes=[_route(route) for route in plan.routes],
         makespan_s=plan.makespan_s,
@@ -72,6 +83,8 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         region_area_m2=plan.region_area_m2,
         covered_area_m2=plan.covered_area_m2,
         covered_fraction=plan.covered_fraction,
+        largest_hole_m2=plan.largest_hole_m2,
+        minimum_separation_m=plan.minimum_separation_m,
     )
     message.header.frame_id = EARTH_FRAME
     return message
@@ -80,6 +93,18 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
 def result_of_plan(message: msg.SurveyPlan) -> action.PlanSurvey.Result:
     """Return the result of a goal that got its plan."""
     return action.PlanSurvey.Result(error_code=action.PlanSurvey.Result.NONE, plan=message)
+
+
+def result_of_stopped(
+    reason: str, message: msg.SurveyPlan | None = None
+) -> action.PlanSurvey.Result:
+    """Return the result of a goal that was stopped: why, and the best plan so far if any."""
+    best = 'there is no plan yet' if message is None else 'the plan is the best so far'
+    return action.PlanSurvey.Result(
+        error_code=action.PlanSurvey.Result.CANCELLED,
+        error_msg=f'planning was stopped: {reason}; {best}',
+        plan=message or msg.SurveyPlan(),
+    )
 
 
 def result_of_error(error: PlannerError | ValueError) -> action.PlanSurvey.Result:
@@ -130,20 +155,32 @@ def _vehicle(vehicle: msg.VehicleSpec) -> Vehicle:
     )
 
 
+def _known(overlap_fraction: float) -> float | None:
+    """Return None for the negative number that stands for no value."""
+    return None if overlap_fraction < 0.0 else overlap_fraction
+
+
 def _route(route: Route) -> msg.Route:
+    """Return a route of one flight: goals cannot ask for battery swaps or open routes."""
+    bends = route.sorties[0].bends if route.sorties else ((),)
     return msg.Route(
         vehicle=route.vehicle.name,
         home=point_of_position(route.vehicle.home),
-        viewpoints=[_viewpoint(viewpoint) for viewpoint in route.viewpoints],
+        viewpoints=[
+            _viewpoint(viewpoint, approach)
+            for viewpoint, approach in zip(route.viewpoints, bends[:-1], strict=True)
+        ],
+        homeward=[point_of_position(bend) for bend in bends[-1]],
         length_m=route.length_m,
         duration_s=route.duration_s,
     )
 
 
-def _viewpoint(viewpoint: Viewpoint) -> msg.Viewpoint:
+def _viewpoint(viewpoint: Viewpoint, approach: Bends) -> msg.Viewpoint:
     return msg.Viewpoint(
         id=viewpoint.id,
         position=point_of_position(viewpoint.position),
         height_agl_m=viewpoint.height_agl_m,
         yaw_rad=viewpoint.yaw_rad,
+        approach=[point_of_position(bend) for bend in approach],
     )

@@ -7,20 +7,26 @@ import tempfile
 from pathlib import Path
 
 from rocsafe_planner.document import Document
+from rocsafe_planner.flight_files import flight_dji, flight_waypoints, plan_gpx
 from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.plan_drawing import plan_drawing
 from rocsafe_planner.plan_geojson import plan_geojson
 from rocsafe_planner.plan_json import plan_document
 from rocsafe_planner.plan_kml import plan_kml
+from rocsafe_planner.plan_picture import drawing_png, drawing_svg
 from rocsafe_planner.plan_qgroundcontrol import flight_qgroundcontrol
+
+_FLIGHT_SUFFIXES = ('.plan', '.waypoints', '.kmz')
 
 
 def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
-    """Write `plan.kml`, `plan.geojson`, the vehicles' flights and, last, `plan.json`.
+    """Write the plan for maps, the vehicles' flights for autopilots and, last, `plan.json`.
 
-    Flights are `plan-<vehicle>.plan`, with `-2` and so on before the extension after a battery
-    swap. The folder is made if need be. Each file is replaced as a whole. A vehicle without
-    viewpoints gets a plan without items, and flights from before are removed, so that none is
-    flown by mistake.
+    For maps: `plan.kml`, `plan.geojson`, `plan.gpx`; pictures: `plan.svg`, `plan.png`. Flights:
+    `plan-<vehicle>.plan` for QGroundControl, `.waypoints` for MAVLink, `.kmz` for DJI, with `-2`
+    and so on before the extension after a battery swap. The folder is made if need be. Each file
+    is replaced as a whole. A vehicle without viewpoints gets a QGroundControl plan without items,
+    and flights from before are removed, so that none is flown by mistake.
 
     Raises
     ------
@@ -28,9 +34,13 @@ def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
         If the folder cannot be written, with the reason.
     """
     folder = Path(directory)
+    drawing = plan_drawing(plan)
     contents = {
-        'plan.kml': plan_kml(plan),
+        'plan.kml': plan_kml(plan).encode(),
         'plan.geojson': _json(plan_geojson(plan)),
+        'plan.gpx': plan_gpx(plan.routes).encode(),
+        'plan.svg': drawing_svg(drawing).encode(),
+        'plan.png': drawing_png(drawing),
         **_flights(plan),
         'plan.json': _json(plan_document(plan)),
     }
@@ -38,34 +48,38 @@ def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
             _replace(folder / name, content)
-        for stale in folder.glob('plan-*.plan'):
-            if stale.name not in contents:
+        for stale in folder.glob('plan-*'):
+            if stale.suffix in _FLIGHT_SUFFIXES and stale.name not in contents:
                 stale.unlink()
     except OSError as error:
         raise ValueError(f'cannot write the plan to {folder}: {error.strerror}') from error
     return [folder / name for name in contents]
 
 
-def _flights(plan: SurveyPlan) -> dict[str, str]:
-    """Return the content of each flight's file, by name."""
-    contents = {}
+def _flights(plan: SurveyPlan) -> dict[str, bytes]:
+    """Return the content of each flight's files, by name."""
+    contents: dict[str, bytes] = {}
     for route in plan.routes:
         for number in range(max(1, len(route.sorties))):
-            suffix = f'-{number + 1}' if number else ''
+            stem = f'plan-{route.vehicle.name}' + (f'-{number + 1}' if number else '')
             document = flight_qgroundcontrol(route, number, plan.request.exclusions)
-            contents[f'plan-{route.vehicle.name}{suffix}.plan'] = _json(document)
+            contents[f'{stem}.plan'] = _json(document)
+            if route.sorties:
+                contents[f'{stem}.waypoints'] = flight_waypoints(route, number).encode()
+                contents[f'{stem}.kmz'] = flight_dji(route, number)
     return contents
 
 
-def _json(document: Document) -> str:
-    return json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False) + '\n'
+def _json(document: Document) -> bytes:
+    text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
+    return f'{text}\n'.encode()
 
 
-def _replace(path: Path, content: str) -> None:
+def _replace(path: Path, content: bytes) -> None:
     """Write beside, flush to the disk, rename over."""
     descriptor, temporary = tempfile.mkstemp(prefix=f'.{path.name}.', dir=path.parent)
     try:
-        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
+        with os.fdopen(descriptor, 'wb') as stream:
             # mkstemp makes a private file; the plan is for everyone who may read the folder.
             os.fchmod(stream.fileno(), 0o644)
             stream.write(content)

@@ -17,6 +17,7 @@ from rocsafe_planner.conversions import (
     request_of_goal,
     result_of_error,
     result_of_plan,
+    result_of_stopped,
 )
 from rocsafe_planner.errors import PlannerError, PlanningCancelledError
 from rocsafe_planner.options import PlannerOptions
@@ -38,14 +39,15 @@ class PlannerNode(Node):
     """Plans surveys on request.
 
     Actions: `plan_survey`. Publishes: `plan` (latched), the newest plan. Parameters: see
-    `PlannerOptions`. Goals are planned at the same time, each in its own thread; a timer per goal
-    reports its progress.
+    `PlannerOptions`. A goal is planned in a thread of its own; a timer reports its progress. When
+    it is cancelled, or a newer goal takes its place, it ends with the best plan so far.
     """
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__('planner', **kwargs)
         self._options = declare_options(self, PlannerOptions)
         self._plan_publisher = create_publisher(self, PLAN)
+        self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._server = ActionServer(
             self,
@@ -62,12 +64,19 @@ class PlannerNode(Node):
 
     async def _execute(self, goal: ServerGoalHandle) -> PlanSurvey.Result:
         """Plan in a thread, wait for it without blocking, publish the plan."""
+        self._newest = goal
         try:
             request = request_of_goal(goal.request, self._options)
             message = await self._planned(goal, request)
         except (PlannerError, ValueError) as error:
             return self._refuse(goal, error)
         message.header.stamp = self.get_clock().now().to_msg()
+        if goal.is_cancel_requested:
+            goal.canceled()
+            return result_of_stopped('cancelled', message)
+        if goal is not self._newest:
+            goal.abort()
+            return result_of_stopped('a newer goal took its place', message)
         self._plan_publisher.publish(message)
         self.get_logger().info(
             f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
@@ -81,7 +90,7 @@ class PlannerNode(Node):
         job = Job(partial(self._plan, request))
         done = Future()
         timer = self.create_timer(
-            WATCH_PERIOD_S, partial(_watch, job, goal, done), clock=self._wall_clock
+            WATCH_PERIOD_S, partial(self._watch, job, goal, done), clock=self._wall_clock
         )
         await done
         self.destroy_timer(timer)
@@ -90,34 +99,36 @@ class PlannerNode(Node):
     def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
         """Plan and export; runs in the job's thread."""
         plan = plan_survey(request, on_progress)
-        if self._options.export_directory:
+        is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
+        if self._options.export_directory and is_wanted:
             write_plan(plan, self._options.export_directory)
         return message_of_plan(plan)
+
+    def _watch(self, job: Job, goal: ServerGoalHandle, done: Future) -> None:
+        """Report a job's progress; wake its goal when it is done."""
+        if done.done():
+            return
+        if goal.is_cancel_requested or goal is not self._newest:
+            job.cancel()
+        progress = job.progress
+        goal.publish_feedback(
+            feedback(progress.elapsed_s, progress.makespan_s, progress.lower_bound_s)
+        )
+        if job.is_done:
+            done.set_result(None)
 
     def _refuse(
         self, goal: ServerGoalHandle, error: PlannerError | ValueError
     ) -> PlanSurvey.Result:
         """Say why there is no plan."""
-        if isinstance(error, PlanningCancelledError):
+        if goal.is_cancel_requested:
             goal.canceled()
-        else:
-            self.get_logger().error(str(error))
-            goal.abort()
+            return result_of_error(error)
+        goal.abort()
+        if isinstance(error, PlanningCancelledError):
+            return result_of_stopped('a newer goal took its place')
+        self.get_logger().error(str(error))
         return result_of_error(error)
-
-
-def _watch(job: Job, goal: ServerGoalHandle, done: Future) -> None:
-    """Report a job's progress; wake its goal when it is done."""
-    if done.done():
-        return
-    if goal.is_cancel_requested:
-        job.cancel()
-    progress = job.progress
-    goal.publish_feedback(
-        feedback(progress.elapsed_s, progress.makespan_s, progress.lower_bound_s)
-    )
-    if job.is_done:
-        done.set_result(None)
 
 
 def main() -> int:

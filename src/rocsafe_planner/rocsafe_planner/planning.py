@@ -16,7 +16,10 @@ from rocsafe_planner.separation import delays_apart, minimum_separation_m
 from rocsafe_planner.survey_site import SurveySite, survey_site
 
 Progress = Callable[[float, float], bool]
-"""Told the best makespan and lower bound so far, in seconds, NaN while unknown; False stops."""
+"""Told the best makespan and lower bound so far, in seconds, NaN while unknown; False stops.
+
+Once a makespan is known, the plan that has it is kept.
+"""
 
 
 def plan_survey(
@@ -30,17 +33,15 @@ def plan_survey(
         If a home or end is too far from the region, or in an exclusion.
     PlannerError
         If there is no plan within the limits; PlanningCancelledError if `on_progress` returned
-        False.
+        False before there was one.
     """
-    _go_on(on_progress, math.nan, math.nan)
+    _go_on(on_progress)
     site = survey_site(request)
-    _go_on(on_progress, math.nan, math.nan)
+    _go_on(on_progress)
     orders = METHODS[request.method](site.problem)
     routes, separation = _kept_apart(site, routes_of(site, orders), request.separation_m)
     makespan = max(route.finish_s for route in routes)
-    bound = lower_bound(
-        site.problem, makespan, lambda seconds: _go_on(on_progress, makespan, seconds)
-    )
+    bound = lower_bound(site.problem, makespan, lambda seconds: on_progress(makespan, seconds))
     return SurveyPlan(
         plan_id=request.identity(),
         request=request,
@@ -57,11 +58,10 @@ def plan_survey(
     )
 
 
-def _go_on(on_progress: Progress, makespan: float, bound: float) -> bool:
-    """Report; return True or raise PlanningCancelledError."""
-    if not on_progress(makespan, bound):
+def _go_on(on_progress: Progress) -> None:
+    """Report that there is no plan yet; raise PlanningCancelledError if there is to be none."""
+    if not on_progress(math.nan, math.nan):
         raise PlanningCancelledError('planning was cancelled')
-    return True
 
 
 def _kept_apart(

@@ -117,6 +117,12 @@ class SurveyRequest:
         require_count('seed', self.seed, 0, 2**64 - 1)
         require_count('max_viewpoints', self.max_viewpoints, 1, 2**32 - 1)
 
+    @property
+    def front_overlap(self) -> float:
+        """Overlap along the image: that across it unless said otherwise."""
+        front = self.front_overlap_fraction
+        return self.overlap_fraction if front is None else front
+
     def identity(self) -> str:
         """Return 16 hexadecimal digits that name the request: SHA-256 of all that it says."""
         said = {

@@ -91,11 +91,10 @@ def _ground_altitude_m(request: SurveyRequest) -> float:
 
 
 def _spec_of(request: SurveyRequest) -> CoverageSpec:
-    side, front = request.overlap_fraction, request.front_overlap_fraction
     return coverage_spec(
         request.camera,
         request.height_agl_m,
-        (side, side if front is None else front),
+        (request.overlap_fraction, request.front_overlap),
         request.spacing_rule,
         request.grid,
         request.max_viewpoints,

@@ -12,8 +12,8 @@ from std_msgs.msg import Header
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
+from rocsafe_interfaces.msg import GeoPoint, VehicleState
 from rocsafe_interfaces.msg import Route as RouteMessage
-from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight_record import Outcome
 from rocsafe_sim.observation import FlightSummary, Observation
@@ -59,9 +59,11 @@ def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
                 viewpoint_id=viewpoint.id,
                 position_enu=_enu(frame, position_of_point(viewpoint.position)),
                 yaw_rad=viewpoint.yaw_rad,
+                approach_enu=_places(frame, viewpoint.approach),
             )
             for viewpoint in message.viewpoints
         ),
+        homeward_enu=_places(frame, message.homeward),
     )
 
 
@@ -159,6 +161,10 @@ def result_message(summary: FlightSummary) -> FlyRoute.Result:
 def refusal_message(reason: str) -> FlyRoute.Result:
     """Return the result of a route that is not flown."""
     return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
+
+
+def _places(frame: LocalFrame, points: list[GeoPoint]) -> tuple[Enu, ...]:
+    return tuple(_enu(frame, position_of_point(point)) for point in points)
 
 
 def _enu(frame: LocalFrame, position: GeoPosition) -> Enu:

@@ -16,7 +16,7 @@ from rocsafe_sim.orders import Order, OrderKind
 from rocsafe_sim.route import Enu, Route, Waypoint
 from rocsafe_sim.segment import Pose
 
-FORMAT = 1
+FORMAT = 2
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -93,9 +93,16 @@ def _route(fields: dict[str, Any]) -> Route:
         plan_id=str(fields['plan_id']),
         home_enu=_enu(fields['home_enu']),
         waypoints=tuple(
-            Waypoint(**{**waypoint, 'position_enu': _enu(waypoint['position_enu'])})
+            Waypoint(
+                **{
+                    **waypoint,
+                    'position_enu': _enu(waypoint['position_enu']),
+                    'approach_enu': tuple(map(_enu, waypoint['approach_enu'])),
+                }
+            )
             for waypoint in fields['waypoints']
         ),
+        homeward_enu=tuple(map(_enu, fields['homeward_enu'])),
     )
 
 

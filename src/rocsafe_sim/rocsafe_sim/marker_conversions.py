@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Routes and scenes -> markers for RViz and Foxglove."""
 
+from collections.abc import Iterator
+
 from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
@@ -21,11 +23,21 @@ def route_markers(route: Route) -> MarkerArray:
     stops = [waypoint.position_enu for waypoint in route.waypoints]
     line = _marker('route', 0, Marker.LINE_STRIP, _ROUTE_COLOUR)
     line.scale = Vector3(x=_LINE_WIDTH_M, y=0.0, z=0.0)
-    line.points = [_point(stop) for stop in (route.home_enu, *stops, route.home_enu)]
+    line.points = [_point(place) for place in _track(route)]
     dots = _marker('viewpoints', 0, Marker.SPHERE_LIST, _DOT_COLOUR)
     dots.scale = Vector3(x=_DOT_WIDTH_M, y=_DOT_WIDTH_M, z=_DOT_WIDTH_M)
     dots.points = [_point(stop) for stop in stops]
     return MarkerArray(markers=[line, dots])
+
+
+def _track(route: Route) -> Iterator[Enu]:
+    """Yield the corners of the planned track."""
+    yield route.home_enu
+    for waypoint in route.waypoints:
+        yield from waypoint.approach_enu
+        yield waypoint.position_enu
+    yield from route.homeward_enu
+    yield route.home_enu
 
 
 def scene_markers(scene: Scene) -> MarkerArray:

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 Enu = tuple[float, float, float]
 
@@ -27,13 +28,17 @@ class Waypoint:
     viewpoint_id : number within the plan.
     position_enu : of the camera, metres about the mission origin.
     yaw_rad : of the vehicle while it photographs, ENU.
+    approach_enu : where the way to it bends, metres; flown over without a photograph.
     """
 
     viewpoint_id: int
     position_enu: Enu
     yaw_rad: float
+    approach_enu: tuple[Enu, ...] = ()
 
     def __post_init__(self) -> None:
+        for bend in self.approach_enu:
+            require_enu(f'approach_enu of viewpoint {self.viewpoint_id}', bend)
         require_enu(f'position_enu of viewpoint {self.viewpoint_id}', self.position_enu)
         if self.position_enu[2] <= 0.0:
             raise ValueError(
@@ -53,13 +58,39 @@ class Route:
     plan_id : of the plan that the route is part of.
     home_enu : where to land; up is that of the ground there.
     waypoints : in flying order, at least one.
+    homeward_enu : where the way from the last one home bends, metres.
     """
 
     plan_id: str
     home_enu: Enu
     waypoints: tuple[Waypoint, ...]
+    homeward_enu: tuple[Enu, ...] = ()
 
     def __post_init__(self) -> None:
         require_enu('home_enu', self.home_enu)
+        for bend in self.homeward_enu:
+            require_enu('homeward_enu', bend)
         if not self.waypoints:
             raise ValueError(f'route of plan {self.plan_id!r} has 0 viewpoints: must have 1')
+
+    def way_to(self, index: int, here_enu: Enu) -> tuple[Enu, ...]:
+        """Return the bends still ahead on the way to viewpoint `index`, or home after the last.
+
+        A vehicle that was stopped on its way goes on with the part of it that it is nearest to.
+        """
+        is_home = index == len(self.waypoints)
+        before = self.waypoints[index - 1].position_enu if index else self.home_enu
+        after = self.home_enu if is_home else self.waypoints[index].position_enu
+        bends = self.homeward_enu if is_home else self.waypoints[index].approach_enu
+        corners = (before, *bends, after)
+        offsets = [_offset_m(here_enu, a, b) for a, b in pairwise(corners)]
+        return bends[offsets.index(min(offsets)) :]
+
+
+def _offset_m(place: Enu, a: Enu, b: Enu) -> float:
+    """Return the horizontal distance of a place from the straight line between two others."""
+    length = horizontal_m(a, b)
+    east, north = b[0] - a[0], b[1] - a[1]
+    along = (place[0] - a[0]) * east + (place[1] - a[1]) * north
+    share = min(1.0, max(0.0, along / length**2)) if length else 0.0
+    return horizontal_m(place, (a[0] + share * east, a[1] + share * north, 0.0))

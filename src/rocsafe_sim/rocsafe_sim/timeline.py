@@ -95,21 +95,40 @@ def _route_segments(
     at = standing((*start.position_enu[:2], first.position_enu[2]), start.yaw_rad)
     for index in range(first_index, len(route.waypoints)):
         waypoint = route.waypoints[index]
+        for bend in route.way_to(index, at.position_enu):
+            over_bend = (*bend[:2], at.position_enu[2])
+            way = leg(Mode.FLYING, at, over_bend, at.yaw_rad, airframe)
+            yield replace(way, viewpoint_index=index)
+            at = standing(over_bend, at.yaw_rad)
         way = leg(Mode.FLYING, at, waypoint.position_enu, waypoint.yaw_rad, airframe)
         yield replace(way, viewpoint_index=index)
         at = standing(waypoint.position_enu, waypoint.yaw_rad)
         hover = stand(Mode.FLYING, at, airframe.hover_s, airframe.limits)
         yield replace(hover, viewpoint_index=index, takes_shot=True)
-    yield from return_segments(airframe, at, route.home_enu)
+    yield from return_segments(airframe, at, route.home_enu, _way_home(route, at))
 
 
-def return_segments(airframe: Airframe, start: Pose, home_enu: Enu) -> Iterator[Segment]:
-    """Yield the way home from `start`, standing or moving, at the same height, and down."""
+def _way_home(route: Route, at: Pose) -> tuple[Enu, ...]:
+    """Return where the way home bends for a vehicle that has been everywhere."""
+    return route.way_to(len(route.waypoints), at.position_enu)
+
+
+def return_segments(
+    airframe: Airframe, start: Pose, home_enu: Enu, bends_enu: tuple[Enu, ...] = ()
+) -> Iterator[Segment]:
+    """Yield the way home from `start`, standing or moving, at the same height, and down.
+
+    A vehicle that gives up its route knows of no bends: it returns straight, even over exclusions.
+    """
     at = start
     if start.speed_mps > 0.0:
         stop = brake(Mode.RETURNING, start, airframe.limits)
         yield stop
         at = standing(stop.end_enu, start.yaw_rad)
+    for bend in bends_enu:
+        over_bend = (*bend[:2], at.position_enu[2])
+        yield leg(Mode.RETURNING, at, over_bend, at.yaw_rad, airframe)
+        at = standing(over_bend, at.yaw_rad)
     over_home = (home_enu[0], home_enu[1], at.position_enu[2])
     yield leg(Mode.RETURNING, at, over_home, at.yaw_rad, airframe)
     yield leg(Mode.LANDING, standing(over_home, at.yaw_rad), home_enu, at.yaw_rad, airframe)
@@ -146,7 +165,7 @@ def fly_segments(
     if first_index < len(route.waypoints):
         yield from _route_segments(airframe, at, route, first_index)
     else:
-        yield from return_segments(airframe, at, route.home_enu)
+        yield from return_segments(airframe, at, route.home_enu, _way_home(route, at))
 
 
 def _to_height(

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture of a plan as shapes on a canvas: regions, footprints, exclusions, routes, legend."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.flight_path import flight_path
+from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.route_colors import EXCLUSION_COLOR, route_color
+
+Pixels = tuple[tuple[float, float], ...]
+
+WIDTH_PX = 1200
+_MARGIN_PX = 40.0
+_LINE_PX = 22
+_TEXT_PX = 16
+_MAP_PX = (WIDTH_PX - 2 * _MARGIN_PX, 900.0)
+_INK = '#222222'
+_REGION_FILL = '#e8ece4'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """A line, or an area if it has a fill; in pixels, y downwards; an empty colour is none."""
+
+    points: Pixels
+    stroke: str = ''
+    fill: str = ''
+    width: float = 1.0
+    opacity: float = 1.0
+    is_closed: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dot:
+    """A filled circle."""
+
+    centre: tuple[float, float]
+    radius: float
+    fill: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Label:
+    """A line of text that begins at `place`, on its base line."""
+
+    place: tuple[float, float]
+    text: str
+    color: str = _INK
+    size: int = _TEXT_PX
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drawing:
+    """What to paint, in order, on a white canvas."""
+
+    width_px: int
+    height_px: int
+    marks: tuple[Shape | Dot | Label, ...]
+
+
+def plan_drawing(plan: SurveyPlan) -> Drawing:
+    """Return the picture of a plan, north up."""
+    sheet = _Sheet(plan)
+    marks = (*_ground(plan, sheet), *_routes(plan, sheet), *_legend(plan, sheet))
+    lines = 4 + len(plan.routes)
+    height = int(sheet.bottom_px + _MARGIN_PX + _LINE_PX * lines)
+    return Drawing(width_px=WIDTH_PX, height_px=height, marks=marks)
+
+
+class _Sheet:
+    """Places on the ground to pixels."""
+
+    def __init__(self, plan: SurveyPlan) -> None:
+        centre = plan.request.regions[0].area.centroid()
+        origin = GeoPosition(centre.latitude_deg, centre.longitude_deg, 0.0)
+        self._frame = LocalFrame(origin)
+        ground = np.vstack([self._plane(ring) for ring in _all_rings(plan)])
+        self._low, high = ground.min(axis=0), ground.max(axis=0)
+        extent = np.maximum(high - self._low, 1.0)
+        self.px_per_m = float(min(np.array(_MAP_PX) / extent))
+        self._top = float(high[1])
+        self.bottom_px = _MARGIN_PX + float(extent[1]) * self.px_per_m
+
+    def pixels(self, positions: Sequence[GeoPosition]) -> Pixels:
+        """Return the pixels (x, y) of positions."""
+        east, north = self._plane(positions).T
+        x = _MARGIN_PX + (east - self._low[0]) * self.px_per_m
+        y = _MARGIN_PX + (self._top - north) * self.px_per_m
+        return tuple(zip(x.round(2).tolist(), y.round(2).tolist(), strict=True))
+
+    def _plane(self, positions: Sequence[GeoPosition]) -> NDArray[np.float64]:
+        return self._frame.to_enu(
+            [position.latitude_deg for position in positions],
+            [position.longitude_deg for position in positions],
+            math.nan,
+        )[:, :2]
+
+
+def _all_rings(plan: SurveyPlan) -> Iterator[Sequence[GeoPosition]]:
+    for region in plan.request.regions:
+        yield region.area.boundary
+    for zone in plan.request.exclusions:
+        yield zone.boundary
+    for route in plan.routes:
+        yield [route.vehicle.home]
+        for number in range(len(route.sorties)):
+            yield [stop.position for stop in flight_path(route, number)]
+        for viewpoint in route.viewpoints:
+            yield viewpoint.footprint
+
+
+def _ground(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape]:
+    for region in plan.request.regions:
+        yield from _area(region.area, sheet, stroke=_INK, fill=_REGION_FILL)
+    for index, route in enumerate(plan.routes):
+        for viewpoint in route.viewpoints:
+            yield Shape(
+                points=sheet.pixels(viewpoint.footprint),
+                stroke=route_color(index),
+                fill=route_color(index),
+                width=0.5,
+                opacity=0.08,
+                is_closed=True,
+            )
+    for zone in plan.request.exclusions:
+        yield from _area(zone, sheet, stroke=EXCLUSION_COLOR, fill='#e8b0b0')
+
+
+def _area(area: SurveyArea, sheet: _Sheet, *, stroke: str, fill: str) -> Iterator[Shape]:
+    rings = (area.boundary, *area.holes)
+    for ring, inside in zip(rings, (fill, *['#ffffff'] * len(area.holes)), strict=True):
+        yield Shape(points=sheet.pixels(ring), stroke=stroke, fill=inside, is_closed=True)
+
+
+def _routes(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot]:
+    for index, route in enumerate(plan.routes):
+        color = route_color(index)
+        for number in range(len(route.sorties)):
+            way = sheet.pixels([stop.position for stop in flight_path(route, number)])
+            yield Shape(points=way, stroke=color, width=2.0)
+        for place in sheet.pixels([v.position for v in route.viewpoints] or ()):
+            yield Dot(centre=place, radius=2.5, fill=color)
+        (home,) = sheet.pixels([route.vehicle.home])
+        yield Dot(centre=home, radius=7.0, fill=_INK)
+        yield Dot(centre=home, radius=5.0, fill=color)
+
+
+def _legend(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot | Label]:
+    y = sheet.bottom_px + _MARGIN_PX
+    yield from _scale_bar(sheet, y)
+    name = plan.request.regions[0].area.name or 'survey'
+    gap = 100.0 * plan.gap_fraction
+    photographs = f'{plan.viewpoint_count} photographs, {100.0 * plan.covered_fraction:.1f} % of'
+    proof = f'no plan is shorter than {plan.lower_bound_s:.0f} s ({plan.lower_bound_method})'
+    for text in (
+        f'{name}: {photographs} {plan.region_area_m2 / 1e4:.2f} ha, method {plan.request.method}',
+        f'{plan.makespan_s:.0f} s, at most {gap:.1f} % above optimal: {proof}',
+    ):
+        yield Label(place=(_MARGIN_PX, y), text=text)
+        y += _LINE_PX
+    for index, route in enumerate(plan.routes):
+        yield Dot(centre=(_MARGIN_PX + 7.0, y - 5.0), radius=6.0, fill=route_color(index))
+        flights = f' in {len(route.sorties)} flights' if len(route.sorties) > 1 else ''
+        late = f', takes off after {route.delay_s:.0f} s' if route.delay_s else ''
+        yield Label(
+            place=(_MARGIN_PX + 24.0, y),
+            text=f'{route.vehicle.name}: {len(route.viewpoints)} photographs, '
+            f'{route.length_m:.0f} m, {route.duration_s:.0f} s{flights}{late}',
+        )
+        y += _LINE_PX
+
+
+def _scale_bar(sheet: _Sheet, y: float) -> Iterator[Shape | Label]:
+    """Yield a bar of 1, 2 or 5 times a power of ten, about a sixth of the picture wide."""
+    target = WIDTH_PX / 6.0 / sheet.px_per_m
+    power = 10.0 ** math.floor(math.log10(target))
+    length = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= target)
+    end = WIDTH_PX - _MARGIN_PX
+    begin = end - length * sheet.px_per_m
+    yield Shape(points=((begin, y - 5.0), (end, y - 5.0)), stroke=_INK, width=3.0)
+    yield Label(place=(begin, y + 14.0), text=f'{length:g} m')
