@@ -190,6 +190,15 @@ def test_number_in_exponent_form_is_a_number(
     assert sources[0].sigma_usvps == 1000.0
 
 
+def test_many_vehicles_share_a_process(small: Callable[..., Path]) -> None:
+    """DDS does not find more than some thirty processes on a machine: a fleet flies in one."""
+    vehicles = [{'name': f'rav{n}', 'home': [53.2795, -9.061]} for n in range(21)]
+    with pytest.raises(ScenarioError, match='vehicles = 21 of them: must be at most 20'):
+        read_scenario(small({'vehicles': vehicles}))
+    fleet = {'vehicles': vehicles, 'simulation.processes': 'fleet'}
+    assert len(read_scenario(small(fleet)).vehicles) == 21
+
+
 def test_fleet_in_one_process_is_alike(small: Callable[..., Path]) -> None:
     """One process simulates vehicles of one kind; another kind is named."""
     changes = {'vehicles[1].hover_s': 3.0, 'simulation.processes': 'fleet'}

@@ -28,6 +28,13 @@ from rocsafe_orchestrator.scenario_file import read_scenario
 from rocsafe_orchestrator.status import Monitor
 from rocsafe_orchestrator.supervisor import Supervisor
 
+# How far ROS looks for other participants; the user who sets one of these has decided.
+REACH_VARIABLES = (
+    'ROS_AUTOMATIC_DISCOVERY_RANGE',
+    'ROS_STATIC_PEERS',
+    'ROS_DISCOVERY_SERVER',
+    'ROS_LOCALHOST_ONLY',
+)
 # Vehicles report once a simulated second.
 BEATS_PERIOD_S = 2.0
 
@@ -54,9 +61,16 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
     if request.config is not None and not request.config.is_file():
         raise ScenarioError(f'{request.config}: no such file')
+    _stay_on_this_machine()
     require_executables(process_table(scenario, RunDirectory(request.parent)))
     with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
         return _run(request, scenario, console)
+
+
+def _stay_on_this_machine() -> None:
+    """Keep a simulated fleet from announcing itself to the whole network, unless told to."""
+    if not any(os.environ.get(name) for name in REACH_VARIABLES):
+        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 
 def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:

@@ -11,6 +11,8 @@ from rocsafe_orchestrator.survey_size import fewest_viewpoints
 
 # The local frame is flat: beyond this its error grows above the noise of a GPS fix.
 LARGEST_DISTANCE_M = 20_000.0
+# On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
+MOST_VEHICLE_PROCESSES = 20
 
 
 def mistakes(scenario: Scenario) -> list[str]:
@@ -18,6 +20,7 @@ def mistakes(scenario: Scenario) -> list[str]:
     lines = [
         *_double_names(scenario),
         *_unequal_fleet(scenario),
+        *_too_many_processes(scenario),
         *_half_origin(scenario),
         *_unclear_strengths(scenario),
     ]
@@ -57,6 +60,15 @@ def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
                     f'vehicles[{index}].{key} = {value}: must be {limit}, as of vehicles[0], '
                     'with simulation.processes = fleet'
                 )
+
+
+def _too_many_processes(scenario: Scenario) -> Iterator[str]:
+    count = len(scenario.vehicles)
+    if scenario.simulation.processes == 'per_vehicle' and count > MOST_VEHICLE_PROCESSES:
+        yield (
+            f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
+            'simulation.processes = per_vehicle; fleet flies more in one process'
+        )
 
 
 def _half_origin(scenario: Scenario) -> Iterator[str]:
