@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sources are found where they are, as many as there are, and as surely as it is said."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -14,6 +15,7 @@ from rocsafe_radiation.localization import (
     TooFewReadingsError,
     localize,
 )
+from rocsafe_radiation.spectral_window import background_shape
 from rocsafe_radiation.survey import Observation, Survey, survey_of
 
 from .simulated_survey import HEIGHT_M, LOSSLESS, survey
@@ -148,3 +150,29 @@ def test_merging_keeps_counts_and_exposures():
     assert merged.counts.sum() == whole.counts.sum()
     assert merged.exposures.sum() == pytest.approx(whole.exposures.sum())
     assert merged.size < whole.size / 5
+
+
+def test_a_spectral_window_foretells_an_uneven_background():
+    """A hot spot of ground, counted in the window above the lines too, is no source."""
+    flown = survey([(150.0, 150.0, 300.0)], background_usvh=0.1)
+    even = localize(flown, LOSSLESS)
+    assert len(even.sources) == 1
+    reference = np.random.default_rng(3).poisson(4.0 * flown.counts).astype(float)
+    shape = background_shape(flown.positions_enu_m, reference)
+    foretold = dataclasses.replace(flown, background_shape=shape)
+    assert localize(foretold, LOSSLESS).sources == ()
+
+
+def test_a_source_that_the_window_above_does_not_see_is_found():
+    """Its photons have too little energy for it."""
+    flown = survey([(150.0, 150.0, 300.0)], background_usvh=0.1)
+    reference = np.random.default_rng(3).poisson(220.0, flown.size).astype(float)
+    shape = background_shape(flown.positions_enu_m, reference)
+    (source,) = localize(dataclasses.replace(flown, background_shape=shape), LOSSLESS).sources
+    assert math.dist(source.position_enu_m[:2], (150.0, 150.0)) < 20.0
+
+
+def test_a_window_without_a_count_is_refused():
+    """It foretells nothing."""
+    with pytest.raises(ValueError, match='at least one count'):
+        background_shape(survey([]).positions_enu_m, np.zeros(441))

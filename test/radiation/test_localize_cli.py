@@ -118,3 +118,19 @@ def test_no_file_is_one_line(tmp_path, capsys):
     """With its name."""
     assert main([str(tmp_path / 'none.csv')]) == 2
     assert 'none.csv: cannot be read' in capsys.readouterr().err
+
+
+def test_counts_of_a_reference_window_are_read_with_their_rows(table):
+    """A row without one is left out, like any without a number."""
+    text = 'east_m,north_m,up_m,counts,live_time_s,reference_counts\n1,2,3,9,1,4\n1,2,3,9,1,\n'
+    readings = read_readings(table(text))
+    assert readings.reference_counts == (4.0,)
+    assert sum(readings.dropped.values()) == 1
+
+
+def test_the_next_places_are_told(table, capsys):
+    """As many as wanted, around the source, and whether the evidence is enough."""
+    assert main([str(table(HEAD + derailment())), '--next', '3']) == 0
+    text = capsys.readouterr().out
+    assert text.count('measure next at latitude_deg 53.28') == 3
+    assert 'the evidence is enough (errors 1%, ellipses within 5 m)' in text

@@ -19,7 +19,7 @@ from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 
 from .simulated_survey import survey
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 ORIGIN = GeoPosition(53.28, -9.06, 66.0)
 SOURCE = (120.0, 170.0, 9250.0)
 

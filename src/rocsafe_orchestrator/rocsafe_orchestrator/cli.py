@@ -208,6 +208,7 @@ def _add_localize(commands: Commands) -> None:
     parser.add_argument(
         '--out', metavar='DIR', help='also write sources, cordons (GeoJSON, KML) and dose map'
     )
+    parser.add_argument('--next', metavar='N', help='say at which N places to measure next')
     parser.add_argument('--json', action='store_true', help='print JSON')
     parser.set_defaults(command=_localize)
 
@@ -269,7 +270,7 @@ def _localize(arguments: argparse.Namespace) -> int:
     from rocsafe_orchestrator.errors import EXIT_COMPLETE
     from rocsafe_orchestrator.source_estimates import localize
 
-    names = ('model', 'nuclide', 'sensitivity', 'height', 'out')
+    names = ('model', 'nuclide', 'sensitivity', 'height', 'out', 'next')
     given = ((name, getattr(arguments, name)) for name in names)
     options = [f'--{name}={value}' for name, value in given if value is not None]
     levels = ['--levels', *arguments.levels] if arguments.levels else []

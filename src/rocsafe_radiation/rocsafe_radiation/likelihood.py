@@ -25,6 +25,8 @@ UP = 2
 # Of the logarithm of the background level, uSv/h: anything that occurs.
 LEVEL_MEAN, LEVEL_STD = float(np.log(0.1)), 3.0
 SMALLEST_COUNTS = 1e-9
+# A source farther outside of the survey raises all readings alike: that is background.
+REACH_HEIGHTS = 3.0
 LARGEST_LOG_STEP = 1.5
 LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
 
@@ -72,7 +74,11 @@ class Likelihood:
         # With this constant the likelihood of a perfect fit is 0: no large numbers are compared.
         perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)) - counts, 0.0)
         self._constant = float(0.5 * np.log(self.weights).sum() - self.weights @ perfect)
+        self._shape = 1.0 if survey.background_shape is None else survey.background_shape
         self._step_limit_m = 20.0
+        places = survey.positions_enu_m[:, :2]
+        reach = REACH_HEIGHTS * survey.height_m(setting.source_up_m)
+        self._low, self._high = places.min(axis=0) - reach, places.max(axis=0) + reach
         self._columns = np.ascontiguousarray(survey.positions_enu_m.T)
 
     def source_count(self, parameters: Array) -> int:
@@ -86,7 +92,7 @@ class Likelihood:
     def background_usvh(self, parameters: Array) -> Array:
         """Return the background at each reading, shape (n,)."""
         logs = parameters[0] + self.basis @ parameters[1 : self.background_size]
-        return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)))
+        return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)) * self._shape)
 
     def expected(self, parameters: Array) -> Array:
         """Return the expected counts of each reading, shape (n,)."""
@@ -123,7 +129,7 @@ class Likelihood:
             information, gradient = self.information_and_gradient(parameters)
             gained = 0.0
             while damping < LARGEST_DAMPING:
-                proposal = parameters + self._step(information, gradient, damping)
+                proposal = self._inside(parameters + self._step(information, gradient, damping))
                 better = self.objective(proposal)
                 if better >= value:
                     gained, parameters, value = better - value, proposal, better
@@ -182,6 +188,12 @@ class Likelihood:
         limits = np.array([self._step_limit_m] * 3 + [LARGEST_LOG_STEP])
         np.clip(sources, -limits, limits, out=sources)
         return step
+
+    def _inside(self, parameters: Array) -> Array:
+        """Return `parameters` with all sources moved into the ground that readings can tell of."""
+        sources = parameters[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+        np.clip(sources[:, :2], self._low, self._high, out=sources[:, :2])
+        return parameters
 
     def _prior_means(self, parameters: Array) -> Array:
         means = np.zeros_like(parameters)

@@ -2,11 +2,15 @@
 """`localize`: sources from a survey file, without ROS."""
 
 import argparse
+import dataclasses
 import json
 import math
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.errors import RadiationError
@@ -16,9 +20,13 @@ from rocsafe_radiation.localization import Localization, LocalizationOptions, lo
 from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide_names
 from rocsafe_radiation.products import write_products
 from rocsafe_radiation.readings_file import ReadingsFile, read_readings
-from rocsafe_radiation.source_document import source_document
-from rocsafe_radiation.survey import survey_of
+from rocsafe_radiation.source_document import place_of, source_document
+from rocsafe_radiation.spectral_window import background_shape
+from rocsafe_radiation.stopping import StoppingRule
+from rocsafe_radiation.survey import Survey, survey_of
+from rocsafe_radiation.waypoint_choice import candidate_places, next_waypoints
 
+Array = NDArray[np.float64]
 EXIT_OK, EXIT_REFUSED = 0, 2
 AUTO = 'auto'
 COLUMNS = """\
@@ -29,6 +37,8 @@ columns of the file, comma separated, with a row of names; others do not matter:
                                             hour) or _usvps (microsievert per second)
   or counts, live_time_s                    with --sensitivity; or both, which is best
   dose_rate_std_usvh, time_ns, vehicle      if there are any
+  reference_counts                          of a window of the spectrum above the lines of the
+                                            source: they foretell the background of counts
 Rows without a valid place and value are left out and counted.
 """
 
@@ -39,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         readings = read_readings(options.file, options.height)
         known = _options(options, readings)
-        survey = survey_of(readings.observations, options.sensitivity)
+        survey = _survey(readings, options.sensitivity)
         found = localize(survey, known)
         if options.out is not None:
             levels = options.levels or DEFAULT_LEVELS_USVH
@@ -47,10 +57,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (RadiationError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
+    places = _next_places(found, survey, known, options.next)
     if options.json:
-        sys.stdout.write(json.dumps(source_document(found, readings.frame), indent=1) + '\n')
+        document = source_document(found, readings.frame)
+        document['is_enough'] = StoppingRule().is_enough(found)
+        document['next_places'] = [place_of(one, readings.frame) for one in places]
+        sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        sys.stdout.write('\n'.join([*_notes(readings), *_lines(found, readings)]) + '\n')
+        lines = [*_notes(readings), *_lines(found, readings), *_advice(found, places, readings)]
+        sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK
 
 
@@ -96,6 +111,14 @@ def _parser() -> argparse.ArgumentParser:
         metavar='USVH',
         help='dose rates of cordons, uSv/h at 1 m (default: 2.5 25 100 1000 100000)',
     )
+    parser.add_argument(
+        '--next',
+        type=int,
+        choices=range(101),
+        default=0,
+        metavar='N',
+        help='also say at which N places to measure next to place the sources better',
+    )
     parser.add_argument('--json', action='store_true', help='print JSON instead of a table')
     parser.add_argument(
         '--out',
@@ -127,6 +150,36 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> Localizatio
     if model == AUTO:
         model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
     return LocalizationOptions(kernel=Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide))
+
+
+def _survey(readings: ReadingsFile, sensitivity: float) -> Survey:
+    survey = survey_of(readings.observations, sensitivity)
+    reference = np.array(readings.reference_counts, np.float64)
+    if not reference.sum() > 0.0:
+        return survey
+    shape = background_shape(survey.positions_enu_m, reference)
+    return dataclasses.replace(survey, background_shape=shape)
+
+
+def _next_places(
+    found: Localization, survey: Survey, known: LocalizationOptions, count: int
+) -> list[Array]:
+    """Return the places, east, north, up, from which a reading tells most."""
+    candidates = candidate_places(survey, known.source_up_m)
+    exposure = float(np.median(survey.exposures))
+    chosen = next_waypoints(found, candidates, exposure, known.kernel, count)
+    return [np.array(one.position_enu_m) for one in chosen]
+
+
+def _advice(found: Localization, places: list[Array], readings: ReadingsFile) -> list[str]:
+    rule = StoppingRule()
+    limits = f'errors {rule.false_alarm:.0%}, ellipses within {rule.ellipse_95_m:g} m'
+    enough = 'enough' if rule.is_enough(found) else 'not enough yet'
+    lines = [f'the evidence is {enough} ({limits})']
+    for place in places:
+        where = ', '.join(f'{k} {v}' for k, v in place_of(place, readings.frame).items())
+        lines.append(f'measure next at {where}')
+    return lines
 
 
 def _notes(readings: ReadingsFile) -> list[str]:

@@ -26,6 +26,7 @@ DOSE_RATE_COLUMNS = {
     'dose_rate_usvps': 3600.0,
 }
 STD_COLUMN = 'dose_rate_std_usvh'
+REFERENCE_COLUMN = 'reference_counts'
 GEODETIC_COLUMNS = ('latitude_deg', 'longitude_deg')
 LOCAL_COLUMNS = ('east_m', 'north_m')
 NUMBER, PLACE, NEGATIVE, REPEATED = (
@@ -51,6 +52,8 @@ class ReadingsFile:
     dropped: number of rows left out, by reason.
     backward_steps: how often the clock of a vehicle went backwards; such rows are kept.
     models: names of field models that the rows state.
+    reference_counts: of each observation, in a window above the lines of the source; empty if
+        the file has none.
     """
 
     observations: tuple[Observation, ...]
@@ -58,6 +61,7 @@ class ReadingsFile:
     dropped: Mapping[str, int]
     backward_steps: int
     models: frozenset[str]
+    reference_counts: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +72,7 @@ class _Columns:
     up: str
     dose_rate: str
     has_counts: bool
+    has_reference: bool
 
 
 def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
@@ -76,7 +81,9 @@ def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
     Columns: ``latitude_deg``, ``longitude_deg``, ``altitude_m`` or ``east_m``, ``north_m``,
     ``up_m``; one of ``dose_rate_usvh``, ``_nsvh``, ``_msvh``, ``_svh``, ``_usvps``, or ``counts``
     and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
-    ``model``. Others do not matter. Rows without a valid place and value are left out and counted.
+    ``model``, and ``reference_counts`` of a window of the spectrum above the lines of the source,
+    which foretell the background. Others do not matter. Rows without a valid place and value are
+    left out and counted.
 
     Parameters
     ----------
@@ -118,7 +125,13 @@ def _columns(path: Path, names: Iterable[str], height_m: float) -> _Columns:
         raise ReadingsFileError(
             f'{path}: has no column dose_rate_usvh, nor counts and live_time_s'
         )
-    return _Columns(place, up if up in known else '', rates[0] if rates else '', has_counts)
+    return _Columns(
+        place=place,
+        up=up if up in known else '',
+        dose_rate=rates[0] if rates else '',
+        has_counts=has_counts,
+        has_reference=REFERENCE_COLUMN in known,
+    )
 
 
 def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsFile:
@@ -143,7 +156,7 @@ def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsF
         latest[vehicle] = time if math.isfinite(time) else latest.get(vehicle, -math.inf)
         models.add((row.get('model') or '').strip())
         kept.append(values)
-    array = np.array(kept, np.float64).reshape(len(kept), 7)
+    array = np.array(kept, np.float64).reshape(len(kept), 8)
     frame = _frame(array) if columns.place == GEODETIC_COLUMNS and kept else None
     return ReadingsFile(
         observations=_observations(array, frame),
@@ -151,6 +164,7 @@ def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsF
         dropped=dict(dropped),
         backward_steps=backward,
         models=frozenset(models - {''}),
+        reference_counts=tuple(array[:, 7].tolist()) if columns.has_reference else (),
     )
 
 
@@ -162,14 +176,19 @@ def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] |
     std = _number(row.get(STD_COLUMN))
     counts = _number(row.get('counts')) if columns.has_counts else math.nan
     live_s = _number(row.get('live_time_s')) if columns.has_counts else math.nan
+    reference = _number(row.get(REFERENCE_COLUMN)) if columns.has_reference else 0.0
     counted = math.isfinite(counts) and math.isfinite(live_s)
-    if not all(map(math.isfinite, (first, second, up))) or not (math.isfinite(rate) or counted):
+    if not all(map(math.isfinite, (first, second, up, reference))) or not (
+        math.isfinite(rate) or counted
+    ):
         return NUMBER
     if columns.place == GEODETIC_COLUMNS and (abs(first) > 90.0 or abs(second) > 180.0):
         return PLACE
-    if (counted and (counts < 0.0 or live_s <= 0.0)) or rate < 0.0 or std < 0.0:
+    if (counted and (counts < 0.0 or live_s <= 0.0)) or any(
+        v < 0.0 for v in (rate, std, reference)
+    ):
         return NEGATIVE
-    return first, second, up, rate, std, counts if counted else 0.0, live_s
+    return first, second, up, rate, std, counts if counted else 0.0, live_s, reference
 
 
 def _number(text: str | None) -> float:

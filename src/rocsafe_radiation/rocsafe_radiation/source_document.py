@@ -5,6 +5,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
@@ -43,10 +44,23 @@ def source_geojson(found: Localization, frame: LocalFrame) -> dict[str, Any]:
     return {'type': 'FeatureCollection', 'features': features}
 
 
+def place_of(enu: NDArray[np.float64], frame: LocalFrame | None) -> dict[str, float]:
+    """Return a place in degrees with `frame`, else in metres."""
+    if frame is None:
+        east, north, up = enu.tolist()
+        return {'east_m': round(east, 3), 'north_m': round(north, 3), 'up_m': round(up, 3)}
+    latitude, longitude, altitude = frame.to_geodetic(enu)[0]
+    return {
+        'latitude_deg': round(float(latitude), DEGREE_DIGITS),
+        'longitude_deg': round(float(longitude), DEGREE_DIGITS),
+        'altitude_m': round(float(altitude), 3),
+    }
+
+
 def _source(source: SourceEstimate, frame: LocalFrame | None) -> dict[str, Any]:
     long_m, short_m, angle = source.ellipse_95()
     return {
-        'place': _place(source, frame),
+        'place': place_of(source.position_enu_m, frame),
         'ellipse_95_m': [round(long_m, 4), round(short_m, 4)],
         'ellipse_angle_from_east_deg': round(math.degrees(angle), 2),
         'position_covariance_m2': source.covariance_m2.tolist(),
@@ -57,19 +71,7 @@ def _source(source: SourceEstimate, frame: LocalFrame | None) -> dict[str, Any]:
     }
 
 
-def _place(source: SourceEstimate, frame: LocalFrame | None) -> dict[str, float]:
-    if frame is None:
-        east, north, up = source.position_enu_m
-        return {'east_m': round(east, 3), 'north_m': round(north, 3), 'up_m': round(up, 3)}
-    latitude, longitude, altitude = frame.to_geodetic(source.position_enu_m)[0]
-    return {
-        'latitude_deg': round(float(latitude), DEGREE_DIGITS),
-        'longitude_deg': round(float(longitude), DEGREE_DIGITS),
-        'altitude_m': round(float(altitude), 3),
-    }
-
-
-def _ellipse(source: SourceEstimate) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _ellipse(source: SourceEstimate) -> NDArray[np.float64]:
     """Return the corners of the ellipse, anticlockwise, east, north, up."""
     long_m, short_m, angle = source.ellipse_95()
     turns = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS, endpoint=False)

@@ -44,14 +44,21 @@ class Survey:
     positions_enu_m: shape (n, 3).
     counts: counts of each, or as many as have the same relative error, shape (n,).
     exposures: expected counts for one microsievert per hour, shape (n,).
+    background_shape: the background at each reading relative to its mean, as known from
+        elsewhere, for instance from a window of the spectrum above the source's lines, shape
+        (n,); None: even.
     """
 
     positions_enu_m: Array
     counts: Array
     exposures: Array
+    background_shape: Array | None = None
 
     def __post_init__(self) -> None:
         size = len(self.counts)
+        shape = self.background_shape
+        if shape is not None and (shape.shape != (size,) or not (shape > 0.0).all()):
+            raise ValueError('background_shape must be above 0 and as many as readings')
         if self.positions_enu_m.shape != (size, 3) or self.exposures.shape != (size,):
             raise ValueError('positions, counts and exposures of a survey must be as many')
         if not (np.isfinite(self.positions_enu_m).all() and np.isfinite(self.counts).all()):
@@ -82,7 +89,11 @@ class Survey:
             np.bincount(owner, self.exposures * axis) / exposures
             for axis in self.positions_enu_m.T
         ]
+        shape = self.background_shape
+        if shape is not None:
+            shape = np.bincount(owner, self.exposures * shape) / exposures
         return Survey(
+            background_shape=shape,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             exposures=exposures,

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The background under a photopeak, foretold by a window of the spectrum above it.
+
+Photons of the source cannot reach a window above its lines; those of the ground and the sky
+scatter down from there into the peak. Where that window counts more, so does the background of
+the peak.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+# Counts of readings this near say the same of the ground.
+SMOOTHING_M = 8.0
+# So many counts foretell the background to 7 %, well below what one reading of the peak can tell.
+FEWEST_COUNTS = 200.0
+LARGEST_SMOOTHING_M = 1000.0
+# Readings at a time, so that memory stays small.
+BLOCK = 1024
+
+
+def background_shape(
+    positions_enu_m: Array, reference_counts: Array, smoothing_m: float = SMOOTHING_M
+) -> Array:
+    """Return the background at each reading relative to its mean, shape (n,).
+
+    `reference_counts` of the window above, shape (n,), are averaged over neighbours with a
+    Gaussian of `smoothing_m` or, where that holds fewer than 200 counts for half the readings, of
+    twice that and so on.
+
+    Raises
+    ------
+    ValueError: if nothing was counted in the window.
+    """
+    if not reference_counts.sum() > 0.0:
+        raise ValueError('reference_counts must hold at least one count')
+    sums, weights = _sums(positions_enu_m[:, :2], reference_counts, smoothing_m)
+    while np.median(sums) < FEWEST_COUNTS and smoothing_m < LARGEST_SMOOTHING_M:
+        smoothing_m *= 2.0
+        sums, weights = _sums(positions_enu_m[:, :2], reference_counts, smoothing_m)
+    smooth = sums / weights
+    mean = float(reference_counts.mean())
+    # A tenth of the mean: a quiet place may just have had no count yet.
+    return np.asarray(np.maximum(smooth / mean, 0.1))
+
+
+def _sums(places: Array, counts: Array, smoothing_m: float) -> tuple[Array, Array]:
+    """Return around each place the weighted sum of `counts` and the sum of weights."""
+    sums, totals = np.empty(len(places)), np.empty(len(places))
+    for start in range(0, len(places), BLOCK):
+        block = places[start : start + BLOCK]
+        squares = ((block[:, None, :] - places[None, :, :]) ** 2).sum(axis=2)
+        weights = np.exp(-squares / (2.0 * smoothing_m * smoothing_m))
+        sums[start : start + BLOCK] = weights @ counts
+        totals[start : start + BLOCK] = weights.sum(axis=1)
+    return sums, totals
