@@ -1,0 +1,394 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A fake ArduCopter: answers, refuses and fails as the recorded one did, in simulated time.
+
+Recorded on ArduCopter 4.7.0-dev in its own simulator. Flight is a point at constant speed: what is
+recorded is what it says and when, not how it flies.
+"""
+
+import math
+
+from test.fakes.mission_store import MissionStore
+
+from rocsafe_mavlink.dialect import Message, decode, encode
+
+STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND = 0, 3, 4, 5, 6, 9
+MODES = {STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND}
+ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
+EKF_GOOD, EKF_LOST = 831, 37
+HOME = (47.3977420, 8.5455940)
+HOME_MSL_M = 488.0
+DEG_M = 111_190.0
+STEP_S = 0.1
+CLIMB_MPS, DESCENT_MPS = 2.5, 1.5
+ARRIVED_M = 2.0
+DISARM_DELAY_S = 10.0
+GCS_TIMEOUT_S = 5.0
+GPS_LOSS_LAND_S = 8.0
+EKF_READY_S, PREARM_S, FIX_S, HOME_S = 41.4, 23.5, 10.0, 19.9
+PREARM = 1 << 28
+IDS = {
+    33: 'GLOBAL_POSITION_INT',
+    24: 'GPS_RAW_INT',
+    1: 'SYS_STATUS',
+    193: 'EKF_STATUS_REPORT',
+    42: 'MISSION_CURRENT',
+    245: 'EXTENDED_SYS_STATE',
+    242: 'HOME_POSITION',
+}
+
+
+class FakeCopter:
+    """One copter on a link.
+
+    Parameters
+    ----------
+    fs_gcs_enable : whether it returns when the station's heartbeats stop; off by default, as on
+        the real one.
+    """
+
+    def __init__(self, system=1, *, fs_gcs_enable=False, speed_mps=10.0):
+        self.missions = MissionStore(system)
+        self.fs_gcs_enable = fs_gcs_enable
+        self.has_gps = True
+        self.is_silent = False
+        self.commands = []
+        self._system = system
+        self._speed_mps = speed_mps
+        self._now_s = 0.0
+        self._start()
+
+    def _start(self):
+        self.boot_s = self._now_s
+        self.mode = STABILIZE
+        self.is_armed = False
+        self.is_paused = False
+        self.place = (0.0, 0.0)
+        self.height_m = 0.0
+        self.status = 1
+        self.current = 0
+        self.mission_state = 1
+        self._rates = {}
+        self._sent = {}
+        self._armed_s = 0.0
+        self._gcs_s = None
+        self._gps_lost_s = None
+        self._gps_time_us = 0
+        self._out = []
+
+    @property
+    def up_s(self):
+        """Seconds since it was started."""
+        return self._now_s - self.boot_s
+
+    @property
+    def is_flying(self):
+        """Whether it is in the air."""
+        return self.height_m > 0.05
+
+    @property
+    def has_ekf(self):
+        """Whether its estimate uses the receiver."""
+        return self.has_gps and self.up_s >= EKF_READY_S
+
+    def receive(self, message, station=(255, 190)):
+        """Take a message of a station."""
+        if self.is_silent:
+            return
+        if message.name == 'HEARTBEAT':
+            self._gcs_s = self._now_s
+        elif message.name == 'COMMAND_LONG':
+            self._on_command(message)
+        else:
+            self._out += self.missions.receive(message, station, self._now_s)
+            if message.name.startswith('MISSION_') and not self.is_flying:
+                self.mission_state = 2 if self.missions.stored[0] else 1
+
+    def step(self, now_s):
+        """Fly until `now_s`; return what it said since the last step."""
+        while self._now_s + STEP_S <= now_s + 1e-9:
+            self._now_s += STEP_S
+            self._fail_safe()
+            self._fly()
+            self._out += self.missions.tick(self._now_s)
+            self._speak()
+        said, self._out = self._out, []
+        return [] if self.is_silent else said
+
+    # Faults.
+
+    def reboot(self):
+        """Start again: rates, home and the mission of the simulator are gone."""
+        self.missions = MissionStore(self._system)
+        self._start()
+
+    def lose_battery(self):
+        """Low voltage for longer than its timer."""
+        self._text(4, 'Battery 1 is low 10.60V used 274 mAh')
+        self._text(4, 'Battery Failsafe')
+        self.status, self.mode = 5, RTL
+
+    def breach_fence(self):
+        """Fly out of the circle."""
+        self._say('FENCE_STATUS', breach_status=1, breach_type=3, breach_count=1)
+        self._text(4, 'Circle fence breached')
+        self.status, self.mode = 5, RTL
+
+    def _fail_safe(self):
+        heard_s = self._gcs_s
+        silent_s = 0.0 if heard_s is None else self._now_s - heard_s
+        if self.fs_gcs_enable and self.is_flying and silent_s > GCS_TIMEOUT_S and self.status != 5:
+            self._text(4, 'GCS Failsafe')
+            self.status, self.mode = 5, RTL
+        if self.has_gps:
+            self._gps_lost_s = None
+        elif self._gps_lost_s is None:
+            self._gps_lost_s = self._now_s
+        elif self._now_s - self._gps_lost_s >= GPS_LOSS_LAND_S and self._must_land():
+            self._text(2, 'EKF Failsafe: changed to LAND Mode')
+            self.status, self.mode = 5, LAND
+
+    def _must_land(self):
+        return self.is_flying and self.mode != LAND
+
+    # Commands.
+
+    def _on_command(self, message):
+        number = message['command']
+        self.commands.append(number)
+        handler = {
+            176: self._on_mode,
+            193: self._on_pause,
+            224: self._on_current,
+            300: self._on_start,
+            400: self._on_arm,
+            511: self._on_interval,
+            178: lambda _message: ACCEPTED,
+        }.get(number)
+        result = UNSUPPORTED if handler is None else handler(message)
+        self._say('COMMAND_ACK', command=number, result=result)
+
+    def _parameter(self, message, number):
+        return message.fields.get(f'param{number}', 0.0)
+
+    def _on_mode(self, message):
+        mode = int(self._parameter(message, 2))
+        if mode not in MODES:
+            return FAILED
+        items = self.missions.stored[0]
+        has_takeoff = len(items) > 1 and items[1].command == 22
+        if mode == AUTO and self.is_armed and not self.is_flying and not has_takeoff:
+            self._text(4, 'Auto: Missing Takeoff Cmd')
+            self._text(4, 'Mode change to AUTO failed: init failed')
+            return FAILED
+        if mode == AUTO and self.is_armed and self.mode != AUTO:
+            self.current = max(self.current, 1)
+            self.mission_state, self.is_paused = 3, False
+            if not self.is_flying:
+                self._text(6, 'Mission: 1 Takeoff')
+        self.mode = mode
+        return ACCEPTED
+
+    def _on_arm(self, message):
+        wanted = self._parameter(message, 1) == 1.0
+        if not wanted:
+            if self.is_flying:
+                return FAILED
+            self._disarm()
+            return ACCEPTED
+        reason = ''
+        if self.mode == AUTO:
+            reason = 'Arm: AUTO mode not armable'
+        elif self.mode == GUIDED and not self.has_ekf:
+            reason = 'Arm: Need Position Estimate'
+        if reason:
+            self._text(3, reason)
+            return FAILED
+        self.is_armed, self._armed_s = True, self._now_s
+        return ACCEPTED
+
+    def _on_start(self, message):
+        return ACCEPTED if self._parameter(message, 1) == 0.0 else DENIED
+
+    def _on_pause(self, message):
+        if self.mode != AUTO or not self.is_flying:
+            return FAILED
+        self.is_paused = self._parameter(message, 1) == 0.0
+        self.mission_state = 4 if self.is_paused else 3
+        return ACCEPTED
+
+    def _on_current(self, message):
+        number = int(self._parameter(message, 1))
+        if not 0 < number < len(self.missions.stored[0]):
+            return FAILED
+        self.current = number
+        return ACCEPTED
+
+    def _on_interval(self, message):
+        name = IDS.get(int(self._parameter(message, 1)))
+        if name is None:
+            return DENIED
+        self._rates[name] = self._parameter(message, 2) / 1e6
+        return ACCEPTED
+
+    # Flight.
+
+    def _fly(self):
+        self.missions.is_flying = self.is_flying
+        if not self.is_armed:
+            return
+        if not self.is_flying and self.mode != AUTO:
+            if self._now_s - self._armed_s > DISARM_DELAY_S:
+                self._disarm()
+        elif self.mode == AUTO and not self.is_paused:
+            self._fly_item()
+        elif self.mode == RTL:
+            self._fly_home()
+        elif self.mode == LAND:
+            self._descend()
+
+    def _fly_item(self):
+        items = self.missions.stored[0]
+        if self.current >= len(items):
+            return
+        item = items[self.current]
+        if item.command == 22:
+            self.height_m += CLIMB_MPS * STEP_S
+            if self.height_m >= item.z_m:
+                self._reached()
+        elif item.command == 16:
+            goal = (
+                (item.y_e7 / 1e7 - HOME[1]) * DEG_M * math.cos(math.radians(HOME[0])),
+                (item.x_e7 / 1e7 - HOME[0]) * DEG_M,
+            )
+            if self._approach(goal):
+                self._reached()
+        elif item.command == 20:
+            self._fly_home()
+        else:
+            self.current += 1
+
+    def _reached(self):
+        self._say('MISSION_ITEM_REACHED', seq=self.current)
+        self.current += 1
+
+    def _approach(self, goal):
+        east, north = goal[0] - self.place[0], goal[1] - self.place[1]
+        left = math.hypot(east, north)
+        share = min(1.0, self._speed_mps * STEP_S / left) if left else 1.0
+        self.place = (self.place[0] + share * east, self.place[1] + share * north)
+        return left * (1.0 - share) < ARRIVED_M
+
+    def _fly_home(self):
+        if self._approach((0.0, 0.0)):
+            self._descend()
+
+    def _descend(self):
+        self.height_m = max(0.0, self.height_m - DESCENT_MPS * STEP_S)
+        if not self.is_flying:
+            if self.mode == AUTO:
+                self._say('MISSION_ITEM_REACHED', seq=self.current)
+                self.current, self.mission_state = 0, 5
+            self._text(6, 'Disarming motors')
+            self._disarm()
+
+    def _disarm(self):
+        self.is_armed = False
+
+    # What it says.
+
+    def _speak(self):
+        if self.status != 5:
+            self.status = 4 if self.is_flying else 3 if self.up_s > 3.0 else 1
+        self._due('HEARTBEAT', 1.0, self._heartbeat)
+        for name, period_s in self._rates.items():
+            self._due(name, period_s, getattr(self, f'_{name.lower()}'))
+
+    def _due(self, name, period_s, fields):
+        last_s = self._sent.get(name, -math.inf)
+        if self._now_s - last_s >= period_s - 1e-6:
+            self._sent[name] = self._now_s
+            said = fields()
+            if said is not None:
+                self._say(name, **said)
+
+    def _heartbeat(self):
+        return {
+            'type': 2,
+            'autopilot': 3,
+            'base_mode': 0x80 if self.is_armed else 0,
+            'custom_mode': self.mode,
+            'system_status': self.status,
+        }
+
+    def _global_position_int(self):
+        east, north = self.place
+        has_place = self.up_s >= FIX_S
+        longitude = HOME[1] + east / DEG_M / math.cos(math.radians(HOME[0]))
+        return {
+            'time_boot_ms': round(self.up_s * 1000),
+            'lat': round((HOME[0] + north / DEG_M) * 1e7) if has_place else 0,
+            'lon': round(longitude * 1e7) if has_place else 0,
+            'alt': round((HOME_MSL_M + self.height_m) * 1000),
+            'relative_alt': round(self.height_m * 1000),
+            'vx': 0,
+            'vy': 0,
+            'vz': 0,
+            'hdg': 0,
+        }
+
+    def _gps_raw_int(self):
+        has_fix = self.has_gps and self.up_s >= FIX_S
+        if has_fix or self.up_s < FIX_S:
+            self._gps_time_us = round(self._now_s * 1e6)
+        msl_mm = round((HOME_MSL_M + self.height_m) * 1000)
+        return {
+            'time_usec': self._gps_time_us,
+            'fix_type': 6 if has_fix else 1,
+            'alt': msl_mm,
+            'alt_ellipsoid': msl_mm,
+            'satellites_visible': 10,
+            'h_acc': 300,
+            'v_acc': 500,
+        }
+
+    def _sys_status(self):
+        return {
+            'onboard_control_sensors_health': PREARM if self.up_s >= PREARM_S else 0,
+            'battery_remaining': 80,
+            'voltage_battery': 12600,
+            'current_battery': 2800,
+        }
+
+    def _ekf_status_report(self):
+        return {'flags': EKF_GOOD if self.has_ekf else EKF_LOST}
+
+    def _mission_current(self):
+        return {'seq': self.current, 'mission_state': self.mission_state}
+
+    def _extended_sys_state(self):
+        if not self.is_flying:
+            return {'landed_state': 1}
+        is_takeoff = self.mode == AUTO and self.current == 1
+        return {'landed_state': 3 if is_takeoff else 4 if self.mode == LAND else 2}
+
+    def _home_position(self):
+        if self.up_s < HOME_S:
+            return None
+        return {
+            'latitude': round(HOME[0] * 1e7),
+            'longitude': round(HOME[1] * 1e7),
+            'altitude': round(HOME_MSL_M * 1000),
+        }
+
+    def _text(self, severity, text):
+        self._say('STATUSTEXT', severity=severity, text=text)
+
+    def _say(self, name, **fields):
+        # Through the codec, so that what is read is what can be on a wire.
+        filled = _complete(name, fields)
+        self._out.append(Message(name, filled, self._system, 1))
+
+
+def _complete(name, fields):
+    number, payload = encode(Message(name, fields))
+    return decode(number, payload, 1, 1).fields
