@@ -89,8 +89,8 @@ class Route:
 
 def _offset_m(place: Enu, a: Enu, b: Enu) -> float:
     """Return the horizontal distance of a place from the straight line between two others."""
-    length = horizontal_m(a, b)
     east, north = b[0] - a[0], b[1] - a[1]
+    square = east * east + north * north
     along = (place[0] - a[0]) * east + (place[1] - a[1]) * north
-    share = min(1.0, max(0.0, along / length**2)) if length else 0.0
+    share = min(1.0, max(0.0, along / square)) if square else 0.0
     return horizontal_m(place, (a[0] + share * east, a[1] + share * north, 0.0))
