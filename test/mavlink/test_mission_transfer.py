@@ -232,3 +232,35 @@ def test_mission_is_recognised_by_its_content():
     moved = [MissionItem(command=16, frame=0, z_m=3.0), *items[1:]]
     assert content_hash(items, 1) == content_hash(moved, 1)
     assert content_hash(items, 1) != content_hash(survey(5, shift=1), 1)
+
+
+def fence(count):
+    """Return the corners of a fence."""
+    return [
+        MissionItem(
+            command=5001,
+            frame=3,
+            x_e7=473977420 + 900 * number * number,
+            y_e7=85455940 + 900 * number,
+            parameters=(float(count), 0.0, 0.0, 0.0),
+        )
+        for number in range(count)
+    ]
+
+
+def test_fence_goes_the_same_way():
+    """A fence is read back like a mission, its first corner too, and leaves the mission alone."""
+    rig = Rig(())
+    rig.transfer = transfer(fence(4), TARGET, first_compared=0, mission_type=1)
+    assert rig.run().stage is TransferStage.VERIFIED
+    assert compare(fence(4), rig.store.stored[1], 0) == ''
+    assert len(rig.store.stored[0]) > 0
+
+
+def test_fence_of_two_corners_is_refused():
+    """The autopilot's check comes after the last corner; nothing of it stays."""
+    rig = Rig(())
+    rig.transfer = transfer(fence(2), TARGET, first_compared=0, mission_type=1)
+    assert rig.run().error.startswith('refused')
+    assert 'Fence validation failed' in rig.texts
+    assert rig.store.stored[1] == []

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A route to fly, and the mission that makes an autopilot fly it."""
+
+from dataclasses import dataclass
+
+from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.authority import DO_CHANGE_SPEED, DO_DIGICAM_CONTROL
+from rocsafe_mavlink.autopilot import Autopilot
+from rocsafe_mavlink.mission_item import GLOBAL, MISSION_FRAME, MissionItem
+from rocsafe_mavlink.units import e7_of_deg
+
+WAYPOINT, RETURN_TO_LAUNCH, TAKEOFF = 16, 20, 22
+GROUND_SPEED = 1.0
+SHOOT = 1
+LARGEST_HOLD_S = 3600.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    """A place to fly to.
+
+    Attributes
+    ----------
+    position: latitude and longitude; its altitude is not read.
+    height_m: above home, positive.
+    hold_s: time to stand there.
+    """
+
+    position: GeoPosition
+    height_m: float
+    hold_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive('height_m', self.height_m)
+        require_between('hold_s', self.hold_s, 0.0, LARGEST_HOLD_S)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightPlan:
+    """What shall be flown: take-off, the waypoints in order, return, landing.
+
+    Attributes
+    ----------
+    waypoints: at least one.
+    speed_mps: over ground.
+    takes_photographs: whether the autopilot triggers its camera at each waypoint.
+    """
+
+    waypoints: tuple[Waypoint, ...]
+    speed_mps: float
+    takes_photographs: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.waypoints:
+            raise ValueError('a flight plan must have at least one waypoint')
+        require_positive('speed_mps', self.speed_mps, 'm/s')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mission:
+    """A flight plan in the words of an autopilot.
+
+    Attributes
+    ----------
+    items: as they lie on it.
+    waypoint_items: number of the item of each waypoint, ascending.
+    """
+
+    items: tuple[MissionItem, ...]
+    waypoint_items: tuple[int, ...]
+
+    def visited(self, reached_item: int) -> int:
+        """Return how many waypoints are behind when item `reached_item` is."""
+        return sum(number <= reached_item for number in self.waypoint_items)
+
+
+def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
+    """Return the mission of `plan` for an autopilot, home in front where it wants it."""
+    items = [MissionItem(command=WAYPOINT, frame=GLOBAL)] if autopilot.has_home_item else []
+    items.append(MissionItem(command=TAKEOFF, z_m=plan.waypoints[0].height_m))
+    items.append(
+        MissionItem(
+            command=DO_CHANGE_SPEED,
+            frame=MISSION_FRAME,
+            parameters=(GROUND_SPEED, plan.speed_mps, 0.0, 0.0),
+        )
+    )
+    numbers = []
+    for waypoint in plan.waypoints:
+        numbers.append(len(items))
+        items.append(_item_of(waypoint))
+        if plan.takes_photographs:
+            shoot = MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)
+            items.append(shoot)
+    items.append(MissionItem(command=RETURN_TO_LAUNCH))
+    return Mission(items=tuple(items), waypoint_items=tuple(numbers))
+
+
+def _item_of(waypoint: Waypoint) -> MissionItem:
+    return MissionItem(
+        command=WAYPOINT,
+        x_e7=e7_of_deg(waypoint.position.latitude_deg),
+        y_e7=e7_of_deg(waypoint.position.longitude_deg),
+        z_m=waypoint.height_m,
+        parameters=(waypoint.hold_s, 0.0, 0.0, 0.0),
+    )

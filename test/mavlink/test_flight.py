@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A flight is checked, sent, flown and ended by name, against the fake copter."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from test.mavlink.sky import US, Sky
+from test.mavlink.telemetry import after, heartbeat, ready
+
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_mavlink.ardupilot import AUTO, COPTER, RTL
+from rocsafe_mavlink.flight import FlightStage, adopted, fly, home_moved
+from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint, mission_of
+from rocsafe_mavlink.mission_item import MissionItem
+from rocsafe_mavlink.preflight import FlightLimits, Verdict, failures, preflight
+from rocsafe_mavlink.px4 import MULTICOPTER
+from rocsafe_mavlink.vehicle import Battery
+
+HOME = GeoPosition(47.397742, 8.545594)
+NOW_S = 100.0
+
+
+def plan(count=3, **options):
+    """Return a plan of waypoints 50 m apart to the north."""
+    waypoints = tuple(
+        Waypoint(position=offset(HOME, 0.0, 50.0 * (number + 1)), height_m=30.0)
+        for number in range(count)
+    )
+    return FlightPlan(waypoints=waypoints, speed_mps=10.0, **options)
+
+
+class Trip:
+    """A sky with one flight in it."""
+
+    def __init__(self, flown, **options):
+        self.sky = Sky(**options)
+        self.sky.ask_for_rates()
+        self.sky.run(lambda: self.sky.copter.up_s > 45.0)
+        self.flight, sent = fly(flown, COPTER, self.sky.vehicle, US, self.sky.now_s)
+        self.sky.give(sent)
+        self.visits = [0]
+
+    def step(self):
+        """Let a tenth of a second pass."""
+        for message in self.sky.step():
+            self.flight, sent = self.flight.on_message(message, self.sky.now_s)
+            self.sky.give(sent)
+        self.flight, sent = self.flight.on_tick(self.sky.vehicle, self.sky.now_s)
+        self.sky.give(sent)
+        self.visits.append(self.flight.visited)
+
+    def until(self, condition, limit_s=400.0):
+        """Step until `condition` holds."""
+        end_s = self.sky.now_s + limit_s
+        while not condition():
+            assert self.sky.now_s < end_s, self.flight
+            self.step()
+
+    def fly_on(self, visited=1):
+        """Step until so many waypoints are behind."""
+        self.until(lambda: self.flight.visited >= visited)
+
+    def end(self, limit_s=400.0):
+        """Step until the flight is over; return it."""
+        self.until(lambda: self.flight.is_over, limit_s)
+        return self.flight
+
+
+def test_whole_flight_is_completed():
+    """Every waypoint, counted up one by one, and only the commands it takes."""
+    trip = Trip(plan(takes_photographs=True))
+    ended = trip.end()
+    assert (ended.outcome, ended.reason, ended.visited) == (Outcome.COMPLETED, '', 3)
+    assert trip.visits == sorted(trip.visits)
+    assert set(trip.visits) == {0, 1, 2, 3}
+    assert [number for number in trip.sky.copter.commands if number != 511] == [176, 400, 176, 300]
+
+
+def test_lost_reached_events_are_made_up_for():
+    """Progress follows the current item when no item is ever reported reached."""
+    trip = Trip(plan())
+    say = trip.sky.copter._say
+
+    def say_less(name, **fields):
+        if name != 'MISSION_ITEM_REACHED':
+            say(name, **fields)
+
+    trip.sky.copter._say = say_less
+    assert trip.end().outcome is Outcome.COMPLETED
+
+
+@pytest.mark.parametrize(
+    ('fault', 'outcome'),
+    [
+        (lambda copter: copter.lose_battery(), Outcome.FAILSAFE_BATTERY),
+        (lambda copter: copter.breach_fence(), Outcome.FAILSAFE_FENCE),
+        (lambda copter: setattr(copter, 'has_gps', False), Outcome.FAILSAFE_GPS),
+    ],
+    ids=['battery', 'fence', 'receiver'],
+)
+def test_failsafe_ends_by_its_name(fault, outcome):
+    """The autopilot's words say why, and nothing is sent against it."""
+    trip = Trip(plan(12))
+    trip.fly_on()
+    sent = list(trip.sky.copter.commands)
+    fault(trip.sky.copter)
+    ended = trip.end()
+    assert ended.outcome is outcome
+    assert failsafe_of(ended.reason) is outcome
+    assert 0 < ended.visited < 12
+    assert trip.sky.copter.commands == sent
+
+
+def test_lost_link_is_not_resumed():
+    """The copter returned while nobody listened; that it is heard again sends nothing."""
+    trip = Trip(plan(12), fs_gcs_enable=True)
+    trip.fly_on()
+    sent = list(trip.sky.copter.commands)
+    trip.sky.is_station_alive = False
+    trip.until(lambda: trip.sky.vehicle.custom_mode == RTL)
+    trip.sky.is_station_alive = True
+    assert trip.end().outcome is Outcome.FAILSAFE_LINK
+    assert trip.sky.copter.commands == sent
+
+
+def test_silence_in_flight_is_waited_out():
+    """Twenty seconds without a word: progress is taken from the vehicle, not from memory."""
+    trip = Trip(plan(4))
+    trip.fly_on()
+    trip.sky.copter.is_silent = True
+    until_s = trip.sky.now_s + 20.0
+    trip.until(lambda: trip.sky.now_s > until_s)
+    assert trip.flight.visited == 1
+    trip.sky.copter.is_silent = False
+    assert trip.end().outcome is Outcome.COMPLETED
+
+
+def test_silence_for_ever_is_lost():
+    """After ten minutes the flight ends as lost, with what was known."""
+    trip = Trip(plan(4))
+    trip.fly_on(2)
+    trip.sky.copter.is_silent = True
+    ended = trip.end(700.0)
+    assert (ended.outcome, ended.visited) == (Outcome.LOST, 2)
+    assert 'nothing heard for 600 s' in ended.reason
+
+
+def test_return_by_order_is_aborted():
+    """Who ordered it is told; the waypoints behind are kept."""
+    trip = Trip(plan(12))
+    trip.fly_on(2)
+    trip.sky.copter.mode = RTL
+    trip.flight = trip.flight.stopped()
+    ended = trip.end()
+    assert (ended.outcome, ended.visited) == (Outcome.ABORTED_BY_OPERATOR, 2)
+
+
+def test_refused_arming_is_rejected_in_its_own_words():
+    """Nothing is left armed."""
+    trip = Trip(plan())
+    trip.sky.copter.has_gps = False
+    ended = trip.end()
+    assert ended.outcome is Outcome.REJECTED
+    assert 'Arm: Need Position Estimate' in ended.reason
+    assert not trip.sky.copter.is_armed
+
+
+def test_refused_mission_is_not_armed():
+    """An autopilot without room for it says so before any motor turns."""
+    trip = Trip(plan(700))
+    ended = trip.end()
+    assert ended.outcome is Outcome.REJECTED
+    assert ended.reason == 'mission not taken: no space for so many items'
+    assert 400 not in trip.sky.copter.commands
+
+
+def test_home_that_moved_at_arming_is_rejected():
+    """Heights above home would not be those that were planned: the motors go off again."""
+    trip = Trip(plan())
+    trip.until(lambda: trip.flight.stage is FlightStage.ARMING)
+    trip.flight = replace(trip.flight, home=replace(trip.flight.home, altitude_msl_m=480.0))
+    ended = trip.end()
+    assert ended.outcome is Outcome.REJECTED
+    assert 'home moved 0.0 m and 8.0 m in height' in ended.reason
+    assert not trip.sky.copter.is_armed
+    assert home_moved(trip.flight.home, None)
+
+
+def test_accepted_but_not_shown_is_not_believed():
+    """An acknowledgement without a heartbeat that shows it ends on the ground."""
+    trip = Trip(plan())
+    trip.sky.copter._on_mode = lambda _message: 0
+    ended = trip.end()
+    assert ended.outcome is Outcome.REJECTED
+    assert 'heartbeats do not show it' in ended.reason
+
+
+def stored(sky):
+    """Return the mission that lies on the copter."""
+    return tuple(sky.copter.missions.stored[0])
+
+
+def test_started_again_it_finds_its_flight_and_sends_nothing():
+    """Killed in the air: the mission read back and the current item tell all."""
+    trip = Trip(plan(6))
+    trip.fly_on(3)
+    sent = list(trip.sky.copter.commands)
+    mission = stored(trip.sky)
+    trip.flight = adopted(plan(6), COPTER, trip.sky.vehicle, mission, US)
+    trip.step()
+    assert trip.flight.visited >= 3
+    assert trip.end().outcome is Outcome.COMPLETED
+    assert trip.sky.copter.commands == sent
+
+
+def test_other_flights_are_not_taken_over():
+    """Neither another mission nor a vehicle that stands."""
+    trip = Trip(plan(6))
+    trip.fly_on()
+    assert adopted(plan(5), COPTER, trip.sky.vehicle, stored(trip.sky), US) is None
+    standing = after(heartbeat(), vehicle=trip.sky.vehicle)
+    assert adopted(plan(6), COPTER, standing, stored(trip.sky), US) is None
+
+
+def test_armed_vehicle_is_not_sent_off():
+    """A flight begins on the ground, from a known home."""
+    with pytest.raises(ValueError, match='is armed'):
+        fly(plan(), COPTER, after(heartbeat(AUTO, armed=True), vehicle=ready()), US, NOW_S)
+    with pytest.raises(ValueError, match='has not told its home'):
+        fly(plan(), COPTER, replace(ready(), home=None), US, NOW_S)
+
+
+@pytest.mark.parametrize(('kind', 'first'), [(COPTER, 1), (MULTICOPTER, 0)])
+def test_mission_has_home_where_it_is_wanted(kind, first):
+    """Take-off, speed, waypoints with their photographs, return."""
+    mission = mission_of(plan(2, takes_photographs=True), kind)
+    assert [item.command for item in mission.items[first:]] == [22, 178, 16, 203, 16, 203, 20]
+    assert mission.waypoint_items == (first + 2, first + 4)
+    assert [mission.visited(number) for number in (-1, first + 2, first + 3, 99)] == [0, 1, 1, 2]
+    assert mission.items[first + 2] == MissionItem(
+        command=16, x_e7=mission.items[first + 2].x_e7, y_e7=85455940, z_m=30.0
+    )
+
+
+def verdicts(vehicle, flown=None, **limits):
+    """Return the checks that did not pass."""
+    checks = preflight(vehicle, COPTER, flown or plan(), FlightLimits(**limits), NOW_S)
+    return {check.name for check in checks if check.verdict is Verdict.FAIL}, failures(checks)
+
+
+def test_ready_vehicle_passes():
+    """Only the geoid is warned of: a simulator does not tell it."""
+    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S)
+    assert {check.name for check in checks if check.verdict is not Verdict.PASS} == {'geoid'}
+    assert failures(checks) == ''
+
+
+@pytest.mark.parametrize(
+    ('changes', 'name'),
+    [
+        ({'heartbeat_s': NOW_S - 4.0}, 'contact'),
+        ({'is_armed': True}, 'motors'),
+        ({'ekf_flags': 37}, 'fix'),
+        ({'is_prearm_ok': False}, 'self-test'),
+        ({'battery': Battery(fraction=0.2)}, 'charge'),
+        ({'battery': Battery(fraction=math.nan)}, 'charge'),
+        ({'home': None}, 'home'),
+    ],
+    ids=lambda value: value if isinstance(value, str) else '',
+)
+def test_unready_vehicle_fails_by_name(changes, name):
+    """Each thing that is wrong is named with its value and limit."""
+    failed, text = verdicts(replace(ready(), **changes))
+    assert failed == {name}
+    assert text.startswith(f'{name} is ')
+
+
+@pytest.mark.parametrize(
+    ('limits', 'text'),
+    [
+        ({'highest_m': 25.0}, 'heights is 30 to 30 m: must be 5 to 25 m above home'),
+        ({'furthest_m': 100.0}, 'distance is 150 m from home: must be at most 100 m'),
+        ({'longest_s': 60.0}, 'duration is 80 s: must be at most 60 s'),
+    ],
+)
+def test_wild_plan_fails(limits, text):
+    """What an autopilot would accept is refused here."""
+    assert verdicts(ready(), **limits)[1] == text
+
+
+@pytest.mark.parametrize(
+    ('make', 'words'),
+    [
+        (lambda: FlightPlan(waypoints=(), speed_mps=5.0), 'at least one waypoint'),
+        (lambda: FlightPlan(waypoints=plan().waypoints, speed_mps=math.nan), 'speed_mps is nan'),
+        (lambda: Waypoint(position=HOME, height_m=-1.0), 'height_m is -1'),
+        (lambda: Waypoint(position=HOME, height_m=9.0, hold_s=math.inf), 'hold_s is inf'),
+    ],
+)
+def test_wrong_plan_is_not_made(make, words):
+    """Every number is looked at before anything is sent."""
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+def test_words_of_failsafes():
+    """What was cleared is no cause."""
+    assert failsafe_of('GCS Failsafe Cleared') is None
+    assert failsafe_of('GCS Failsafe') is Outcome.FAILSAFE_LINK
+    assert failsafe_of('Mission: 1 Takeoff') is None
