@@ -3,6 +3,7 @@
 
 import pytest
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
 from rocsafe_ros import topics
@@ -78,3 +79,25 @@ def test_new_request_ends_idleness_at_once(ros, table):
     table.participant.report(is_idle=False)
     ros.spin_until(lambda: not table.reports[-1].is_idle, DEADLINE_S)
     assert table.steps == [STEP_NS]
+
+
+def test_participant_that_joins_late_works_the_time_its_node_has_heard(ros):
+    """A restarted node may hear the time before it takes part; that time stands still for it."""
+    overrides = [Parameter('use_sim_time', value=True)]
+    world = Node('world', context=ros.context)
+    drone = Node('drone', context=ros.context, parameter_overrides=overrides)
+    clock = topics.create_publisher(world, topics.CLOCK)
+    steps = []
+    for node in (world, drone):
+        ros.executor.add_node(node)
+
+    def has_heard():
+        clock.publish(Clock(clock=stamp_of_ns(STEP_NS)))
+        return drone.get_clock().now().nanoseconds == STEP_NS
+
+    ros.spin_until(has_heard, DEADLINE_S)
+    Participant(drone, 'drone', lambda time_ns: steps.append(time_ns) or True)
+    assert steps == [STEP_NS]
+    for node in (world, drone):
+        ros.executor.remove_node(node)
+        node.destroy_node()

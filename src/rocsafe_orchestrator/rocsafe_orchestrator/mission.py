@@ -93,8 +93,7 @@ class Mission:
 
     def advance(self, now_s: float, situation: Situation) -> list[Order]:
         """Enter the next phase if this one is over, and return the orders to send now."""
-        if self._entered_s is None:
-            self._entered_s = now_s
+        self._phase_s(now_s)
         step: Callable[[float, Situation], None] | None = {
             Phase.STARTING: self._start,
             Phase.PLANNING: self._plan,

@@ -48,6 +48,10 @@ class Participant:
         self._repeats = node.create_timer(
             REPEAT_S, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
+        heard_ns = node.get_clock().now().nanoseconds
+        if heard_ns > 0:
+            # Time that the node has heard already does not jump when it is published again.
+            self._work(heard_ns)
 
     def report(self, *, is_idle: bool) -> None:
         """Report the current step again with a new idleness, for instance on a new request."""
@@ -57,7 +61,9 @@ class Participant:
         self._done.publish(self._last)
 
     def _on_jump(self, _jump: TimeJump) -> None:
-        time_ns = self._node.get_clock().now().nanoseconds
+        self._work(self._node.get_clock().now().nanoseconds)
+
+    def _work(self, time_ns: int) -> None:
         is_idle = self._on_step(time_ns)
         self._last = StepDone(step=stamp_of_ns(time_ns), participant=self._name, is_idle=is_idle)
         self._has_news = True
