@@ -96,7 +96,7 @@ def localizer_parameters(scenario: Scenario) -> Parameters:
     return {
         'vehicles': list(scenario.vehicle_names),
         'model': scenario.radiation.model,
-        'ground_altitude_m': scenario.origin.ground_altitude_m,
+        **_origin(scenario),
     }
 
 

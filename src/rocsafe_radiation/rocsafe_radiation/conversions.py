@@ -4,6 +4,8 @@
 import math
 from collections.abc import Sequence
 
+import numpy as np
+from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import NavSatFix
 
 from rocsafe_geo.frame import LocalFrame
@@ -11,6 +13,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import GeoPoint, HazardSource, HazardSourceArray, RadiationReading
 from rocsafe_radiation.counting import Sample, WindowReading
 from rocsafe_radiation.detector import IDEAL
+from rocsafe_radiation.dose_map import DoseMap
 from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
 from rocsafe_radiation.reading_log import ReadingLog
 from rocsafe_radiation.survey import Observation
@@ -23,6 +26,8 @@ from rocsafe_ros.conversions import (
 )
 
 Coordinates = tuple[float, float, float]
+# Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
+LOWEST_CELL_USVH, DECADES = 0.1, 6.0
 NOWHERE: Coordinates = (math.nan, math.nan, math.nan)
 
 
@@ -156,3 +161,21 @@ def _source_message(
         detection_log_likelihood_ratio=source.detection_llr,
         reading_count=found.reading_count,
     )
+
+
+def dose_map_message(found: DoseMap, log: ReadingLog) -> OccupancyGrid:
+    """Return the mean of `found`, log-scaled: 0 at 0.1 uSv/h and below, 100 at 1e5 and above.
+
+    The frame is that of the log, the mission's.
+    """
+    rows, columns = found.mean_usvh.shape
+    decades = np.log10(np.maximum(found.mean_usvh, LOWEST_CELL_USVH) / LOWEST_CELL_USVH)
+    cells = np.clip(np.round(100.0 * decades / DECADES), 0, 100).astype(np.int8)
+    message = OccupancyGrid(data=cells.ravel().tolist())
+    message.header.stamp = stamp_of_ns(log.newest_ns)
+    message.header.frame_id = 'map'
+    message.info.resolution = float(found.cell_m)
+    message.info.width, message.info.height = columns, rows
+    message.info.origin.position.x, message.info.origin.position.y = found.corner_m
+    message.info.origin.orientation.w = 1.0
+    return message

@@ -42,14 +42,23 @@ class DoseMap:
 
 
 def dose_map(
-    found: Localization, survey: Survey, kernel: Kernel, lowest_level_usvh: float, seed: int = 0
+    found: Localization,
+    survey: Survey,
+    kernel: Kernel,
+    lowest_level_usvh: float,
+    seed: int = 0,
+    largest_cells: int = LARGEST_CELLS,
 ) -> DoseMap:
     """Return the map of the readings' extent and of all ground that sources raise to a level.
 
     The background is taken as even. The spread comes from 40 draws of the sources' places and
-    strengths from their covariances, with `seed`.
+    strengths from their covariances, with `seed`. Cells are at least half a metre wide and not
+    many more than `largest_cells`.
     """
-    east, north, cell = _axes(found, survey, lowest_level_usvh)
+    low, high = _bounds(found, survey, lowest_level_usvh)
+    cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
+    east = np.arange(low[0], high[0] + cell, cell, dtype=np.float64)
+    north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
     mean = _field(found.sources, found.background_usvh, kernel, east, north)
     generator = np.random.default_rng([seed, 0xD05E])
     draws = np.stack([_drawn(found, kernel, east, north, generator) for _ in range(SAMPLES)])
@@ -62,7 +71,8 @@ def dose_map(
     )
 
 
-def _axes(found: Localization, survey: Survey, level_usvh: float) -> tuple[Array, Array, float]:
+def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Array, Array]:
+    """Return the south-western and the north-eastern corner of what the map shows."""
     places = survey.positions_enu_m[:, :2]
     low, high = places.min(axis=0) - MARGIN_M, places.max(axis=0) + MARGIN_M
     for source in found.sources:
@@ -70,10 +80,7 @@ def _axes(found: Localization, survey: Survey, level_usvh: float) -> tuple[Array
         reach = min(math.sqrt(strongest / level_usvh) * 1.1 + MARGIN_M, LARGEST_REACH_M)
         low = np.minimum(low, source.position_enu_m[:2] - reach)
         high = np.maximum(high, source.position_enu_m[:2] + reach)
-    cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / LARGEST_CELLS))
-    east = np.arange(low[0], high[0] + cell, cell, dtype=np.float64)
-    north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
-    return east, north, cell
+    return low, high
 
 
 def _drawn(

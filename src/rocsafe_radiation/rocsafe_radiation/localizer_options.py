@@ -4,6 +4,7 @@
 import math
 from dataclasses import dataclass, field
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.localization import LocalizationOptions
@@ -27,9 +28,16 @@ class LocalizerOptions:
         metadata={'doc': 'law of the dose rate: paper, air, or auto: what the readings say'},
     )
     nuclide: str = field(default=DEFAULT_NUCLIDE, metadata={'doc': 'whose photons air attenuates'})
-    ground_altitude_m: float = field(
+    origin_latitude_deg: float = field(
         default=0.0,
-        metadata={'doc': 'altitude of the ground above the ellipsoid, metres', 'max': 1e4},
+        metadata={'doc': 'WGS84 latitude of the mission origin, degrees; 0, 0: the first reading'},
+    )
+    origin_longitude_deg: float = field(
+        default=0.0, metadata={'doc': 'WGS84 longitude of the mission origin, degrees'}
+    )
+    origin_altitude_m: float = field(
+        default=0.0,
+        metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
     )
     source_height_m: float = field(
         default=0.5,
@@ -60,8 +68,22 @@ class LocalizerOptions:
         if self.model not in MODELS:
             raise ValueError(f'model = {self.model!r} must be one of: {", ".join(MODELS)}')
         nuclide(self.nuclide)
+        self.origin()
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
+
+    def origin(self) -> GeoPosition:
+        """Return the origin of the mission, on the ground.
+
+        Raises
+        ------
+        ValueError: if it is out of range.
+        """
+        return GeoPosition(
+            latitude_deg=self.origin_latitude_deg,
+            longitude_deg=self.origin_longitude_deg,
+            altitude_m=self.origin_altitude_m,
+        )
 
     def looks_a_fit(self, look_period_s: float) -> int:
         """Return how many looks make a period."""

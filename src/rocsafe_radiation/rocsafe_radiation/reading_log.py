@@ -10,20 +10,22 @@ from rocsafe_radiation.survey import Observation, Survey, survey_of
 
 
 class ReadingLog:
-    """Collects readings; the frame is about the first of them, on the ground.
+    """Collects readings.
 
     Parameters
     ----------
-    ground_altitude_m: of the ground above the ellipsoid, metres.
+    origin: of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
+        frame is about the first reading.
     sensitivity_cps_per_usvh: of the detectors; 0: from counts and dose rate.
     """
 
-    def __init__(self, ground_altitude_m: float, sensitivity_cps_per_usvh: float = 0.0) -> None:
-        self._ground_altitude_m = ground_altitude_m
+    def __init__(self, origin: GeoPosition, sensitivity_cps_per_usvh: float = 0.0) -> None:
+        self._origin = origin
         self._sensitivity = sensitivity_cps_per_usvh
         self._seen: set[Hashable] = set()
         self._observations: list[Observation] = []
-        self.frame: LocalFrame | None = None
+        is_known = bool(origin.latitude_deg or origin.longitude_deg)
+        self.frame = LocalFrame(origin) if is_known else None
         self.models: set[str] = set()
         self.newest_ns = 0
 
@@ -46,7 +48,7 @@ class ReadingLog:
             ground = GeoPosition(
                 latitude_deg=position.latitude_deg,
                 longitude_deg=position.longitude_deg,
-                altitude_m=self._ground_altitude_m,
+                altitude_m=self._origin.altitude_m,
             )
             self.frame = LocalFrame(ground)
         east, north, up = self.frame.enu_of(position).tolist()
