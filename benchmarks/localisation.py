@@ -125,9 +125,9 @@ def bound_m2(trial: Trial) -> Array:
     """Return the Cramer-Rao bound of the place of the only true source, shape (2, 2)."""
     likelihood = Likelihood(trial.survey, Setting(), np.empty((trial.survey.size, 0)))
     x, y, strength = trial.truth[0]
-    truth = np.array([math.log(BACKGROUND_USVH), x, y, 0.0, math.log(strength)])
+    truth = np.array([math.log(BACKGROUND_USVH), 0.0, x, y, 0.0, math.log(strength)])
     information, _ = likelihood.information_and_gradient(truth)
-    return np.asarray(np.linalg.inv(information)[1:3, 1:3])
+    return np.asarray(np.linalg.inv(information)[2:4, 2:4])
 
 
 Row = tuple[str, str, str]

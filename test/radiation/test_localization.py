@@ -85,10 +85,11 @@ def test_a_height_unknown_by_a_metre_is_fitted():
 def test_the_gradient_is_that_of_the_objective():
     """Against difference quotients, background and all."""
     readings = survey([(140.0, 150.0, 3000.0)])
+    readings.positions_enu_m[::3, 2] += 5.0
     basis = np.random.default_rng(1).uniform(size=(readings.size, 2))
     setting = Setting(kernel=Kernel(), background_std=0.3, rho=0.05, source_up_std_m=1.0)
     likelihood = Likelihood(readings, setting, basis)
-    place = np.array([math.log(0.12), 0.1, -0.2, 133.0, 158.0, 0.3, math.log(2500.0)])
+    place = np.array([math.log(0.12), 0.5, 0.1, -0.2, 133.0, 158.0, 0.3, math.log(2500.0)])
     _, gradient = likelihood.information_and_gradient(place)
     for index, step in enumerate(np.diag(np.full(len(place), 1e-4))):
         slope = (likelihood.objective(place + step) - likelihood.objective(place - step)) / 2e-4
@@ -176,3 +177,20 @@ def test_a_window_without_a_count_is_refused():
     """It foretells nothing."""
     with pytest.raises(ValueError, match='at least one count'):
         background_shape(survey([]).positions_enu_m, np.zeros(441))
+
+
+def test_take_off_and_landing_make_no_source():
+    """Near the ground, its radiation is stronger: 0.1 uSv/h that falls by e in 120 m."""
+    flown = survey([(140.0, 150.0, 1850.0)])
+    generator = np.random.default_rng(2)
+    ups = np.tile(np.arange(1.0, 32.0, 1.0), 12)
+    climb = np.stack([np.full(ups.size, -60.0), np.full(ups.size, 20.0), ups], axis=1)
+    squares = ((climb - [140.0, 150.0, 0.0]) ** 2).sum(axis=1)
+    rates = 0.07 * np.exp((32.0 - ups) / 120.0) + 0.03 + 1850.0 / squares
+    readings = Survey(
+        positions_enu_m=np.vstack([flown.positions_enu_m, climb]),
+        counts=np.append(flown.counts, generator.poisson(550.0 * rates)),
+        exposures=np.full(flown.size + ups.size, 550.0),
+    )
+    (source,) = localize(readings, LOSSLESS).sources
+    assert math.dist(source.position_enu_m[:2], (140.0, 150.0)) < 3.0

@@ -2,8 +2,9 @@
 """The Poisson likelihood of counts given sources and background, and its maximum.
 
 Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
-sum of c_j phi_j) and the kernel g. Parameters: c0, c_j, then for each source east, north, up and
-the logarithm of its strength. Fitted by damped Fisher scoring.
+ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Parameters: c0, ch, c_j,
+then for each source east, north, up and the logarithm of its strength. Fitted by damped Fisher
+scoring.
 
 Errors of position and gain make counts scatter by a share rho of what the sources add, beyond
 Poisson. They enter as weights w = 1 / (1 + rho^2 e^2 / n), taken from the data (e: excess over
@@ -25,6 +26,12 @@ UP = 2
 # Of the logarithm of the background level, uSv/h: anything that occurs.
 LEVEL_MEAN, LEVEL_STD = float(np.log(0.1)), 3.0
 SMALLEST_COUNTS = 1e-9
+# Radiation of the ground falls by e in so many metres, cosmic rays do not: two thirds of a usual
+# background do.
+GROUND_DECAY_M = 120.0
+HEIGHT_MEAN, HEIGHT_STD = 0.7, 0.5
+# c0 and ch come before the bumps.
+LEVEL_PARAMETERS = 2
 # A source farther outside of the survey raises all readings alike: that is background.
 REACH_HEIGHTS = 3.0
 LARGEST_LOG_STEP = 1.5
@@ -67,7 +74,9 @@ class Likelihood:
         self.survey = survey
         self.setting = setting
         has_bumps = setting.background_std > 0.0
-        self.basis = basis if has_bumps else np.empty((survey.size, 0))
+        ups = survey.positions_enu_m[:, 2]
+        below = (np.median(ups) - ups)[:, None] / GROUND_DECAY_M
+        self.basis = np.hstack([below, basis]) if has_bumps else below
         self.background_size = 1 + self.basis.shape[1]
         self.weights = _weights(survey, setting.rho)
         counts = survey.counts
@@ -197,15 +206,15 @@ class Likelihood:
 
     def _prior_means(self, parameters: Array) -> Array:
         means = np.zeros_like(parameters)
-        means[0] = LEVEL_MEAN
+        means[0], means[1] = LEVEL_MEAN, HEIGHT_MEAN
         means[self.background_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
         return means
 
     def _prior_precisions(self, parameters: Array) -> Array:
         precisions = np.zeros_like(parameters)
-        precisions[0] = LEVEL_STD**-2
+        precisions[0], precisions[1] = LEVEL_STD**-2, HEIGHT_STD**-2
         if self.setting.background_std > 0.0:
-            precisions[1 : self.background_size] = self.setting.background_std**-2
+            precisions[LEVEL_PARAMETERS : self.background_size] = self.setting.background_std**-2
         # A height that is kept is one known to a tenth of a millimetre.
         up_std = max(self.setting.source_up_std_m, 1e-4)
         precisions[self.background_size + UP :: SOURCE_PARAMETERS] = up_std**-2

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Likelihood, Setting
-from rocsafe_radiation.order_search import LARGEST_ORDER, OrderSearch, search
+from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, OrderSearch, search
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
 METHOD = 'poisson-ml'
-# Chi-square of two degrees of freedom at 0.95.
-ELLIPSE_95 = 5.991
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
 # Cells of this share of the height lose nothing that matters, and bound the time of a fit.

@@ -15,11 +15,21 @@ from rocsafe_radiation.candidates import (
     grid_kernel,
     score_candidates,
 )
-from rocsafe_radiation.likelihood import Fit, Likelihood, Setting, background_level_usvh
+from rocsafe_radiation.likelihood import (
+    HEIGHT_MEAN,
+    LEVEL_PARAMETERS,
+    SOURCE_PARAMETERS,
+    Fit,
+    Likelihood,
+    Setting,
+    background_level_usvh,
+)
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
 LARGEST_ORDER = 4
+# Chi-square of two degrees of freedom at 0.95.
+ELLIPSE_95 = 5.991
 # East, north and strength; the height is known before.
 FREE_PARAMETERS = 3
 TRIED_CANDIDATES = 3
@@ -114,13 +124,13 @@ class _Trial:
         setting = replace(self._setting, background_std=background_std, rho=rho)
         likelihood = Likelihood(self._survey, setting, self._basis)
         start = np.zeros(likelihood.background_size)
-        start[0] = math.log(background_level_usvh(self._survey))
+        start[0], start[1] = math.log(background_level_usvh(self._survey)), HEIGHT_MEAN
         fits = [likelihood.fit(start)]
         scores = [_score(likelihood, fits[0])]
         # One more may be worse where two more win; splitting tries pairs, so no further is gone.
         while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
             fit = _with_one_more(likelihood, fits[-1], self._grid, self._kernel)
-            if fit is None:
+            if fit is None or not _is_placed(likelihood, fit):
                 break
             fits.append(fit)
             scores.append(_score(likelihood, fit))
@@ -170,11 +180,23 @@ def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list
     return starts
 
 
+def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
+    """Return whether each source is known to be somewhere about the survey.
+
+    What could be anywhere raises all readings alike: it is background, not a source.
+    """
+    places = likelihood.survey.positions_enu_m[:, :2]
+    diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
+    variances = np.diag(np.linalg.inv(fit.information))[likelihood.background_size :]
+    spreads = variances.reshape(-1, SOURCE_PARAMETERS)[:, :2]
+    return bool((ELLIPSE_95 * spreads < diagonal**2).all())
+
+
 def _score(likelihood: Likelihood, fit: Fit) -> float:
     """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
     order = likelihood.source_count(fit.parameters)
     penalty = order * (0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size) - LOG_PRIOR_ODDS)
-    bumps = slice(1, likelihood.background_size)
+    bumps = slice(LEVEL_PARAMETERS, likelihood.background_size)
     std = likelihood.setting.background_std
     if std > 0.0:
         _, volume = np.linalg.slogdet(fit.information[bumps, bumps] * std**2)
