@@ -197,6 +197,30 @@ def test_accepted_but_not_shown_is_not_believed():
     assert 'heartbeats do not show it' in ended.reason
 
 
+@pytest.mark.parametrize('number', [176, 400, 300])
+def test_lost_answers_are_made_up_for(number):
+    """An order that was carried out without an answer is seen in what the vehicle does."""
+    trip = Trip(plan())
+    say = trip.sky.copter._say
+
+    def say_less(name, **fields):
+        if name != 'COMMAND_ACK' or fields['command'] != number:
+            say(name, **fields)
+
+    trip.sky.copter._say = say_less
+    assert trip.end().outcome is Outcome.COMPLETED
+
+
+def test_flight_that_cannot_be_called_back_is_watched():
+    """The start is refused, yet it flies and cannot be disarmed: it is not called over."""
+    trip = Trip(plan(2))
+    trip.sky.copter._on_start = lambda _message: 4
+    trip.until(lambda: trip.flight.stage is FlightStage.FLYING)
+    assert trip.sky.vehicle.is_armed
+    ended = trip.end()
+    assert (ended.outcome, ended.visited) == (Outcome.COMPLETED, 2)
+
+
 def stored(sky):
     """Return the mission that lies on the copter."""
     return tuple(sky.copter.missions.stored[0])

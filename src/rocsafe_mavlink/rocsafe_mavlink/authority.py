@@ -54,10 +54,10 @@ _NAN_ALLOWED = frozenset({NAV_LAND, DO_REPOSITION})
 
 
 class Authority:
-    """Lets pass what may be sent, at most ten commands a second."""
+    """Lets pass what may be sent, at most ten commands a second to each system."""
 
     def __init__(self) -> None:
-        self._rate = RateLimit(LARGEST_COMMANDS_PER_S)
+        self._rates: dict[int, RateLimit] = {}
 
     def require(self, message: Message, now_s: float) -> None:
         """Check a message about to be sent.
@@ -81,7 +81,9 @@ class Authority:
             raise NotAllowedError(f'{COMMANDS[number]}: force is not allowed')
         if number not in _NAN_ALLOWED:
             _require_finite(message)
-        if not self._rate.take(now_s):
+        system = int(message.fields.get('target_system', 0))
+        rate = self._rates.setdefault(system, RateLimit(LARGEST_COMMANDS_PER_S))
+        if not rate.take(now_s):
             raise NotAllowedError(
                 f'{COMMANDS[number]}: more than {LARGEST_COMMANDS_PER_S:g} commands a second'
             )

@@ -19,7 +19,7 @@ class Reason(Enum):
     RATE = 'more than can be read'
     UNUSED = 'of a kind that nobody reads'
     IMPLAUSIBLE = 'with a value that cannot be true'
-    NOT_SENT = 'not sent: the link is down or full'
+    NOT_SENT = 'not sent: too many commands at once'
 
 
 class Counters:

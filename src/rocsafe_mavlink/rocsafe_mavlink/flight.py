@@ -18,7 +18,7 @@ from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
 from rocsafe_mavlink.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.mission_item import MissionItem
 from rocsafe_mavlink.mission_transfer import Transfer, TransferStage, compare, transfer
-from rocsafe_mavlink.vehicle import Contact, Home, Vehicle
+from rocsafe_mavlink.vehicle import Contact, Home, Landed, Vehicle
 
 # A mode or arming that was accepted shows in a heartbeat within this time, two of them lost.
 SHOWS_WITHIN_S = 3.5
@@ -134,6 +134,8 @@ class Flight:
         going = replace(self, call=call)
         if not call.is_over:
             return going, sent
+        if call.stage is CallStage.UNANSWERED and self._is_done_anyway(vehicle):
+            return going._advance(vehicle, now_s)
         if call.stage is not CallStage.ACCEPTED:
             return going._abandon(call.error, vehicle, now_s)
         if not self.since_s:
@@ -153,7 +155,13 @@ class Flight:
             return vehicle.is_armed
         if self.stage is FlightStage.STARTING:
             return self.autopilot.is_in(vehicle, Verb.MISSION)
-        return True
+        return self.stage is FlightStage.LAUNCHING or not vehicle.is_armed
+
+    def _is_done_anyway(self, vehicle: Vehicle) -> bool:
+        """Whether only the answer got lost: the vehicle shows that it did what it was told."""
+        if self.stage is FlightStage.LAUNCHING:
+            return vehicle.landed in (Landed.TAKEOFF, Landed.IN_AIR)
+        return self._is_shown(vehicle)
 
     def _advance(self, vehicle: Vehicle, now_s: float) -> Answer:
         if self.stage is FlightStage.SWITCHING:
@@ -179,6 +187,9 @@ class Flight:
         """End a flight that has not begun, the motors off if they may be on."""
         ended = replace(self, reason=self.reason or reason)
         may_be_armed = vehicle.is_armed or self.stage is FlightStage.ARMING
+        if self.stage is FlightStage.ABANDONING and vehicle.is_armed:
+            # It cannot be called back: what flies is watched to its end.
+            return replace(ended, stage=FlightStage.FLYING, cause=Outcome.REJECTED), []
         if self.stage is FlightStage.ABANDONING or not may_be_armed:
             return ended._end(Outcome.REJECTED, ended.reason), []
         return ended._begin(FlightStage.ABANDONING, commands.disarm(self.target), now_s)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which messages a vehicle shall send how often, and when to ask for one again.
+
+Rates are kept per channel and are lost when an autopilot starts again: then only heartbeats come.
+So each message is watched, and asked for when three of it are missing.
+"""
+
+import math
+from collections.abc import Mapping
+
+# Message: its number and how many a second.
+WANTED: Mapping[str, tuple[int, float]] = {
+    'GLOBAL_POSITION_INT': (33, 10.0),
+    'ATTITUDE': (30, 5.0),
+    'GPS_RAW_INT': (24, 2.0),
+    'EKF_STATUS_REPORT': (193, 2.0),
+    'SYS_STATUS': (1, 2.0),
+    'MISSION_CURRENT': (42, 2.0),
+    'EXTENDED_SYS_STATE': (245, 2.0),
+    'SYSTEM_TIME': (2, 1.0),
+    'HOME_POSITION': (242, 1.0),
+}
+MISSING_PERIODS = 3.0
+# An answer may take a while; what a vehicle does not have is asked for now and then.
+ASK_AGAIN_S = 5.0
+# Between two questions to one vehicle, so that its commands find room.
+PACE_S = 0.3
+
+
+class StreamRates:
+    """Watches the messages of one vehicle."""
+
+    def __init__(self) -> None:
+        self._heard_s: dict[str, float] = {}
+        self._asked_s: dict[str, float] = {}
+        self._last_ask_s = -math.inf
+
+    def hear(self, name: str, now_s: float) -> None:
+        """Note that a message came."""
+        if name in WANTED:
+            self._heard_s[name] = now_s
+
+    def due(self, now_s: float) -> tuple[int, float] | None:
+        """Return number and rate of a message to ask for now, None if there is none."""
+        if now_s - self._last_ask_s < PACE_S:
+            return None
+        for name, (number, rate_hz) in WANTED.items():
+            silent_s = now_s - self._heard_s.get(name, -math.inf)
+            is_asked = now_s - self._asked_s.get(name, -math.inf) < ASK_AGAIN_S
+            if silent_s > MISSING_PERIODS / rate_hz and not is_asked:
+                self._asked_s[name] = self._last_ask_s = now_s
+                return number, rate_hz
+        return None

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One station, several vehicles, one link of bytes: nothing is mixed up, lost or overdone."""
+
+import numpy as np
+import pytest
+from test.fakes.fake_autopilot import FakeCopter
+from test.mavlink.test_flight import plan
+from test.mavlink.wire import DRONE, NOW_S, STRANGER, open_link
+
+from rocsafe_mavlink.counters import Reason
+from rocsafe_mavlink.dialect import decode, encode
+from rocsafe_mavlink.events import EventKind
+from rocsafe_mavlink.flight_outcome import Outcome
+from rocsafe_mavlink.framing import pack_frame, scan
+from rocsafe_mavlink.preflight import FlightLimits
+from rocsafe_mavlink.station import Station
+from rocsafe_mavlink.stream_rates import WANTED
+from rocsafe_mavlink.vehicle import Contact
+
+US = (255, 190)
+TICK_S = 0.1
+LIMITS = FlightLimits()
+
+
+class Air:
+    """Copters and a station with bytes between them, some of them lost."""
+
+    def __init__(self, count=1, loss=0.0, seed=1, **rules):
+        self.copters = {number + 1: FakeCopter(number + 1) for number in range(count)}
+        self.link = open_link(**rules)
+        self.station = Station(self.link, [(number, 1) for number in self.copters], US)
+        self.source = np.random.default_rng(seed)
+        self.loss = loss
+        self.now_s = 0.0
+        self.is_supervised = True
+        self.events = []
+        self.sent = []
+
+    def step(self):
+        """Let a tenth of a second pass."""
+        self.now_s = round(self.now_s + TICK_S, 3)
+        for system, copter in self.copters.items():
+            for message in copter.step(self.now_s):
+                self.say(pack_frame(*encode(message), system, 1, 0, sign=False))
+        self.carry(
+            self.station.tick(self.now_s, NOW_S + self.now_s, is_supervised=self.is_supervised)
+        )
+
+    def say(self, data, address=DRONE):
+        """Bring bytes to the station."""
+        if self.source.random() >= self.loss:
+            events, sent = self.station.receive(address, data, self.now_s, NOW_S + self.now_s)
+            self.events += events
+            self.carry(sent)
+
+    def carry(self, outgoing):
+        """Bring what the station sends to the copters."""
+        for address, data in outgoing:
+            assert address == DRONE
+            (frame,) = scan(data, is_whole=True).frames
+            message = decode(frame.message_id, frame.payload, frame.system, frame.component)
+            self.sent.append(message)
+            target = message.fields.get('target_system', 0)
+            for system, copter in self.copters.items():
+                if target in (0, system) and self.source.random() >= self.loss:
+                    copter.receive(message, (frame.system, frame.component))
+
+    def until(self, condition, limit_s=600.0):
+        """Step until `condition` holds."""
+        end_s = self.now_s + limit_s
+        while not condition():
+            assert self.now_s < end_s, f'not within {limit_s} s'
+            self.step()
+
+    def wait(self, seconds):
+        """Let time pass."""
+        end_s = self.now_s + seconds
+        self.until(lambda: self.now_s >= end_s - 1e-6)
+
+    def fly(self, system=1, count=3):
+        """Begin a flight."""
+        begun = self.station.fly((system, 1), plan(count), LIMITS, self.now_s, NOW_S + self.now_s)
+        self.carry(begun)
+
+    def flight(self, system=1):
+        """Return the flight of a copter."""
+        return self.station.flight((system, 1))
+
+    def vehicle(self, system=1):
+        """Return what is known of a copter."""
+        return self.station.vehicle((system, 1))
+
+
+def test_three_vehicles_on_one_link_are_told_apart():
+    """Each flies its own plan; no order reaches another."""
+    air = Air(3)
+    air.wait(46.0)
+    for system in (1, 2, 3):
+        air.fly(system, count=system)
+    air.until(lambda: all(air.flight(system).is_over for system in (1, 2, 3)))
+    assert [air.flight(system).visited for system in (1, 2, 3)] == [1, 2, 3]
+    assert {air.flight(system).outcome for system in (1, 2, 3)} == {Outcome.COMPLETED}
+    for copter in air.copters.values():
+        assert [number for number in copter.commands if number != 511] == [176, 400, 176, 300]
+
+
+@pytest.mark.parametrize(('loss', 'seed'), [(0.05, 1), (0.2, 2), (0.2, 3), (0.4, 4), (0.4, 5)])
+def test_lossy_link_flies_the_whole_route(loss, seed):
+    """Messages lost in both directions: it is flown whole, or refused with nothing left armed."""
+    air = Air(loss=loss, seed=seed)
+    air.until(lambda: air.now_s > 46.0 and may_fly(air))
+    air.until(lambda: air.flight().is_over)
+    assert air.flight().outcome in (Outcome.COMPLETED, Outcome.REJECTED)
+    assert air.flight().outcome is Outcome.COMPLETED or loss > 0.2
+    assert not air.copters[1].is_armed
+
+
+def may_fly(air):
+    """Begin a flight if every check passes; return whether it began."""
+    try:
+        air.fly()
+    except ValueError:
+        return False
+    return True
+
+
+def test_heartbeats_are_sent_only_while_supervised():
+    """A bridge whose supervisor died does not pretend that somebody watches."""
+    air = Air()
+    air.wait(5.0)
+    beats = [message for message in air.sent if message.name == 'HEARTBEAT']
+    assert len(beats) == 5
+    air.is_supervised = False
+    air.sent.clear()
+    air.wait(5.0)
+    assert not [message for message in air.sent if message.name == 'HEARTBEAT']
+
+
+def test_rates_are_asked_for_again_after_a_reboot():
+    """Only heartbeats come; within seconds everything flows again."""
+    air = Air()
+    air.wait(46.0)
+    air.copters[1].reboot()
+    air.until(lambda: air.vehicle().motion is None, 5.0)
+    assert EventKind.REBOOTED in {event.kind for _, event in air.events}
+    air.until(lambda: air.vehicle().motion is not None, 10.0)
+
+
+def test_messages_that_flow_are_not_asked_for():
+    """What the vehicle has is asked for once; what it has not, now and then."""
+    air = Air()
+    air.wait(30.0)
+    asked = [int(message['param1']) for message in air.sent if message.name == 'COMMAND_LONG']
+    assert asked.count(33) == 1
+    missing = WANTED['ATTITUDE'][0]
+    assert 2 <= asked.count(missing) <= 6
+
+
+def test_another_address_cannot_speak_for_a_vehicle():
+    """While it is in contact its address is held; a stranger changes nothing."""
+    air = Air(allowed=frozenset({DRONE, STRANGER}))
+    air.wait(46.0)
+    before = air.vehicle()
+    forged = decode(0, b'', 1, 1)
+    data = pack_frame(*encode(forged), 1, 1, 0, sign=False)
+    air.say(data, STRANGER)
+    assert air.vehicle() == before
+    assert air.link.counters.dropped(Reason.UNKNOWN_PEER) == 1
+
+
+def test_other_systems_are_not_looked_at():
+    """A vehicle that is none of ours leaves nothing behind."""
+    air = Air()
+    air.copters[9] = FakeCopter(9)
+    air.wait(5.0)
+    assert air.link.counters.dropped(Reason.UNKNOWN_PEER) > 3
+    with pytest.raises(KeyError):
+        air.vehicle(9)
+
+
+def test_flight_that_may_not_begin_is_refused_with_the_check():
+    """Never heard, not ready, and under way already."""
+    air = Air()
+    with pytest.raises(ValueError, match='never heard'):
+        air.fly()
+    air.wait(15.0)
+    with pytest.raises(ValueError, match='fix is the autopilot does not use the receiver'):
+        air.fly()
+    air.wait(31.0)
+    air.fly()
+    with pytest.raises(ValueError, match='under way'):
+        air.fly()
+    assert air.vehicle().contact(air.now_s) is Contact.FRESH
