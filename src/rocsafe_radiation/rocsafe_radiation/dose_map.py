@@ -2,6 +2,7 @@
 """The dose rate one metre above the ground, and how sure it is, from the sources found."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ Array = NDArray[np.float64]
 # Where responders measure: IAEA, EPR-First Responders.
 HEIGHT_M = 1.0
 SAMPLES = 40
+ROWS_AT_A_TIME = 24
 LARGEST_REACH_M = 500.0
 MARGIN_M = 20.0
 LARGEST_CELLS = 250_000
@@ -59,7 +61,7 @@ def dose_map(
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
     east = np.arange(low[0], high[0] + cell, cell, dtype=np.float64)
     north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
-    mean = _field(found.sources, found.background_usvh, kernel, east, north)
+    mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north)
     generator = np.random.default_rng([seed, 0xD05E])
     draws = np.stack([_drawn(found, kernel, east, north, generator) for _ in range(SAMPLES)])
     return DoseMap(
@@ -88,7 +90,7 @@ def _drawn(
 ) -> Array:
     background = max(0.0, generator.normal(found.background_usvh, found.background_std_usvh))
     sources = [_shifted(source, generator) for source in found.sources]
-    return _field(sources, background, kernel, east, north)
+    return grid_dose_rates_usvh(sources, background, kernel, east, north)
 
 
 def _shifted(source: SourceEstimate, generator: np.random.Generator) -> SourceEstimate:
@@ -102,17 +104,22 @@ def _shifted(source: SourceEstimate, generator: np.random.Generator) -> SourceEs
     )
 
 
-def _field(
-    sources: 'tuple[SourceEstimate, ...] | list[SourceEstimate]',
+def grid_dose_rates_usvh(
+    sources: Sequence[SourceEstimate],
     background_usvh: float,
     kernel: Kernel,
     east: Array,
     north: Array,
 ) -> Array:
-    """Return the dose rate at all nodes, 1 m above the ground."""
-    total = np.full((north.size, east.size), background_usvh)
+    """Return the dose rate 1 m above the ground at all nodes, shape (north, east)."""
+    total: Array = np.full((north.size, east.size), background_usvh)
     for source in sources:
         x, y, up = source.position_enu_m
-        squares = np.add.outer((north - y) ** 2, (east - x) ** 2) + (HEIGHT_M - up) ** 2
-        total += source.dose_rate_at_1m_usvh * kernel.values(squares)
+        columns, rows = (east - x) ** 2 + (HEIGHT_M - up) ** 2, (north - y) ** 2
+        # Some rows at a time: their arrays stay in the cache of a core.
+        for start in range(0, north.size, ROWS_AT_A_TIME):
+            block = slice(start, start + ROWS_AT_A_TIME)
+            values = kernel.values(np.add.outer(rows[block], columns))
+            values *= source.dose_rate_at_1m_usvh
+            total[block] += values
     return total

@@ -30,9 +30,10 @@ class Kernel:
     def values(self, squares_m2: Array) -> Array:
         """Return the dose rate at each squared distance, uSv/h."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
-        values = 1.0 / squares
-        if self.is_lossy:
-            values *= air_transmission(self.nuclide, np.sqrt(squares))
+        if not self.is_lossy:
+            return np.asarray(1.0 / squares)
+        values = air_transmission(self.nuclide, np.sqrt(squares))
+        values /= squares
         return values
 
     def values_and_slopes(self, squares_m2: Array) -> tuple[Array, Array]:
