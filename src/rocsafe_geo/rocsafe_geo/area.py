@@ -111,23 +111,27 @@ def _check_shape(area: SurveyArea) -> None:
     for number, hole in enumerate(holes, start=1):
         if not outer.covers(hole):
             place = _text(hole.difference(outer).representative_point(), frame)
-            raise ValueError(f'hole {number} reaches outside the boundary near {place}: '
-                             'must be inside')
+            raise ValueError(
+                f'hole {number} reaches outside the boundary near {place}: must be inside'
+            )
     for (i, a), (j, b) in combinations(enumerate(holes, start=1), 2):
         if a.intersection(b).area > 0.0:
             place = _text(a.intersection(b).representative_point(), frame)
             raise ValueError(f'holes {i} and {j} overlap near {place}: must be apart')
     if outer.area - sum(hole.area for hole in holes) < MIN_AREA_M2:
-        raise ValueError(f'the holes leave less than {MIN_AREA_M2:g} m2 of the area: '
-                         'nothing to survey')
+        raise ValueError(
+            f'the holes leave less than {MIN_AREA_M2:g} m2 of the area: nothing to survey'
+        )
 
 
 def _simple_polygon(what: str, ring: Ring, frame: LocalFrame) -> shapely.Polygon:
     """Return the polygon of a ring; raise ValueError, naming the place, if it is not simple."""
     polygon = shapely.Polygon(_east_north(ring, frame))
     if polygon.area < MIN_AREA_M2 and polygon.convex_hull.area < MIN_AREA_M2:
-        raise ValueError(f'{what} encloses {polygon.area:.2g} m2: must enclose at least '
-                         f'{MIN_AREA_M2:g} m2 (its corners lie on a line)')
+        raise ValueError(
+            f'{what} encloses {polygon.area:.2g} m2: must enclose at least '
+            f'{MIN_AREA_M2:g} m2 (its corners lie on a line)'
+        )
     if not polygon.is_valid:
         reason = shapely.is_valid_reason(polygon)
         place = re.search(r'\[(\S+) (\S+)\]', reason)

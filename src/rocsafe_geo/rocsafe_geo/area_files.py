@@ -143,8 +143,9 @@ def _geo_position(values: Sequence[Any]) -> GeoPosition:
     try:
         return GeoPosition(values[1], values[0])
     except ValueError as error:
-        raise ValueError(f'has the position {_short(list(values))}: {error} '
-                         '(longitude comes first)') from error
+        raise ValueError(
+            f'has the position {_short(list(values))}: {error} (longitude comes first)'
+        ) from error
 
 
 def _kml_polygons(text: str) -> list[_NamedRings]:
@@ -168,8 +169,12 @@ def _kml_polygons(text: str) -> list[_NamedRings]:
 def _kml_rings(polygon: ElementTree.Element) -> list[Ring]:
     """Return outer ring, then inner ones, whatever their order in the file."""
     outer, inner = (
-        [ring for boundary in polygon if _tag(boundary) == side
-         for ring in _descendants(boundary, 'LinearRing')]
+        [
+            ring
+            for boundary in polygon
+            if _tag(boundary) == side
+            for ring in _descendants(boundary, 'LinearRing')
+        ]
         for side in ('outerBoundaryIs', 'innerBoundaryIs')
     )
     if len(outer) != 1:

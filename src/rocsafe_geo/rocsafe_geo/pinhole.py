@@ -141,8 +141,10 @@ def ground_corners(
     rotation = np.asarray(rotation_enu_from_optical, float)
     rays = np.linalg.solve(camera.matrix, pixels.T).T @ rotation.T
     if not np.all(rays[:, 2] < 0.0):
-        raise ValueError('an image corner looks at or above the horizon: the camera is tilted '
-                         'too far for its field of view')
+        raise ValueError(
+            'an image corner looks at or above the horizon: the camera is tilted '
+            'too far for its field of view'
+        )
     corners: FloatArray = centre[:2] - rays[:, :2] / rays[:, 2:] * height
     return corners
 
@@ -155,11 +157,13 @@ def rotation_of_quaternion(quaternion_xyzw: ArrayLike) -> FloatArray:
     q = np.asarray(quaternion_xyzw, float)
     length = require_positive('quaternion length', float(np.linalg.norm(q)))
     x, y, z, w = q / length
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def quaternion_of_rotation(rotation: ArrayLike) -> FloatArray:
@@ -169,12 +173,14 @@ def quaternion_of_rotation(rotation: ArrayLike) -> FloatArray:
     well conditioned at every angle.
     """
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.asarray(rotation, float)
-    k = np.array([
-        [xx - yy - zz, yx + xy, zx + xz, zy - yz],
-        [yx + xy, yy - xx - zz, zy + yz, xz - zx],
-        [zx + xz, zy + yz, zz - xx - yy, yx - xy],
-        [zy - yz, xz - zx, yx - xy, xx + yy + zz],
-    ])
+    k = np.array(
+        [
+            [xx - yy - zz, yx + xy, zx + xz, zy - yz],
+            [yx + xy, yy - xx - zz, zy + yz, xz - zx],
+            [zx + xz, zy + yz, zz - xx - yy, yx - xy],
+            [zy - yz, xz - zx, yx - xy, xx + yy + zz],
+        ]
+    )
     quaternion: FloatArray = np.linalg.eigh(k)[1][:, -1]
     return -quaternion if quaternion[3] < 0.0 else quaternion
 
@@ -184,8 +190,10 @@ def _rotation_enu_from_body(yaw_rad: float, pitch_rad: float, roll_rad: float) -
     cy, sy = math.cos(yaw_rad), math.sin(yaw_rad)
     cp, sp = math.cos(pitch_rad), math.sin(pitch_rad)
     cr, sr = math.cos(roll_rad), math.sin(roll_rad)
-    return np.array([
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ])
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
