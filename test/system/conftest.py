@@ -26,7 +26,7 @@ DEADLINE_S = 120.0
 class Flight:
     """One `rocsafe run` of the small mission."""
 
-    def __init__(self, command: Path, folder: Path, *options: str) -> None:
+    def __init__(self, command: Path, domain_id: int, folder: Path, *options: str) -> None:
         self._folder = folder
         self._output = folder / 'output.txt'
         folder.mkdir()
@@ -36,6 +36,7 @@ class Flight:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
+                env={**os.environ, 'ROS_DOMAIN_ID': str(domain_id)},
             )
 
     @property
@@ -112,6 +113,16 @@ def is_alive(pid: int) -> bool:
 
 
 @pytest.fixture(scope='session')
+def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
+    """Reserve a domain for missions alone: other tests keep vehicles of their own in theirs."""
+    domain_coordinator = pytest.importorskip(
+        'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
+    )
+    with domain_coordinator.domain_id() as number:
+        yield int(number)
+
+
+@pytest.fixture(scope='session')
 def rocsafe() -> Path:
     """Give the path of the `rocsafe` command of this workspace."""
     try:
@@ -123,15 +134,16 @@ def rocsafe() -> Path:
 class Hangar:
     """Starts missions in a folder, and ends what is left of them."""
 
-    def __init__(self, command: Path, folder: Path) -> None:
+    def __init__(self, command: Path, domain_id: int, folder: Path) -> None:
         self._command = command
+        self._domain_id = domain_id
         self._folder = folder
         self._flights: list[Flight] = []
 
     def __call__(self, *options: str) -> Flight:
         """Start the small mission with `options` of `rocsafe run`."""
         folder = self._folder / f'flight-{len(self._flights)}'
-        self._flights.append(Flight(self._command, folder, *options))
+        self._flights.append(Flight(self._command, self._domain_id, folder, *options))
         return self._flights[-1]
 
     def clear(self) -> None:
@@ -145,7 +157,7 @@ class Hangar:
 @pytest.fixture
 def fly(rocsafe: Path, ros_domain_id: int, tmp_path: Path) -> Iterator[Hangar]:
     """Give a function that starts the small mission."""
-    hangar = Hangar(rocsafe, tmp_path)
+    hangar = Hangar(rocsafe, ros_domain_id, tmp_path)
     yield hangar
     hangar.clear()
 
@@ -155,7 +167,7 @@ def complete(
     rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Flight]:
     """Give a mission that was flown to its end as fast as possible."""
-    hangar = Hangar(rocsafe, tmp_path_factory.mktemp('complete'))
+    hangar = Hangar(rocsafe, ros_domain_id, tmp_path_factory.mktemp('complete'))
     flight = hangar()
     assert flight.end() == 0, flight.output
     yield flight
