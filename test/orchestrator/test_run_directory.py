@@ -47,8 +47,11 @@ def test_provenance_fits_json() -> None:
     assert {'python', 'numpy', 'pydantic'} <= set(info['versions'])
 
 
-def test_revision_outside_a_checkout_is_unknown(tmp_path: Path) -> None:
-    """An installed copy has no revision, and says so."""
+def test_revision_outside_a_checkout_is_unknown(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An installed copy has no revision, and says so; temporary files may lie in a checkout."""
+    monkeypatch.setenv('GIT_CEILING_DIRECTORIES', str(tmp_path.parent))
     assert git_revision(tmp_path) is None
 
 

@@ -21,8 +21,9 @@ DEADLINE_S = 20.0
 NODE = """#!{python}
 import os, signal, sys, time
 def asked(number, frame):
-    print('signal', number, flush=True)
-    sys.exit(7)
+    # Not print: the signal may come while the line below is being printed.
+    os.write(1, f'signal {{number}}\\n'.encode())
+    os._exit(7)
 for one in (signal.SIGINT, signal.SIGTERM):
     signal.signal(one, asked)
 print(sys.argv[1:], flush=True)
