@@ -16,21 +16,22 @@ from workspace.processes import run_logged
 from workspace.ros import SystemRos
 
 # What a library of the system must be to be used with a system's ROS: its module, the name and
-# the lowest version that will do. What is older or missing comes, pinned, from python.txt.
+# the lowest version that was tried, which is that of Ubuntu 24.04 where it will do. What is older
+# or missing comes, pinned, from python.txt.
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
-    'cv2': ('opencv-python-headless', (4, 5)),
+    'cv2': ('opencv-python-headless', (4, 6)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
-    'PIL': ('pillow', (9, 0)),
+    'PIL': ('pillow', (10, 2)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),
-    'pyproj': ('pyproj', (3, 4)),
-    'rasterio': ('rasterio', (1, 3)),
-    'rich': ('rich', (13, 0)),
-    'setuptools': ('setuptools', (59, 0)),
-    'shapely': ('shapely', (2, 0)),
-    'yaml': ('PyYAML', (5, 4)),
+    'pyproj': ('pyproj', (3, 6)),
+    'rasterio': ('rasterio', (1, 3, 9)),
+    'rich': ('rich', (13, 7)),
+    'setuptools': ('setuptools', (68, 0)),
+    'shapely': ('shapely', (2, 0, 3)),
+    'yaml': ('PyYAML', (6, 0)),
 }
 # Importing everything takes seconds; a minute means that something hangs.
 _INSPECT_LIMIT_S = 120.0

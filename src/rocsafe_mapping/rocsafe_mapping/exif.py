@@ -61,8 +61,9 @@ def exif_of(record: ShotRecord) -> bytes:
     exposed = datetime.fromtimestamp(record.time_ns // NS_PER_S, tz=timezone.utc)
     exif = Image.Exif()
     exif.update(_image_tags(exposed))
-    exif.get_ifd(IFD.Exif).update(_camera_tags(record, exposed))
-    exif.get_ifd(IFD.GPSInfo).update(_gps_tags(record, exposed))
+    # Set whole: what get_ifd returns is written by Pillow 11.1 and newer only.
+    exif[IFD.Exif] = _camera_tags(record, exposed)
+    exif[IFD.GPSInfo] = _gps_tags(record, exposed)
     return exif.tobytes()
 
 

@@ -58,7 +58,8 @@ def _paint(pen: ImageDraw.ImageDraw, mark: Shape | Dot | Label) -> None:
     scale = _OVERSAMPLING
     if isinstance(mark, Dot):
         x, y = (scale * value for value in mark.centre)
-        pen.circle((x, y), scale * mark.radius, fill=mark.fill)
+        radius = scale * mark.radius
+        pen.ellipse((x - radius, y - radius, x + radius, y + radius), fill=mark.fill)
     elif isinstance(mark, Label):
         x, y = (scale * value for value in mark.place)
         font = ImageFont.load_default(scale * mark.size)

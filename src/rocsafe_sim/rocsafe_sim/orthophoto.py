@@ -100,7 +100,7 @@ class OrthophotoGround:
                 out_shape=(3, *shape),
                 resampling=Resampling.average,
             )
-        except RasterioError as error:
+        except (RasterioError, OSError) as error:
             raise GroundError(f'{self._path}: {error}') from error
         return np.ascontiguousarray(np.moveaxis(bands, 0, -1))
 
@@ -112,7 +112,7 @@ def _opened(path: Path) -> Any:
 
     try:
         file = rasterio.open(path)
-    except RasterioError as error:
+    except (RasterioError, OSError) as error:
         raise GroundError(f'ground {path}: {error}') from error
     if file.crs is None:
         raise GroundError(f'ground {path}: has no coordinate system: must be georeferenced')
