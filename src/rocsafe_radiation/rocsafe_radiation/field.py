@@ -27,8 +27,8 @@ class RadiationField:
     """Dose rates around any number of sources, by one of three models.
 
     paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d
-    in metres, without attenuation or scatter ("ROCSAFE: Remote Forensics for High Risk
-    Incidents", 2018). air: times what air leaves of the lines of its nuclide, build-up included.
+    in metres, without attenuation or scatter (Smyth, Glavin and
+    Madden 2018, section II.B). air: times what air leaves of the lines of its nuclide, build-up included.
     shielded: as air, with the materials of `shielding` in between. Scatter from the ground, which
     adds 10 to 20 %, is in none of them. The sources add up.
 
