@@ -28,9 +28,9 @@ class RadiationField:
 
     paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d
     in metres, without attenuation or scatter (Smyth, Glavin and
-    Madden 2018, section II.B). air: times what air leaves of the lines of its nuclide, build-up included.
-    shielded: as air, with the materials of `shielding` in between. Scatter from the ground, which
-    adds 10 to 20 %, is in none of them. The sources add up.
+    Madden 2018, section II.B). air: times what air leaves of the lines of its nuclide, build-up
+    included. shielded: as air, with the materials of `shielding` in between. Scatter from the
+    ground, which adds 10 to 20 %, is in none of them. The sources add up.
 
     The formula is singular at d = 0: below `source_radius_m` the distance counts as
     `source_radius_m`, as at the surface of a source of that size.
