@@ -2,6 +2,7 @@
 """Who may import whom, read from the source, so that the rules of CONTRIBUTING.md cannot rot."""
 
 import ast
+import configparser
 import sys
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
@@ -262,3 +263,13 @@ def test_dependencies_are_names_that_rosdep_knows(manifest):
     known = {line for line in lines if line and not line.startswith('#')}
     ours = {path.parent.name for path in MANIFESTS}
     assert declared(manifest) - ours - known == set()
+
+
+@pytest.mark.parametrize('path', sorted(SOURCES.glob('*/setup.cfg')), ids=lambda p: p.parent.name)
+def test_colcon_runs_the_same_tests(path):
+    """``colcon test`` finds the tests of a package where ``make test`` does."""
+    config = configparser.ConfigParser()
+    config.read(path)
+    options = config['tool:pytest']
+    assert list((path.parent / options['testpaths']).glob('test_*.py'))
+    assert options['addopts'] == '--import-mode=importlib --rootdir=../..'
