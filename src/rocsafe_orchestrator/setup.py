@@ -20,7 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
-            'orchestrator = rocsafe_orchestrator.orchestrator_node:main',
+            'orchestrator = rocsafe_orchestrator.cli:orchestrator',
             'recorder = rocsafe_orchestrator.recorder_node:main',
             'rocsafe = rocsafe_orchestrator.cli:main',
         ],

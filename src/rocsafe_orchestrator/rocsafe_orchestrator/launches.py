@@ -16,6 +16,9 @@ from rocsafe_orchestrator.run_directory import RunDirectory
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
+# Threads of the linear algebra would only wait for each other on matrices this small.
+ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
+
 
 def find_executable(package: str, executable: str) -> Path:
     """Return the path of a package's executable in the sourced workspace.

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The orchestrator's ROS side: requests to the nodes, and what they say."""
 
-import sys
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -182,10 +181,3 @@ class Spinner:
         """Destroy the node."""
         self._executor.remove_node(self._node)
         self._node.destroy_node()
-
-
-def main() -> int:
-    """Run `rocsafe run` with the arguments of this process."""
-    from rocsafe_orchestrator.cli import main as rocsafe
-
-    return rocsafe(['run', *sys.argv[1:]])

@@ -11,12 +11,10 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import OrchestratorError
-from rocsafe_orchestrator.launches import find_executable
+from rocsafe_orchestrator.launches import ONE_THREAD, find_executable
 
 # Thousands of readings take seconds, on a machine that still ends other processes.
 TIMEOUT_S = 120.0
-# Threads of the linear algebra would only wait for each other on matrices this small.
-ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,8 +38,8 @@ class SourceEstimates:
     reading_count: int
 
 
-def localize(arguments: Sequence[str], *, is_quiet: bool = False) -> None:
-    """Run the executable `localize` with `arguments`; unless quiet, it prints what it finds.
+def _localize(arguments: Sequence[str]) -> None:
+    """Run the executable `localize` with `arguments`.
 
     Raises
     ------
@@ -53,7 +51,7 @@ def localize(arguments: Sequence[str], *, is_quiet: bool = False) -> None:
         done = subprocess.run(
             command,
             env={**os.environ, **ONE_THREAD},
-            stdout=subprocess.DEVNULL if is_quiet else None,
+            stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
             timeout=TIMEOUT_S,
@@ -74,7 +72,7 @@ def estimate_sources(readings: Path, model: str) -> SourceEstimates:
     OrchestratorError: saying why there are none.
     """
     folder = readings.parent
-    localize([str(readings), f'--model={model}', f'--out={folder}'], is_quiet=True)
+    _localize([str(readings), f'--model={model}', f'--out={folder}'])
     try:
         content = json.loads((folder / 'sources.json').read_text(encoding='utf-8'))
         return _estimates(content)

@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='localize',
+        prog='rocsafe localize',
         description='Find gamma sources in a file of readings, and say how sure that is.',
         epilog=COLUMNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,

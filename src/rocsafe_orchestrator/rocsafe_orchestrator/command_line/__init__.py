@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `rocsafe` understands: a module a command.
+
+Each command loads what it needs when it runs: `--help` and `check` are quick and work where ROS
+is not set up, and a Ctrl-C while Python still loads is no traceback.
+"""
+
+import argparse
+from typing import TypeAlias
+
+Commands: TypeAlias = 'argparse._SubParsersAction[argparse.ArgumentParser]'

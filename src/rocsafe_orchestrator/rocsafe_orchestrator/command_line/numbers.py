@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers on the command line, within their limits."""
+
+import argparse
+import math
+
+from rocsafe_orchestrator.limits import (
+    LARGEST_BUDGET_S,
+    LARGEST_FLEET,
+    LARGEST_HEIGHT_M,
+    LARGEST_SEED,
+    LARGEST_SPEED,
+)
+
+
+def speed(text: str) -> float:
+    """Return simulated seconds a second; an error names value and limits."""
+    return _number(text, 0.0, LARGEST_SPEED, ' simulated seconds a second')
+
+
+def height(text: str) -> float:
+    """Return a height in metres; an error names value and limits."""
+    return _number(text, 1.0, LARGEST_HEIGHT_M, ' m')
+
+
+def budget(text: str) -> float:
+    """Return a time in seconds; an error names value and limits."""
+    return _number(text, 0.0, LARGEST_BUDGET_S, ' s')
+
+
+def seed(text: str) -> int:
+    """Return a seed; an error names value and limits."""
+    return _whole(text, 0, LARGEST_SEED)
+
+
+def count(text: str) -> int:
+    """Return a number of vehicles; an error names value and limits."""
+    return _whole(text, 1, LARGEST_FLEET)
+
+
+def _number(text: str, low: float, high: float, unit: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not low <= value <= high:
+        raise argparse.ArgumentTypeError(f'{text}: must be within {low:g} to {high:g}{unit}')
+    return value
+
+
+def _whole(text: str, low: int, high: int) -> int:
+    if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
+        raise argparse.ArgumentTypeError(f'{text}: must be a whole number, {low} to {high}')
+    return int(text)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that other packages carry out: `rocsafe localize ...` runs their executable."""
+
+import os
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rocsafe_orchestrator.command_line import Commands
+from rocsafe_orchestrator.errors import EXIT_SIGNAL_BASE
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PassedOn:
+    """A command that is an executable of another package, which reads the arguments itself.
+
+    Attributes
+    ----------
+    word: the command, after `rocsafe`.
+    package, executable: who carries it out.
+    summary: its line in `rocsafe --help`.
+    """
+
+    word: str
+    package: str
+    executable: str
+    summary: str
+
+
+PASSED_ON = (
+    PassedOn(
+        word='localize',
+        package='rocsafe_radiation',
+        executable='localize',
+        summary='find sources in readings',
+    ),
+)
+
+
+def add_to(commands: Commands) -> None:
+    """Name the commands among those of `rocsafe`; `pass_on` comes before their arguments."""
+    for row in PASSED_ON:
+        commands.add_parser(row.word, help=row.summary, add_help=False)
+
+
+def passed_on(argv: Sequence[str]) -> PassedOn | None:
+    """Return who carries out the command line `argv`, None: `rocsafe` itself."""
+    return next((row for row in PASSED_ON if argv and argv[0] == row.word), None)
+
+
+def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
+    """Run the executable of `row` with `arguments` and return its exit code.
+
+    Raises
+    ------
+    SetupError: if it is not installed.
+    """
+    from rocsafe_orchestrator.launches import ONE_THREAD, find_executable
+
+    command = [str(find_executable(row.package, row.executable)), *arguments]
+    done = subprocess.run(command, env={**ONE_THREAD, **os.environ}, check=False)
+    return done.returncode if done.returncode >= 0 else EXIT_SIGNAL_BASE - done.returncode

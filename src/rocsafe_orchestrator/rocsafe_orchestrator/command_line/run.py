@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rocsafe run`."""
+
+import argparse
+from pathlib import Path
+
+from rocsafe_orchestrator.command_line import Commands
+from rocsafe_orchestrator.command_line.numbers import seed, speed
+
+
+def add_to(commands: Commands) -> None:
+    """Add the command to those of `rocsafe`."""
+    text = 'Fly a scenario and write a run directory: images, readings, recording, map, report.'
+    parser = commands.add_parser('run', help='fly a scenario', description=text)
+    parser.add_argument('scenario', type=Path, metavar='SCENARIO', help='scenario file (YAML)')
+    parser.add_argument(
+        '--out',
+        type=Path,
+        default=Path('runs'),
+        metavar='DIR',
+        help='where to make the run directory <scenario>-<date>-<time> (default: runs)',
+    )
+    parser.add_argument(
+        '--speed',
+        type=speed,
+        metavar='X',
+        help="simulated seconds a second, 0: as fast as possible (default: the scenario's)",
+    )
+    parser.add_argument(
+        '--seed',
+        type=seed,
+        metavar='N',
+        help="seed of all that is random (default: the scenario's)",
+    )
+    parser.add_argument(
+        '--config',
+        type=Path,
+        metavar='FILE',
+        help='ROS parameter file with defaults of the nodes, like config/rocsafe.yaml; what the '
+        'scenario says wins',
+    )
+    parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
+    parser.set_defaults(command=_run)
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from rocsafe_orchestrator.run_command import RunRequest, run_scenario
+
+    request = RunRequest(
+        scenario=arguments.scenario,
+        parent=arguments.out,
+        speed=arguments.speed,
+        seed=arguments.seed,
+        config=arguments.config,
+        is_quiet=arguments.quiet,
+    )
+    return run_scenario(request, Console())
