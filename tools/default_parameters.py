@@ -19,7 +19,7 @@ CONFIG = Path(__file__).parents[1] / 'config' / 'rocsafe.yaml'
 
 # Node name, what it is for, its options.
 NODES = (
-    ('orchestrator', 'who runs when', 'rocsafe_orchestrator.options:OrchestratorOptions'),
+    ('orchestrator', 'who runs when', 'rocsafe_orchestrator.mission.options:OrchestratorOptions'),
     ('recorder', 'messages of a run', 'rocsafe_orchestrator.recorder_node:RecorderOptions'),
     ('planner', 'region to routes', 'rocsafe_planner.options:PlannerOptions'),
     ('world', 'simulated time', 'rocsafe_sim.options:WorldOptions'),

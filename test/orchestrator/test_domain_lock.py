@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_orchestrator.domain_lock import domain_lock
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.processes.domain_lock import domain_lock
 
 HOLDER = (
     'import sys, time, pathlib\n'
-    'from rocsafe_orchestrator.domain_lock import domain_lock\n'
+    'from rocsafe_orchestrator.processes.domain_lock import domain_lock\n'
     'with domain_lock("5", pathlib.Path(sys.argv[1])):\n'
     '    print("held", flush=True); time.sleep(60)\n'
 )

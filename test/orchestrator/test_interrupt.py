@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from rocsafe_orchestrator.interrupt import Interrupt
+from rocsafe_orchestrator.processes.interrupt import Interrupt
 
 
 @pytest.fixture

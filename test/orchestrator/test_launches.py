@@ -11,15 +11,15 @@ import pytest
 import yaml
 
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
-from rocsafe_orchestrator import node_parameters
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
-from rocsafe_orchestrator.launches import child_environment, find_executable, launches
-from rocsafe_orchestrator.mission import REPORT
-from rocsafe_orchestrator.processes import ProcessSpec, crew_of, process_table
+from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes import node_parameters
+from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
+from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario_blocks import Nuclide, RadiationBlock
-from rocsafe_orchestrator.scenario_file import read_scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import Nuclide, RadiationBlock
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detector import DETECTOR_NAMES
 from rocsafe_radiation.localizer_options import LocalizerOptions

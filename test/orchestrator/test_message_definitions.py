@@ -3,7 +3,7 @@
 
 import pytest
 
-from rocsafe_orchestrator.message_definitions import DefinitionError, MessageDefinitions
+from rocsafe_orchestrator.recording.message_definitions import DefinitionError, MessageDefinitions
 
 SEPARATOR = '=' * 80
 

@@ -5,10 +5,10 @@ from collections.abc import Iterable
 
 import pytest
 
-from rocsafe_orchestrator.mission import Crew, Mission, Situation
-from rocsafe_orchestrator.options import OrchestratorOptions
-from rocsafe_orchestrator.phase import Phase
-from rocsafe_orchestrator.request import Order, OrderKind
+from rocsafe_orchestrator.mission.mission import Crew, Mission, Situation
+from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind
 
 PROCESSES = frozenset(
     {'planner', 'world', 'mosaic', 'collector', 'recorder', 'radiation_field', 'rav1', 'rav2'}

@@ -27,15 +27,15 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_orchestrator.mission import Mission, Situation
-from rocsafe_orchestrator.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.mission import Mission, Situation
+from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
-from rocsafe_orchestrator.phase import Phase
-from rocsafe_orchestrator.processes import crew_of, process_table
-from rocsafe_orchestrator.request import Order, OrderKind
+from rocsafe_orchestrator.processes.processes import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario_file import read_scenario
-from rocsafe_orchestrator.status import FlightState, Monitor, RunStatus
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
 

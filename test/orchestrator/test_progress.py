@@ -8,8 +8,7 @@ from rich.console import Console
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import MissionState, VehicleState
-from rocsafe_orchestrator.phase import Phase
-from rocsafe_orchestrator.progress import (
+from rocsafe_orchestrator.command_line.progress import (
     LiveDisplay,
     PlainDisplay,
     clock_text,
@@ -18,7 +17,8 @@ from rocsafe_orchestrator.progress import (
     picture,
     plain_line,
 )
-from rocsafe_orchestrator.status import DosePeak, FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
 
 PEAK = DosePeak(
     dose_rate_usvh=87.65, vehicle='rav2', position=GeoPosition(53.27985, -9.0633, 98.0)

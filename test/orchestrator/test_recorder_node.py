@@ -9,7 +9,7 @@ import sys
 import pytest
 from mcap_ros2.decoder import DecoderFactory
 
-from rocsafe_orchestrator.finalising import finalise
+from rocsafe_orchestrator.recording.finalising import finalise
 
 DEADLINE_S = 10.0
 STEP_NS = 100_000_000

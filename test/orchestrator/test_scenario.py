@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rocsafe_orchestrator.errors import EXIT_USAGE, ScenarioError
-from rocsafe_orchestrator.scenario_file import read_scenario
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 
 SHIPPED = sorted((Path(__file__).parents[2] / 'config' / 'scenarios').glob('*.yaml'))
 BOW_TIE = [[53.28, -9.06], [53.281, -9.062], [53.281, -9.06], [53.28, -9.062]]

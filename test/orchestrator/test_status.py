@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.standstill import Standstill
-from rocsafe_orchestrator.status import FlightState, Monitor, Pace, VehicleStatus
+from rocsafe_orchestrator.mission.standstill import Standstill
+from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, VehicleStatus
 
 HERE = GeoPosition(53.28, -9.06, 98.0)
 

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.process_values import (
+from rocsafe_orchestrator.processes.process_values import (
     NEVER,
     Launch,
     ProcessEvent,
     ProcessEventKind,
     RestartPolicy,
 )
-from rocsafe_orchestrator.supervisor import Supervisor, last_line
+from rocsafe_orchestrator.processes.supervisor import Supervisor, last_line
 
 DEADLINE_S = 10.0
 SLEEP = 'import time; time.sleep(60)'

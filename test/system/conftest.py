@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.launches import find_executable
+from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 SCENARIO = Path(__file__).with_name('small.yaml')

@@ -13,9 +13,9 @@ from rocsafe_interfaces.msg import (
     VehicleSpec,
     VehicleState,
 )
-from rocsafe_orchestrator.scenario import Scenario
-from rocsafe_orchestrator.scenario_blocks import CameraBlock, VehicleBlock
-from rocsafe_orchestrator.status import FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.mission.status import FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import CameraBlock, VehicleBlock
 from rocsafe_ros.conversions import point_of_position, position_of_point, region_of_area
 
 # What a flight that did not end as planned is called.

@@ -16,11 +16,11 @@ from rclpy.signals import SignalHandlerOptions
 from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.options import OrchestratorOptions
-from rocsafe_orchestrator.processes import Endpoint, ProcessSpec
+from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.status import Monitor, RunStatus
+from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
-from rocsafe_orchestrator.scenario import Scenario
-from rocsafe_orchestrator.status import Monitor, RunStatus
+from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import declare_options

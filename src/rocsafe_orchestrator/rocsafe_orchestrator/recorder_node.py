@@ -11,9 +11,13 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from rocsafe_orchestrator.message_definitions import MessageDefinitions
-from rocsafe_orchestrator.recorded_topics import AWAITED_TOPICS, channel_of, recorded_topics
-from rocsafe_orchestrator.recording import SegmentWriter
+from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
+from rocsafe_orchestrator.recording.recorded_topics import (
+    AWAITED_TOPICS,
+    channel_of,
+    recorded_topics,
+)
+from rocsafe_orchestrator.recording.recording import SegmentWriter
 from rocsafe_ros import topics
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options

@@ -13,11 +13,11 @@ from std_srvs.srv import SetBool, Trigger
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import Route, SurveyPlan
 from rocsafe_orchestrator import conversions
-from rocsafe_orchestrator.mission import Mission
-from rocsafe_orchestrator.processes import Endpoint
-from rocsafe_orchestrator.request import Order, OrderKind
-from rocsafe_orchestrator.scenario import Scenario
-from rocsafe_orchestrator.status import Monitor
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.processes import Endpoint
+from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_ros import topics
 
 

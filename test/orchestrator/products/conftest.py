@@ -163,9 +163,9 @@ class SyntheticRun:
         """Write one segment with all that happened."""
         from rclpy.serialization import serialize_message
 
-        from rocsafe_orchestrator.message_definitions import MessageDefinitions
-        from rocsafe_orchestrator.recorded_topics import channel_of
-        from rocsafe_orchestrator.recording import SegmentWriter
+        from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
+        from rocsafe_orchestrator.recording.recorded_topics import channel_of
+        from rocsafe_orchestrator.recording.recording import SegmentWriter
 
         writer = SegmentWriter(self.path, MessageDefinitions.of_environment())
         numbers = {}

@@ -8,8 +8,8 @@ import pytest
 
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.photographs import read_photographs
-from rocsafe_orchestrator.plan_file import PlanFileError, read_plan
+from rocsafe_orchestrator.products.photographs import read_photographs
+from rocsafe_orchestrator.products.plan_file import PlanFileError, read_plan
 
 
 @pytest.fixture(scope='module')

@@ -8,10 +8,15 @@ import shutil
 
 import pytest
 
-from rocsafe_orchestrator.products import write_products
-from rocsafe_orchestrator.readings_table import COLUMNS
-from rocsafe_orchestrator.run_record import Reading, VehicleSample
-from rocsafe_orchestrator.summary import flight_ns, highest_reading, integrated_dose_usv, utc_text
+from rocsafe_orchestrator.products.products import write_products
+from rocsafe_orchestrator.products.readings_table import COLUMNS
+from rocsafe_orchestrator.products.run_record import Reading, VehicleSample
+from rocsafe_orchestrator.products.summary import (
+    flight_ns,
+    highest_reading,
+    integrated_dose_usv,
+    utc_text,
+)
 
 SECOND = 1_000_000_000
 SIGMA_USVPS = 25.0

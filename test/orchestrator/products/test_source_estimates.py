@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from rocsafe_orchestrator.products import write_products
-from rocsafe_orchestrator.scenario_file import read_scenario
+from rocsafe_orchestrator.products.products import write_products
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 
 
 @pytest.fixture

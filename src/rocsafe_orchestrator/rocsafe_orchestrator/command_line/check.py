@@ -18,6 +18,6 @@ def add_to(commands: Commands) -> None:
 def _check(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.check_command import check
+    from rocsafe_orchestrator.command_line.check_command import check
 
     return check(arguments.scenario, Console())

@@ -4,7 +4,7 @@
 import argparse
 import math
 
-from rocsafe_orchestrator.limits import (
+from rocsafe_orchestrator.scenario.limits import (
     LARGEST_BUDGET_S,
     LARGEST_FLEET,
     LARGEST_HEIGHT_M,

@@ -46,7 +46,7 @@ def add_to(commands: Commands) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.run_command import RunRequest, run_scenario
+    from rocsafe_orchestrator.command_line.run_command import RunRequest, run_scenario
 
     request = RunRequest(
         scenario=arguments.scenario,

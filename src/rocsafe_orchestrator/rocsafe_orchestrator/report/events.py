@@ -4,11 +4,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import Flight
 from rocsafe_orchestrator.report.markup import Markup, element
-from rocsafe_orchestrator.run_record import RunRecord
-from rocsafe_orchestrator.summary import RunSummary, flight_ns
 
 _NS_PER_S = 1_000_000_000
 # A list that nobody reads to its end says less.

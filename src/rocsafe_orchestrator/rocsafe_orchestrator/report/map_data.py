@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.run_record import Photograph, Reading, RunRecord, Track
+from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 
 FloatArray = NDArray[np.float64]
 Point = tuple[float, float]

@@ -7,12 +7,12 @@ custom property ``--k``, metres of the map in one pixel of the screen.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from rocsafe_orchestrator.products.summary import HighestReading
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.map_data import DosePoint, MapData, Point
 from rocsafe_orchestrator.report.markup import Markup, element, number, style
 from rocsafe_orchestrator.report.palette import DoseScale, ramp_colour
 from rocsafe_orchestrator.report.pictures import GroundPicture
-from rocsafe_orchestrator.summary import HighestReading
 
 COLOUR_STEPS = 32
 # Readings further apart in time are not joined: nothing was measured between them.

@@ -8,6 +8,8 @@ from string import Template
 from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import sections
 from rocsafe_orchestrator.report.charts import dose_chart, flight_chart, frames
 from rocsafe_orchestrator.report.events import event_list, events, flights, start_ns
@@ -17,8 +19,6 @@ from rocsafe_orchestrator.report.markup import Markup, element, json_block
 from rocsafe_orchestrator.report.palette import DoseScale, scale_of, vehicle_colours
 from rocsafe_orchestrator.report.pictures import ground_picture, thumbnails
 from rocsafe_orchestrator.report.tables import file_table, tiles, vehicle_table, wall_time_bar
-from rocsafe_orchestrator.run_record import RunRecord
-from rocsafe_orchestrator.summary import RunSummary
 
 MOSAIC = 'mosaic.tif'
 # Of the readings over the region, how many the lowest colour may stand for.

@@ -17,7 +17,7 @@ from rasterio.errors import RasterioError
 from rasterio.transform import xy
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_orchestrator.run_record import Photograph
+from rocsafe_orchestrator.products.run_record import Photograph
 
 MOST_MOSAIC_PX = 2000
 MOST_MOSAIC_BYTES = 1_200_000

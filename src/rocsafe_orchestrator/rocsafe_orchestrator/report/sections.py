@@ -7,17 +7,17 @@ from collections.abc import Mapping
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.products.run_record import Photograph, Plan, RunRecord
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import line_sample
 from rocsafe_orchestrator.report.events import start_ns
 from rocsafe_orchestrator.report.map_data import MapData
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join
 from rocsafe_orchestrator.report.tables import facts
-from rocsafe_orchestrator.run_record import Photograph, Plan, RunRecord
-from rocsafe_orchestrator.scenario import Scenario
-from rocsafe_orchestrator.scenario_blocks import SourceBlock
-from rocsafe_orchestrator.source_estimates import SourceEstimates
-from rocsafe_orchestrator.summary import RunSummary
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import SourceBlock
 
 OUTCOMES = {
     'complete': ('✓', 'Complete'),

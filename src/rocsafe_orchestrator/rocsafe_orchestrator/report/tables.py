@@ -5,11 +5,11 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from rocsafe_orchestrator.readings_table import COLUMNS
+from rocsafe_orchestrator.products.readings_table import COLUMNS
+from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
+from rocsafe_orchestrator.products.summary import PlanFigures, RunSummary, VehicleFigures
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join, style
-from rocsafe_orchestrator.run_record import MissionSample, RunRecord
-from rocsafe_orchestrator.summary import PlanFigures, RunSummary, VehicleFigures
 
 _PRODUCTS = ('scenario.yaml', 'plan.json', 'mission.mcap', 'readings.csv',
              'mosaic.tif')  # fmt: skip

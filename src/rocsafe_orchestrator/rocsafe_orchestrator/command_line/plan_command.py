@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rocsafe plan`: who photographs what, without flying."""
+
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.area_files import read_area
+from rocsafe_orchestrator.command_line.progress import clock_text
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
+from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import RegionBlock, SurveyBlock, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario, region_block
+
+REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
+# A plan of the largest allowed size takes a fraction of this.
+TIMEOUT_S = 600.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanRequest:
+    """What the command line asks for.
+
+    Attributes
+    ----------
+    files: scenarios and regions.
+    method: routing method; empty: the scenario's, else the planner's own.
+    vehicles, height_agl_m: of a region, which says neither.
+    parent: folder below which the plans are written, None: nowhere.
+    budget_s: time to improve each plan; None: the scenario's.
+    exclusions: region files that no leg crosses, besides the scenario's own.
+    """
+
+    files: tuple[Path, ...]
+    method: str = ''
+    vehicles: int = 3
+    height_agl_m: float = 32.0
+    parent: Path | None = None
+    budget_s: float | None = None
+    exclusions: tuple[Path, ...] = ()
+
+
+def plan(request: PlanRequest, console: Console) -> int:
+    """Plan each file and print its routes.
+
+    Raises
+    ------
+    ScenarioError: if a file is not valid.
+    OrchestratorError: if there is no plan; the planner's reason is told.
+    """
+    zones = tuple(region_block(_area(path)) for path in request.exclusions)
+    scenarios = [
+        (path, _with_options(_scenario(path, request), request, zones)) for path in request.files
+    ]
+    for path, scenario in scenarios:
+        with tempfile.TemporaryDirectory(prefix='rocsafe-plan-') as scratch:
+            folder = Path(scratch) if request.parent is None else request.parent / path.stem
+            document = _planned(path, scenario, request.method, folder)
+        console.print(_quality_table(path, document))
+        console.print(_route_table(document))
+        if request.parent is not None:
+            console.print(f'written to {folder}', highlight=False, soft_wrap=True)
+    return EXIT_COMPLETE
+
+
+def _scenario(path: Path, request: PlanRequest) -> Scenario:
+    if path.suffix.lower() not in REGION_SUFFIXES:
+        return read_scenario(path)
+    area = _area(path)
+    first = area.boundary[0]
+    home = (first.latitude_deg, first.longitude_deg)
+    names = (f'rav{number}' for number in range(1, request.vehicles + 1))
+    return Scenario(
+        name='region',
+        region=region_block(area),
+        survey=SurveyBlock(height_agl_m=request.height_agl_m),
+        vehicles=tuple(VehicleBlock(name=name, home=home) for name in names),
+    )
+
+
+def _area(path: Path) -> SurveyArea:
+    try:
+        return read_area(path)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from error
+
+
+def _with_options(
+    scenario: Scenario, request: PlanRequest, zones: tuple[RegionBlock, ...]
+) -> Scenario:
+    """Return the scenario with what the command line says besides."""
+    survey = scenario.survey
+    if request.budget_s is not None:
+        survey = survey.model_copy(update={'budget_s': request.budget_s})
+    exclusions = (*scenario.exclusions, *zones)
+    return scenario.model_copy(update={'survey': survey, 'exclusions': exclusions})
+
+
+def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
+    """Return the request of `scenario` to the executable `plan_file`."""
+    survey, camera = scenario.survey, scenario.camera
+    method = method or survey.method
+    return {
+        'region': {'name': scenario.name, **scenario.region.model_dump(exclude={'file'})},
+        'exclusions': [zone.model_dump(exclude={'file'}) for zone in scenario.exclusions],
+        'camera': camera.model_dump(exclude={'jpeg_quality', 'ground'}),
+        'vehicles': [_vehicle(scenario, vehicle) for vehicle in scenario.vehicles],
+        **survey.model_dump(exclude={'method'}),
+        **({'method': method} if method else {}),
+        'seed': scenario.seed,
+        'output_directory': str(folder),
+    }
+
+
+def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:
+    return {
+        **vehicle.model_dump(exclude={'home', 'endurance_s', 'reserve_fraction'}),
+        'home': [*vehicle.home, scenario.origin.ground_altitude_m],
+        'endurance_s': vehicle.usable_endurance_s,
+    }
+
+
+def _planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
+    """Return the plan as its JSON file says it."""
+    command = [str(find_executable('rocsafe_planner', 'plan_file'))]
+    request = json.dumps(planner_request(scenario, method, folder))
+    try:
+        done = subprocess.run(
+            command, input=request, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        raise OrchestratorError(f'{path}: no plan within {TIMEOUT_S:g} s') from error
+    if done.returncode != 0:
+        words = done.stderr.strip().splitlines() or [f'planner ended with {done.returncode}']
+        raise OrchestratorError(f'{path}: {words[-1].removeprefix("error: ")}')
+    document: dict[str, Any] = json.loads((folder / 'plan.json').read_text(encoding='utf-8'))
+    return document
+
+
+def _quality_table(path: Path, document: dict[str, Any]) -> Table:
+    table = Table.grid(padding=(0, 2))
+    table.add_column(style='dim')
+    table.add_row('plan', f'{path}, method {document["method"]}')
+    table.add_row(
+        'viewpoints',
+        f'{document["viewpoint_count"]}, which see {100.0 * document["covered_fraction"]:.1f} % '
+        f'of {document["region_area_m2"] / 1e4:.2f} ha',
+    )
+    table.add_row(
+        'makespan',
+        f'{clock_text(document["makespan_s"])}; no plan is shorter than '
+        f'{clock_text(document["lower_bound_s"])} ({document["lower_bound_method"]}), '
+        f'at most {100.0 * document["gap_fraction"]:.1f} % above optimal',
+    )
+    table.add_row('flown in all', f'{document["total_length_m"] / 1000.0:.2f} km')
+    return table
+
+
+def _route_table(document: dict[str, Any]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style='dim')
+    for column in ('vehicle', 'viewpoints', 'length', 'duration'):
+        table.add_column(column, justify='left' if column == 'vehicle' else 'right')
+    for route in document['routes']:
+        table.add_row(
+            route['vehicle'],
+            str(len(route['viewpoints'])),
+            f'{route["length_m"]:.0f} m',
+            clock_text(route['duration_s']),
+        )
+    return table

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rocsafe run`: fly a scenario, leave a run directory."""
+
+import logging
+import os
+import sys
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from rich.console import Console
+from rich.text import Text
+
+from rocsafe_orchestrator.command_line.mission_run import MissionRun, Parts
+from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, ScenarioError
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.domain_lock import domain_lock
+from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.launches import (
+    child_environment,
+    launches,
+    require_executables,
+)
+from rocsafe_orchestrator.processes.node_parameters import world_parameters
+from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.supervisor import Supervisor
+from rocsafe_orchestrator.provenance import provenance, write_json
+from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+
+# How far ROS looks for other participants; the user who sets one of these has decided.
+REACH_VARIABLES = (
+    'ROS_AUTOMATIC_DISCOVERY_RANGE',
+    'ROS_STATIC_PEERS',
+    'ROS_DISCOVERY_SERVER',
+    'ROS_LOCALHOST_ONLY',
+)
+# Vehicles report once a simulated second.
+BEATS_PERIOD_S = 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRequest:
+    """What the command line asks for; None where the scenario decides."""
+
+    scenario: Path
+    parent: Path
+    speed: float | None = None
+    seed: int | None = None
+    config: Path | None = None
+    is_quiet: bool = False
+
+
+def run_scenario(request: RunRequest, console: Console) -> int:
+    """Fly the scenario and return the exit code.
+
+    Raises
+    ------
+    OrchestratorError: if it cannot be flown at all.
+    """
+    scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
+    if request.config is not None and not request.config.is_file():
+        raise ScenarioError(f'{request.config}: no such file')
+    _stay_on_this_machine()
+    require_executables(process_table(scenario, RunDirectory(request.parent)))
+    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
+        return _run(request, scenario, console)
+
+
+def _stay_on_this_machine() -> None:
+    """Keep a simulated fleet from announcing itself to the whole network, unless told to."""
+    if not any(os.environ.get(name) for name in REACH_VARIABLES):
+        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+
+
+def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
+    interrupt = Interrupt()
+    started = datetime.now().astimezone()
+    directory = create_run_directory(request.parent, scenario.name, started)
+    source = f'# As flown: {request.scenario}, with every default written out.\n'
+    directory.scenario.write_text(source + scenario.to_yaml(), encoding='utf-8')
+    run_info = provenance(sys.argv, started)
+    write_json(directory.run_info, run_info)
+    _log_to(directory)
+    display = make_display(console, directory.name, is_quiet=request.is_quiet)
+    flight = _Flight(
+        request=request,
+        scenario=scenario,
+        directory=directory,
+        interrupt=interrupt,
+        run_info=run_info,
+    )
+    with display:
+        display.say(f'run directory: {directory.path}')
+        phase = flight.fly(display)
+    if not request.is_quiet:
+        closing = _closing(directory, flight.monitor, flight.text, phase)
+        console.print(closing, soft_wrap=True)
+    elif phase is not Phase.COMPLETE:
+        print(f'rocsafe: mission {phase.name.lower()}: {flight.text}', file=sys.stderr)
+    if interrupt.exit_code is not None:
+        return interrupt.exit_code
+    return EXIT_COMPLETE if phase is Phase.COMPLETE else EXIT_FAILED
+
+
+@dataclass(kw_only=True)
+class _Flight:
+    """Puts a run together from its parts."""
+
+    request: RunRequest
+    scenario: Scenario
+    directory: RunDirectory
+    interrupt: Interrupt
+    run_info: dict[str, object]
+    text: str = ''
+
+    def __post_init__(self) -> None:
+        self.monitor = Monitor(self.scenario.vehicle_names)
+
+    def fly(self, display: Display) -> Phase:
+        """Fly and return how it ended."""
+        # Here, not above: `rocsafe check` works where ROS is not set up.
+        from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
+
+        table = process_table(self.scenario, self.directory)
+        supervisor = Supervisor(
+            launches(table, self.directory, self.request.config),
+            child_environment(self.directory),
+        )
+        with ros_session(self.request.config):
+            node = OrchestratorNode(self.scenario, self.monitor, self.directory.name)
+            speed = self.scenario.clock.speed
+            mission = Mission(
+                crew_of(self.scenario, table),
+                node.options,
+                planning_budget_s=self.scenario.survey.budget_s,
+                slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
+            )
+            parts = Parts(
+                table=table,
+                participants=tuple(world_parameters(self.scenario)['participants']),
+                mission=mission,
+                monitor=self.monitor,
+                supervisor=supervisor,
+                node=node,
+                spinner=Spinner(node),
+                display=display,
+                interrupt=self.interrupt,
+                directory=self.directory,
+                run_info=self.run_info,
+            )
+            try:
+                return MissionRun(parts, node.options.stop_timeout_s).fly()
+            finally:
+                self.text = mission.text
+                parts.spinner.close()
+
+
+def _log_to(directory: RunDirectory) -> None:
+    """Send what the orchestrator notes to a file beside the logs of the processes."""
+    handler = logging.FileHandler(directory.log_of('orchestrator'), encoding='utf-8')
+    handler.setFormatter(logging.Formatter('%(asctime)s %(levelname)s %(message)s'))
+    package = logging.getLogger('rocsafe_orchestrator')
+    package.setLevel(logging.INFO)
+    package.handlers = [handler]
+    package.propagate = False
+
+
+def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase) -> Text:
+    """Return the last lines of a run: how it ended, and where to look."""
+    style = 'bold green' if phase is Phase.COMPLETE else 'bold red'
+    lines = Text.assemble((f'mission {phase.name.lower()}', style))
+    if text:
+        lines.append(f': {text}')
+    images = f'{monitor.images_stored} of {monitor.images_expected} images stored'
+    lines.append(f'\n{images}, {clock_text(monitor.flight_time_s)} flown')
+    if monitor.peak is not None:
+        lines.append(f', highest reading {peak_text(monitor.peak)}')
+    if directory.report.is_file():
+        lines.append(f'\nreport: {directory.report}')
+    elif phase is not Phase.COMPLETE:
+        lines.append(f'\nlogs: {directory.logs}')
+    return lines

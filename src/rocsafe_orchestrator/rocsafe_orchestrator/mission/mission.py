@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The phases of a mission and what each waits for: a state machine, time passed in.
+
+`Mission.advance` returns orders; whoever carries them out reports with `accepted`, `answered` and
+`refused`. A failure ends the phase that it happens in, never the hand-over of what there is: the
+mosaic and the products are made of what was recorded.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind, Request, Status
+from rocsafe_orchestrator.mission.standstill import Standstill
+
+PLANNER, WORLD, MOSAIC, REPORT = 'planner', 'world', 'mosaic', 'report'
+# These take long to answer, and work through every repetition.
+SLOW_ORDERS = (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
+PATIENT_REPEAT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """What the surroundings look like now.
+
+    Attributes
+    ----------
+    ready: processes that can be used.
+    simulated_s: simulated time, seconds.
+    waiting_for: whom simulated time waits for, as far as is known.
+    images_stored: photographs that are safe in the store.
+    images_rejected: photographs that never will be.
+    """
+
+    ready: frozenset[str]
+    simulated_s: float = 0.0
+    waiting_for: tuple[str, ...] = ()
+    images_stored: int = 0
+    images_rejected: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crew:
+    """Who takes part: for each vehicle its process, and all processes that must be ready."""
+
+    vehicle_processes: Mapping[str, str]
+    processes: frozenset[str]
+
+
+class Mission:
+    """One mission from the start of its processes to its report.
+
+    Parameters
+    ----------
+    crew: who takes part.
+    options: deadlines.
+    planning_budget_s: wall time that the planner may use.
+    slowest_beat_s: wall time between two beats of simulated time when all is well.
+    """
+
+    def __init__(
+        self,
+        crew: Crew,
+        options: OrchestratorOptions,
+        *,
+        planning_budget_s: float = 0.0,
+        slowest_beat_s: float = 0.0,
+    ) -> None:
+        self.phase = Phase.STARTING
+        self.faults: list[str] = []
+        self.stalled_s = 0.0
+        self._crew = crew
+        self._options = options
+        self._plan_timeout_s = options.plan_timeout_s + planning_budget_s
+        self._stall_timeout_s = options.stall_timeout_s + slowest_beat_s
+        self._outcome = Phase.COMPLETE
+        self._requests: dict[Order, Request] = {}
+        self._entered_s: float | None = None
+        self._progress = Standstill()
+        self._shots = 0
+        self._is_cancelled = False
+
+    @property
+    def text(self) -> str:
+        """Why the mission failed or was cancelled; empty if all is well."""
+        return '; '.join(self.faults)
+
+    @property
+    def outcome(self) -> Phase:
+        """How the mission will end, as far as is known now."""
+        return self._outcome
+
+    def advance(self, now_s: float, situation: Situation) -> list[Order]:
+        """Enter the next phase if this one is over, and return the orders to send now."""
+        self._phase_s(now_s)
+        step: Callable[[float, Situation], None] | None = {
+            Phase.STARTING: self._start,
+            Phase.PLANNING: self._plan,
+            Phase.FLYING: self._fly,
+            Phase.COLLECTING: self._collect,
+            Phase.MAPPING: self._map,
+            Phase.REPORTING: self._report,
+        }.get(self.phase)
+        if step is not None:
+            step(now_s, situation)
+        return self._due_orders(now_s)
+
+    # What the surroundings report.
+
+    def accepted(self, order: Order) -> None:
+        """Note that `order` was taken; its answer comes later."""
+        if order in self._requests:
+            self._requests[order].accept()
+
+    def answered(self, order: Order) -> None:
+        """Note that `order` was carried out."""
+        if order in self._requests:
+            self._requests[order].finish()
+
+    def refused(self, order: Order, text: str) -> None:
+        """Note that `order` cannot be carried out, and why."""
+        if order not in self._requests or self._requests[order].status is Status.DONE:
+            return
+        self._requests[order].finish()
+        self._fault(text)
+
+    def planned(self, routed: Iterable[str]) -> None:
+        """Note the plan: the vehicles named have viewpoints to visit."""
+        plan = self._requests.get(Order(kind=OrderKind.PLAN))
+        if plan is None or plan.status is Status.DONE or self.phase is not Phase.PLANNING:
+            return
+        plan.finish()
+        for vehicle in routed:
+            self._add(OrderKind.FLY, self._crew.vehicle_processes[vehicle], vehicle)
+
+    def flown(self, vehicle: str, shots: int, fault: str = '') -> None:
+        """Note that `vehicle` has landed with `shots` photographs; `fault` if not as planned."""
+        request = self._requests.get(Order(kind=OrderKind.FLY, vehicle=vehicle))
+        if request is None or request.status is Status.DONE:
+            return
+        request.finish()
+        self._shots += shots
+        if fault:
+            self._fault(f'{vehicle}: {fault}')
+
+    def restarted(self, process: str, now_s: float) -> None:
+        """Ask `process`, which has lost its memory of our requests, again."""
+        self._progress.restart(now_s)
+        for request in self._requests.values():
+            if request.server == process:
+                request.reset()
+        clock = self._requests.get(Order(kind=OrderKind.RUN_CLOCK))
+        if clock is not None and (
+            process == WORLD or process in self._crew.vehicle_processes.values()
+        ):
+            # Time may have paused while the process was away.
+            clock.status = Status.WAITING
+            clock.reset()
+
+    def gave_up(self, process: str, text: str) -> None:
+        """Note that `process` will not come back."""
+        if process == REPORT:
+            self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
+        elif self.phase is Phase.MAPPING and process != MOSAIC:
+            self._fault(f'{process} {text}')
+        elif self.phase < Phase.REPORTING:
+            self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
+
+    def cancel(self, text: str) -> None:
+        """Give the mission up: processes end, products are made if that is quick."""
+        if self.phase.is_over or self._is_cancelled:
+            return
+        self._is_cancelled = True
+        self._outcome = Phase.CANCELLED
+        self.faults.append(text)
+        if self.phase < Phase.REPORTING:
+            self._enter(Phase.REPORTING)
+        else:
+            self._entered_s = None
+
+    def abandon(self) -> None:
+        """End at once, without products."""
+        self._enter(self._outcome if self._is_cancelled else Phase.CANCELLED)
+
+    # The phases.
+
+    def _start(self, now_s: float, situation: Situation) -> None:
+        missing = sorted(self._crew.processes - situation.ready)
+        if not missing:
+            self._enter(Phase.PLANNING)
+            self._add(OrderKind.PLAN, PLANNER)
+        elif self._phase_s(now_s) > self._options.start_timeout_s:
+            limit = self._options.start_timeout_s
+            self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
+
+    def _plan(self, now_s: float, _situation: Situation) -> None:
+        if self.faults:
+            self._fail()
+        elif self._all_done(OrderKind.PLAN):
+            self._enter(Phase.FLYING)
+        elif self._phase_s(now_s) > self._plan_timeout_s:
+            self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
+
+    def _fly(self, now_s: float, situation: Situation) -> None:
+        routes = self._of_kind(OrderKind.FLY)
+        if self._all_done(OrderKind.FLY):
+            self._enter(Phase.COLLECTING)
+            self._progress = Standstill()
+            return
+        if all(request.status is not Status.WAITING for request in routes):
+            self._add(OrderKind.RUN_CLOCK, WORLD)
+        limit = self._options.accept_timeout_s
+        late = [r for r in self._requests.values() if r.waited_s(now_s) > limit]
+        if late:
+            names = ', '.join(dict.fromkeys(request.server for request in late))
+            what = late[0].order.kind.value
+            self._fail(f'{names}: did not accept to {what} within {limit:g} s')
+        elif self._all_done(OrderKind.RUN_CLOCK):
+            self._watch_time(now_s, situation)
+
+    def _watch_time(self, now_s: float, situation: Situation) -> None:
+        self.stalled_s = self._progress.standing_s(situation.simulated_s, now_s)
+        if self.stalled_s > self._stall_timeout_s:
+            names = ', '.join(situation.waiting_for) or 'an unknown node'
+            text = f'simulated time stands still for {self.stalled_s:.0f} s'
+            self._fail(f'{text}: waits for {names}')
+
+    def _collect(self, now_s: float, situation: Situation) -> None:
+        settled = situation.images_stored + situation.images_rejected
+        standing_s = self._progress.standing_s(settled, now_s)
+        if settled < self._shots and standing_s <= self._options.collect_timeout_s:
+            return
+        if situation.images_stored < self._shots:
+            self._fault(f'only {situation.images_stored} of {self._shots} photographs are stored')
+        self._enter(Phase.MAPPING)
+
+    def _map(self, now_s: float, _situation: Situation) -> None:
+        self._add(OrderKind.SAVE_MOSAIC, MOSAIC)
+        limit = self._options.map_timeout_s
+        if not self._all_done(OrderKind.SAVE_MOSAIC):
+            if self._phase_s(now_s) <= limit:
+                return
+            self._fault(f'{MOSAIC}: not written within {limit:g} s')
+        self._enter(Phase.REPORTING)
+
+    def _report(self, now_s: float, _situation: Situation) -> None:
+        self._add(OrderKind.WRITE_PRODUCTS, REPORT)
+        options = self._options
+        limit = options.cancel_timeout_s if self._is_cancelled else options.report_timeout_s
+        if not self._all_done(OrderKind.WRITE_PRODUCTS):
+            if self._phase_s(now_s) <= limit:
+                return
+            self._fault(f'the products were not written within {limit:g} s')
+        self._enter(self._outcome)
+
+    # Book-keeping.
+
+    def _fault(self, text: str) -> None:
+        """Note a reason for which the mission is not complete, and go on."""
+        self.faults.append(text)
+        if self._outcome is Phase.COMPLETE:
+            self._outcome = Phase.FAILED
+
+    def _fail(self, text: str = '', *, has_mosaic: bool = True) -> None:
+        """End this phase; make the best of what was recorded."""
+        if text:
+            self._fault(text)
+        has_images = self.phase in (Phase.FLYING, Phase.COLLECTING)
+        self._enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
+
+    def _enter(self, phase: Phase) -> None:
+        self.phase = phase
+        self._entered_s = None
+        self._requests = {} if phase >= Phase.MAPPING else self._requests
+
+    def _phase_s(self, now_s: float) -> float:
+        if self._entered_s is None:
+            self._entered_s = now_s
+        return now_s - self._entered_s
+
+    def _add(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
+        order = Order(kind=kind, vehicle=vehicle)
+        if order not in self._requests:
+            is_slow = kind in SLOW_ORDERS
+            repeat_s = PATIENT_REPEAT_S if is_slow else self._options.repeat_s
+            self._requests[order] = Request(order, server, repeat_s)
+
+    def _due_orders(self, now_s: float) -> list[Order]:
+        if self.phase.is_over:
+            return []
+        return [order for order, request in self._requests.items() if request.is_due(now_s)]
+
+    def _of_kind(self, kind: OrderKind) -> list[Request]:
+        return [request for order, request in self._requests.items() if order.kind is kind]
+
+    def _all_done(self, kind: OrderKind) -> bool:
+        requests = self._of_kind(kind)
+        is_flight = kind is OrderKind.FLY  # a plan without routes is flown at once
+        return (bool(requests) or is_flight) and all(r.status is Status.DONE for r in requests)

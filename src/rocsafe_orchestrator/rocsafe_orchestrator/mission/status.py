@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a running mission: gathered from the nodes' messages, shown to people."""
+
+import math
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.mission.phase import Phase
+
+
+class FlightState(IntEnum):
+    """State of a vehicle; numbers are those of ``VehicleState.msg``."""
+
+    UNKNOWN = 0
+    DISARMED = 1
+    ARMED = 2
+    TAKING_OFF = 3
+    FLYING = 4
+    HOLDING = 5
+    RETURNING = 6
+    LANDING = 7
+    LANDED = 8
+    LOST = 9
+
+    @property
+    def has_left(self) -> bool:
+        """True once the vehicle has taken off, wherever it is now."""
+        return FlightState.TAKING_OFF <= self <= FlightState.LANDED
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleStatus:
+    """Latest word of one vehicle; `time_s` is its stamp, seconds since the epoch."""
+
+    name: str
+    state: FlightState = FlightState.UNKNOWN
+    time_s: float = math.nan
+    viewpoint_count: int = 0
+    viewpoints_visited: int = 0
+    shots_taken: int = 0
+    shots_pending: int = 0
+    battery_fraction: float = math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DosePeak:
+    """The highest dose rate so far, microsievert per hour, and who measured it where."""
+
+    dose_rate_usvh: float
+    vehicle: str
+    position: GeoPosition
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunStatus:
+    """A mission at one moment.
+
+    Attributes
+    ----------
+    text: why the mission failed or was cancelled, empty if neither.
+    flight_time_s: simulated seconds since the first take-off.
+    wall_time_s: seconds since the run began.
+    real_time_factor: simulated over wall time of late; NaN while nothing flies.
+    restarts: how often each process was started again.
+    """
+
+    phase: Phase
+    text: str = ''
+    vehicles: tuple[VehicleStatus, ...] = ()
+    images_stored: int = 0
+    images_expected: int = 0
+    peak: DosePeak | None = None
+    flight_time_s: float = 0.0
+    wall_time_s: float = 0.0
+    real_time_factor: float = math.nan
+    restarts: dict[str, int] = field(default_factory=dict)
+
+
+class Monitor:
+    """Keeps the latest of everything that the nodes say.
+
+    Parameters
+    ----------
+    vehicles: names, in the order in which they are shown.
+    """
+
+    def __init__(self, vehicles: tuple[str, ...]) -> None:
+        self._vehicles = {name: VehicleStatus(name=name) for name in vehicles}
+        self._stored: set[str] = set()
+        self._rejected: dict[str, str] = {}
+        self._takeoff_s: float | None = None
+        self.peak: DosePeak | None = None
+        self.images_expected = 0
+        self.time_s = 0.0
+
+    @property
+    def vehicles(self) -> tuple[VehicleStatus, ...]:
+        """Latest status of each vehicle."""
+        return tuple(self._vehicles.values())
+
+    @property
+    def images_stored(self) -> int:
+        """Photographs that are safe in the store."""
+        return len(self._stored)
+
+    @property
+    def rejections(self) -> dict[str, str]:
+        """Photographs that the store refuses, each with its reason."""
+        return dict(self._rejected)
+
+    @property
+    def flight_time_s(self) -> float:
+        """Simulated seconds since the first take-off, 0 before it."""
+        return 0.0 if self._takeoff_s is None else max(0.0, self.time_s - self._takeoff_s)
+
+    def on_vehicle(self, status: VehicleStatus) -> None:
+        """Note the state of a vehicle; one that we do not know is passed over."""
+        if status.name not in self._vehicles:
+            return
+        self._vehicles[status.name] = status
+        if status.time_s > self.time_s:
+            self.time_s = status.time_s
+        if self._takeoff_s is None and status.state.has_left:
+            self._takeoff_s = status.time_s
+
+    def on_dose_rate(self, vehicle: str, dose_rate_usvh: float, position: GeoPosition) -> None:
+        """Note a reading."""
+        if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
+            self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
+
+    def on_stored(self, shot_id: str) -> None:
+        """Note that a photograph is safe."""
+        self._stored.add(shot_id)
+        self._rejected.pop(shot_id, None)
+
+    def on_rejected(self, shot_id: str, reason: str) -> None:
+        """Note that a photograph will never be stored."""
+        if shot_id not in self._stored:
+            self._rejected[shot_id] = reason
+
+
+class Pace:
+    """Simulated seconds a wall second, over the last few seconds.
+
+    Parameters
+    ----------
+    window_s: wall time that is looked back.
+    """
+
+    def __init__(self, window_s: float = 3.0) -> None:
+        self._window_s = window_s
+        self._samples: list[tuple[float, float]] = []
+
+    def note(self, wall_s: float, simulated_s: float) -> None:
+        """Note the simulated time at `wall_s`."""
+        self._samples.append((wall_s, simulated_s))
+        start = wall_s - self._window_s
+        while len(self._samples) > 2 and self._samples[1][0] <= start:
+            self._samples.pop(0)
+
+    @property
+    def factor(self) -> float:
+        """Simulated over wall time; NaN while it is not known or nothing moves."""
+        if len(self._samples) < 2:
+            return math.nan
+        (wall_0, simulated_0), (wall_1, simulated_1) = self._samples[0], self._samples[-1]
+        if wall_1 <= wall_0 or simulated_1 <= simulated_0:
+            return math.nan
+        return (simulated_1 - simulated_0) / (wall_1 - wall_0)

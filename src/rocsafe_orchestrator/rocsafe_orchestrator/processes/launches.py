@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the table of processes to commands: executables found, parameter files written."""
+
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes.node_parameters import write_parameters
+from rocsafe_orchestrator.processes.process_values import NEVER, Launch
+from rocsafe_orchestrator.processes.processes import ProcessSpec
+from rocsafe_orchestrator.run_directory import RunDirectory
+
+# Read by rocsafe_ros.run: a node ends when the process with this id does.
+SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
+
+# Threads of the linear algebra would only wait for each other on matrices this small.
+ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
+
+
+def find_executable(package: str, executable: str) -> Path:
+    """Return the path of a package's executable in the sourced workspace.
+
+    Raises
+    ------
+    SetupError: saying what to do.
+    """
+    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
+    for prefix in filter(None, prefixes):
+        path = Path(prefix) / 'lib' / package / executable
+        if os.access(path, os.X_OK) and path.is_file():
+            return path
+    raise SetupError(
+        f'executable {executable} of package {package} is not installed: run `make setup`, '
+        'or `colcon build` and `. install/setup.bash`'
+    )
+
+
+def require_executables(table: Iterable[ProcessSpec]) -> None:
+    """Make sure that every process of `table` can be started.
+
+    Raises
+    ------
+    SetupError: if an executable is missing.
+    """
+    for spec in table:
+        find_executable(spec.package, spec.executable)
+
+
+def launches(
+    table: Iterable[ProcessSpec], run: RunDirectory, config: Path | None = None
+) -> tuple[Launch, ...]:
+    """Write the parameter file of every process and return how to start each, and the report.
+
+    Parameters
+    ----------
+    config: a parameter file for all nodes; the scenario's values come after it and win.
+
+    Raises
+    ------
+    SetupError: if an executable is missing.
+    """
+    return (*(_launch(spec, run, config) for spec in table), _report_launch(run))
+
+
+def child_environment(run: RunDirectory) -> Mapping[str, str]:
+    """Return the environment of every process of the run."""
+    return {
+        **os.environ,
+        SUPERVISOR_VARIABLE: str(os.getpid()),
+        # ROS writes a file a process; beside ours they would hide in the user's home.
+        'ROS_LOG_DIR': str(run.logs / 'ros'),
+        'PYTHONUNBUFFERED': '1',
+        # Many processes share few cores: threads of each would only wait for each other.
+        'OPENBLAS_NUM_THREADS': '1',
+    }
+
+
+def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch:
+    executable = find_executable(spec.package, spec.executable)
+    parameters = run.parameters_of(spec.name)
+    write_parameters(parameters, spec.node, spec.parameters)
+    files = [str(path) for path in (config, parameters) if path is not None]
+    # Every process stamps what it says in the world's time.
+    arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
+    for file in files:
+        arguments += ['--params-file', file]
+    return Launch(
+        name=spec.name,
+        command=(str(executable), *arguments),
+        log=run.log_of(spec.name),
+        restart=spec.restart,
+    )
+
+
+def _report_launch(run: RunDirectory) -> Launch:
+    """Return how to make the products: in a process of its own, which can be ended."""
+    command = (sys.executable, '-m', 'rocsafe_orchestrator.cli', 'report', str(run.path))
+    return Launch(
+        name=REPORT, command=command, log=run.log_of(REPORT), restart=NEVER, is_task=True
+    )

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a scenario to the ROS parameters of each node."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import SourceBlock, VehicleBlock
+
+Parameters = dict[str, Any]
+
+FIELD, RECORDER, FLEET = 'radiation_field', 'recorder', 'fleet'
+LOCK_STEP = {'lock_step': True}
+
+
+def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the planner."""
+    parameters: Parameters = {
+        'grid': scenario.survey.grid,
+        'max_viewpoints': scenario.survey.max_viewpoints,
+        'export_directory': str(run.path),
+    }
+    if scenario.survey.method:
+        parameters['default_method'] = scenario.survey.method
+    return parameters
+
+
+def world_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the world: time stands still until the routes are accepted."""
+    return {
+        'step_s': scenario.clock.step_s,
+        'speed': scenario.clock.speed,
+        'start_time_s': scenario.clock.start.timestamp(),
+        'participants': [*_vehicle_participants(scenario), FIELD, RECORDER],
+        'autostart': False,
+        'pause_when_idle': True,
+        'scene': scenario.scene,
+        'seed': scenario.seed,
+        **_origin(scenario),
+    }
+
+
+def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory) -> Parameters:
+    """Return the parameters of the process of one simulated vehicle."""
+    return {
+        'home_latitude_deg': vehicle.home[0],
+        'home_longitude_deg': vehicle.home[1],
+        **_vehicle_model(scenario, vehicle),
+        'spool_directory': str(run.spool / vehicle.name),
+    }
+
+
+def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the one process of all simulated vehicles, which are alike."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.vehicles],
+        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.vehicles],
+        **_vehicle_model(scenario, scenario.vehicles[0]),
+        'spool_directory': str(run.spool),
+    }
+
+
+def field_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the radiation field."""
+    radiation, sources = scenario.radiation, scenario.radiation.sources
+    return {
+        'model': radiation.model,
+        'source_radius_m': radiation.source_radius_m,
+        'vehicles': list(scenario.vehicle_names),
+        'source_names': [source.name for source in sources],
+        'source_latitudes_deg': [source.position[0] for source in sources],
+        'source_longitudes_deg': [source.position[1] for source in sources],
+        'source_altitudes_m': [_altitude_m(scenario, source) for source in sources],
+        'source_sigmas_usvps': [source.sigma_usvps or 0.0 for source in sources],
+        'source_nuclides': [source.nuclide or '' for source in sources],
+        'source_activities_gbq': [source.activity_gbq or 0.0 for source in sources],
+        'source_ages_s': [_age_s(scenario, source) for source in sources],
+        'detector': radiation.detector,
+        'window_s': radiation.window_s,
+        'background_usvh': radiation.background.dose_rate_usvh,
+        'background_variation': radiation.background.variation,
+        'background_length_m': radiation.background.length_m,
+        'ground_altitude_m': scenario.origin.ground_altitude_m,
+        'seed': scenario.seed,
+        **LOCK_STEP,
+    }
+
+
+def localizer_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the localizer, which is not told of the sources."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'model': scenario.radiation.model,
+        **_origin(scenario),
+    }
+
+
+def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the image store."""
+    return {'vehicles': list(scenario.vehicle_names), 'store_directory': str(run.images)}
+
+
+def mosaic_parameters(run: RunDirectory) -> Parameters:
+    """Return the parameters of the map maker."""
+    return {'store_directory': str(run.images), 'output_path': str(run.mosaic)}
+
+
+def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the recorder."""
+    return {
+        'output_directory': str(run.path),
+        'vehicles': list(scenario.vehicle_names),
+        **LOCK_STEP,
+    }
+
+
+def write_parameters(path: Path, node: str, parameters: Mapping[str, Any]) -> None:
+    """Write the ROS parameter file of `node`, a full name such as ``/rav1/rav``, to `path`.
+
+    Empty lists are left out: they have no type of their own in a parameter file, and every such
+    parameter is empty by default.
+    """
+    given = {key: value for key, value in parameters.items() if value != []}
+    content = {node: {'ros__parameters': given}}
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+
+
+def _vehicle_participants(scenario: Scenario) -> list[str]:
+    is_fleet = scenario.simulation.processes == 'fleet'
+    return [FLEET] if is_fleet else list(scenario.vehicle_names)
+
+
+def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
+    """Return what a vehicle can do and what its sensors are like."""
+    own_keys = {'name', 'home'}
+    simulation = scenario.simulation.model_dump(exclude={'processes'})
+    return {
+        **vehicle.model_dump(exclude=own_keys),
+        **simulation,
+        **{f'{_camera_prefix(key)}{key}': v for key, v in scenario.camera.model_dump().items()},
+        'scene': scenario.scene,
+        'seed': scenario.seed,
+        **_origin(scenario),
+        **LOCK_STEP,
+    }
+
+
+def _camera_prefix(key: str) -> str:
+    return 'camera_' if key == 'horizontal_fov_deg' else ''
+
+
+def _origin(scenario: Scenario) -> Parameters:
+    origin = scenario.origin_position()
+    return {
+        'origin_latitude_deg': origin.latitude_deg,
+        'origin_longitude_deg': origin.longitude_deg,
+        'origin_altitude_m': origin.altitude_m,
+    }
+
+
+def _age_s(scenario: Scenario, source: SourceBlock) -> float:
+    """Return for how long the activity of `source` has decayed when the mission starts."""
+    if source.activity_date is None:
+        return 0.0
+    return (scenario.clock.start - source.activity_date).total_seconds()
+
+
+def _altitude_m(scenario: Scenario, source: SourceBlock) -> float:
+    """Return the altitude of `source` above the ellipsoid."""
+    return scenario.ground_position(source.position, source.height_m).altitude_m

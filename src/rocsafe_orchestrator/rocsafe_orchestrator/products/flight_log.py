@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading the recording of a run, by the message definitions that it carries itself."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.run_record import (
+    FlightLog,
+    MissionSample,
+    Reading,
+    RecordingFacts,
+    Track,
+    VehicleSample,
+)
+
+_READING = 'rocsafe_interfaces/msg/RadiationReading'
+_FIX = 'sensor_msgs/msg/NavSatFix'
+_STATE = 'rocsafe_interfaces/msg/VehicleState'
+_MISSION = 'rocsafe_interfaces/msg/MissionState'
+_TRUTH_SUFFIX = '/ground_truth/fix'
+_NS_PER_S = 1_000_000_000
+
+
+class RecordingError(ValueError):
+    """A file is no recording that can be read."""
+
+
+def read_flight_log(path: Path) -> FlightLog:
+    """Read the recording at `path`.
+
+    Raises
+    ------
+    RecordingError: if it cannot be read.
+    """
+    try:
+        with path.open('rb') as stream:
+            return _Log(make_reader(stream, decoder_factories=[DecoderFactory()])).read()
+    except (McapError, OSError) as error:
+        raise RecordingError(f'{path.name} cannot be read: {error}') from error
+
+
+class _Log:
+    """Gathers what the messages of a recording say."""
+
+    def __init__(self, reader: McapReader) -> None:
+        self._reader = reader
+        self._readings: dict[tuple[int, str], Reading] = {}
+        self._fixes: dict[str, dict[int, tuple[float, float, float]]] = {}
+        self._samples: dict[str, list[VehicleSample]] = {}
+        self._mission: list[MissionSample] = []
+
+    def read(self) -> FlightLog:
+        """Read all messages of interest."""
+        handlers: dict[str, Callable[[str, Any], None]] = {
+            _READING: self._on_reading,
+            _FIX: self._on_fix,
+            _STATE: self._on_state,
+            _MISSION: self._on_mission,
+        }
+        for kind, topic, message in self._messages(frozenset(handlers)):
+            handlers[kind](topic, message)
+        return FlightLog(
+            facts=self._facts(),
+            readings=tuple(self._readings[key] for key in sorted(self._readings)),
+            tracks=dict(self._tracks()),
+            samples={name: tuple(samples) for name, samples in sorted(self._samples.items())},
+            mission=tuple(self._mission),
+        )
+
+    def _messages(self, kinds: frozenset[str]) -> Iterator[tuple[str, str, Any]]:
+        summary = self._reader.get_summary()
+        if summary is None:
+            raise RecordingError('the recording has no summary: it was not ended in good order')
+        topics = {
+            channel.topic
+            for channel in summary.channels.values()
+            if summary.schemas[channel.schema_id].name in kinds
+        }
+        # Where a vehicle's true positions are recorded, nobody asks what it believed.
+        topics -= {topic.replace(_TRUTH_SUFFIX, '/fix') for topic in topics if _is_truth(topic)}
+        if not topics:
+            return
+        # The recording is in order already: sorting it again would take as long as reading it.
+        for decoded in self._reader.iter_decoded_messages(
+            topics=sorted(topics), log_time_order=False
+        ):
+            yield decoded.schema.name, decoded.channel.topic, decoded.decoded_message
+
+    def _facts(self) -> RecordingFacts:
+        summary = self._reader.get_summary()
+        counts = summary.statistics
+        return RecordingFacts(
+            message_count=counts.message_count,
+            topic_count=len(summary.channels),
+            start_ns=counts.message_start_time,
+            end_ns=counts.message_end_time,
+        )
+
+    def _on_reading(self, topic: str, message: Any) -> None:
+        vehicle, time_ns = _vehicle_of(topic), _stamp_ns(message)
+        self._readings[time_ns, vehicle] = Reading(
+            time_ns=time_ns,
+            vehicle=vehicle,
+            latitude_deg=message.position.latitude,
+            longitude_deg=message.position.longitude,
+            altitude_m=message.position.altitude,
+            dose_rate_usvh=message.dose_rate_usvh,
+            dose_rate_std_usvh=message.dose_rate_std_usvh,
+            counts=message.counts,
+            live_time_s=message.live_time_s,
+            model=message.model,
+        )
+
+    def _on_fix(self, topic: str, message: Any) -> None:
+        if message.status.status >= 0:
+            place = (message.latitude, message.longitude, message.altitude)
+            self._fixes.setdefault(topic, {})[_stamp_ns(message)] = place
+
+    def _on_state(self, topic: str, message: Any) -> None:
+        self._samples.setdefault(_vehicle_of(topic), []).append(
+            VehicleSample(
+                time_ns=_stamp_ns(message),
+                state=message.state,
+                viewpoints_visited=message.viewpoints_visited,
+                shots_taken=message.shots_taken,
+                battery_fraction=message.battery_fraction,
+                distance_flown_m=message.distance_flown_m,
+                text=message.text,
+            )
+        )
+
+    def _on_mission(self, _topic: str, message: Any) -> None:
+        self._mission.append(
+            MissionSample(
+                phase=Phase(message.phase),
+                text=message.text,
+                images_stored=message.images_stored,
+                images_expected=message.images_expected,
+                mission_time_s=message.mission_time_s,
+                wall_time_s=message.wall_time_s,
+            )
+        )
+
+    def _tracks(self) -> Iterator[tuple[str, Track]]:
+        """Yield the track of each vehicle: its true one where a simulation recorded it."""
+        for topic, fixes in sorted(self._fixes.items()):
+            times = sorted(fixes)
+            places = np.array([fixes[time] for time in times])
+            track = Track(
+                time_ns=np.array(times, dtype=np.int64),
+                latitude_deg=places[:, 0],
+                longitude_deg=places[:, 1],
+                altitude_m=places[:, 2],
+                is_truth=_is_truth(topic),
+            )
+            yield _vehicle_of(topic), track
+
+
+def _is_truth(topic: str) -> bool:
+    return topic.endswith(_TRUTH_SUFFIX)
+
+
+def _vehicle_of(topic: str) -> str:
+    return topic.strip('/').partition('/')[0]
+
+
+def _stamp_ns(message: Any) -> int:
+    stamp = message.header.stamp
+    return int(stamp.sec) * _NS_PER_S + int(stamp.nanosec)

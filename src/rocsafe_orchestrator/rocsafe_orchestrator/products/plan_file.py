@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading ``plan.json`` as the planner writes it."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.products.run_record import Plan, PlannedRoute, PlannedViewpoint
+
+FORMAT_VERSION = 1
+
+
+class PlanFileError(ValueError):
+    """A file is no plan."""
+
+
+def read_plan(path: Path) -> Plan:
+    """Read the plan that the planner wrote to `path`.
+
+    Raises
+    ------
+    PlanFileError: if it is no plan, or one of a newer format.
+    """
+    try:
+        document = json.loads(path.read_text(encoding='utf-8'))
+        version = document['format_version']
+        if version != FORMAT_VERSION:
+            raise PlanFileError(f'{path.name} has format {version}, not {FORMAT_VERSION}')
+        return _plan(document)
+    except KeyError as error:
+        raise PlanFileError(f'{path.name} has no {error.args[0]!r}') from error
+    except (OSError, TypeError, ValueError) as error:
+        raise PlanFileError(f'{path.name} cannot be read: {error}') from error
+
+
+def _plan(document: dict[str, Any]) -> Plan:
+    region, camera = document['region'], document['camera']
+    return Plan(
+        plan_id=document['plan_id'],
+        method=document['method'],
+        region=SurveyArea(
+            boundary=_ring(region['boundary']),
+            holes=tuple(map(_ring, region['holes'])),
+            name=region['name'],
+        ),
+        height_agl_m=document['height_agl_m'],
+        spacing_rule=document['spacing_rule'],
+        overlap_fraction=document['overlap_fraction'],
+        spacing_m=document['spacing_m'],
+        routes=tuple(map(_route, document['routes'])),
+        makespan_s=document['makespan_s'],
+        lower_bound_s=document['lower_bound_s'],
+        lower_bound_method=document['lower_bound_method'],
+        gap_fraction=document['gap_fraction'],
+        region_area_m2=document['region_area_m2'],
+        covered_area_m2=document['covered_area_m2'],
+        covered_fraction=document['covered_fraction'],
+        horizontal_fov_rad=camera['horizontal_fov_rad'],
+        image_width_px=camera['image_width_px'],
+        image_height_px=camera['image_height_px'],
+    )
+
+
+def _ring(corners: list[dict[str, Any]]) -> tuple[GeoPosition, ...]:
+    return tuple(map(_position, corners))
+
+
+def _route(route: dict[str, Any]) -> PlannedRoute:
+    return PlannedRoute(
+        vehicle=route['vehicle'],
+        home=_position(route['home']),
+        viewpoints=tuple(map(_viewpoint, route['viewpoints'])),
+        length_m=route['length_m'],
+        duration_s=route['duration_s'],
+    )
+
+
+def _viewpoint(viewpoint: dict[str, Any]) -> PlannedViewpoint:
+    return PlannedViewpoint(id=viewpoint['id'], position=_position(viewpoint))
+
+
+def _position(place: dict[str, Any]) -> GeoPosition:
+    altitude = place.get('altitude_m')
+    return GeoPosition(
+        latitude_deg=place['latitude_deg'],
+        longitude_deg=place['longitude_deg'],
+        altitude_m=math.nan if altitude is None else altitude,
+    )

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The products of a run: recording, table of readings, summary and report."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.products.readings_table import write_readings
+from rocsafe_orchestrator.products.run_reading import read_run
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.products.source_estimates import estimate_sources
+from rocsafe_orchestrator.products.summary import RunSummary, summarise
+from rocsafe_orchestrator.recording.finalising import finalise
+from rocsafe_orchestrator.report import report_page
+from rocsafe_orchestrator.run_directory import RunDirectory
+
+
+def write_products(run_directory: Path) -> RunSummary:
+    """Write or renew all products of the run in `run_directory`, and return its figures.
+
+    Works on a run that was cut off anywhere: what is missing is told in summary and report. May
+    be repeated.
+
+    Raises
+    ------
+    ValueError: if there is no such directory.
+    OSError: if a product cannot be written.
+    """
+    run = RunDirectory(run_directory.resolve())
+    if not run.path.is_dir():
+        raise ValueError(f'{run_directory} is no run directory')
+    finalise(run.path, [run.scenario, run.run_info, run.plan])
+    record = read_run(run.path)
+    readings = record.log.readings if record.log else ()
+    write_readings(run.readings, readings, mission_frame(record))
+    record = _with_estimates(record, run)
+    summary = summarise(record)
+    _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
+    _write_text(run.report, report_page(record, summary, mission_frame(record)))
+    return summary
+
+
+def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
+    """Return `record` with the sources that its readings support."""
+    if record.log is None or not record.log.readings or record.scenario is None:
+        return record
+    try:
+        estimates = estimate_sources(run.readings, record.scenario.radiation.model)
+    except OrchestratorError as error:
+        line = f'no estimate of sources: {error}'
+        return dataclasses.replace(record, missing=(*record.missing, line))
+    return dataclasses.replace(record, estimates=estimates)
+
+
+def mission_frame(record: RunRecord) -> LocalFrame | None:
+    """Return the local frame of the run: the scenario's, else about the plan's region."""
+    if record.scenario is not None:
+        return LocalFrame(record.scenario.origin_position())
+    return None
+
+
+def _write_text(path: Path, text: str) -> None:
+    """Replace `path` as a whole: a reader sees the old file or the new one."""
+    temporary = path.with_name(path.name + '.tmp')
+    temporary.write_text(text, encoding='utf-8')
+    temporary.replace(path)

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a finished run: values read from its files, before anything is made of them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.scenario.scenario import Scenario
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+# States of VehicleState.msg in which a vehicle is in the air.
+AIRBORNE_STATES = frozenset({3, 4, 5, 6, 7})
+STATE_NAMES = (
+    'unknown', 'disarmed', 'armed', 'taking off', 'flying', 'holding', 'returning', 'landing',
+    'landed', 'lost',
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedViewpoint:
+    """A place to photograph from; `position` is the camera's."""
+
+    id: int
+    position: GeoPosition
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlannedRoute:
+    """What one vehicle is to fly, home to home."""
+
+    vehicle: str
+    home: GeoPosition
+    viewpoints: tuple[PlannedViewpoint, ...]
+    length_m: float
+    duration_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """The plan of a run; the fields mean what those of ``SurveyPlan.msg`` do."""
+
+    plan_id: str
+    method: str
+    region: SurveyArea
+    height_agl_m: float
+    spacing_rule: str
+    overlap_fraction: float
+    spacing_m: float
+    routes: tuple[PlannedRoute, ...]
+    makespan_s: float
+    lower_bound_s: float
+    lower_bound_method: str
+    gap_fraction: float
+    region_area_m2: float
+    covered_area_m2: float
+    covered_fraction: float
+    horizontal_fov_rad: float
+    image_width_px: int
+    image_height_px: int
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One dose-rate reading; the fields mean what those of ``RadiationReading.msg`` do."""
+
+    time_ns: int
+    vehicle: str
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    dose_rate_usvh: float
+    dose_rate_std_usvh: float
+    counts: int
+    live_time_s: float
+    model: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Track:
+    """Where a vehicle was.
+
+    Attributes
+    ----------
+    time_ns: shape (n,), increasing.
+    latitude_deg, longitude_deg, altitude_m: shape (n,), WGS84, above the ellipsoid.
+    is_truth: true positions of a simulated vehicle; else what the vehicle believed.
+    """
+
+    time_ns: IntArray
+    latitude_deg: FloatArray
+    longitude_deg: FloatArray
+    altitude_m: FloatArray
+    is_truth: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleSample:
+    """A vehicle's state at a time; the fields mean what those of ``VehicleState.msg`` do."""
+
+    time_ns: int
+    state: int
+    viewpoints_visited: int
+    shots_taken: int
+    battery_fraction: float
+    distance_flown_m: float
+    text: str
+
+    @property
+    def is_airborne(self) -> bool:
+        """Whether the vehicle is off the ground."""
+        return self.state in AIRBORNE_STATES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionSample:
+    """The mission at a time; the fields mean what those of ``MissionState.msg`` do."""
+
+    phase: Phase
+    text: str
+    images_stored: int
+    images_expected: int
+    mission_time_s: float
+    wall_time_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Aim:
+    """What a photograph shows: `orientation_xyzw` takes the optical frame to east, north, up."""
+
+    camera: PinholeCamera
+    height_agl_m: float
+    orientation_xyzw: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Photograph:
+    """A stored photograph; `path` is that of its JPEG file, `position` the camera's.
+
+    `aim` is None where the record does not tell it.
+    """
+
+    shot_id: str
+    vehicle: str
+    viewpoint_id: int
+    time_ns: int
+    position: GeoPosition
+    path: Path
+    aim: Aim | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordingFacts:
+    """What the recording consists of, see `FinalisedRecording`."""
+
+    message_count: int
+    topic_count: int
+    start_ns: int
+    end_ns: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightLog:
+    """What the recording of a run says."""
+
+    facts: RecordingFacts
+    readings: tuple[Reading, ...] = ()
+    tracks: Mapping[str, Track] = field(default_factory=dict)
+    samples: Mapping[str, tuple[VehicleSample, ...]] = field(default_factory=dict)
+    mission: tuple[MissionSample, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRecord:
+    """All that the files of a run say. What is None or empty could not be read.
+
+    Attributes
+    ----------
+    path: the run directory.
+    info: content of ``run.json``.
+    missing: one line for each thing that is not there or cannot be read, for people.
+    estimates: sources that the readings support.
+    """
+
+    path: Path
+    info: Mapping[str, object]
+    scenario: Scenario | None
+    plan: Plan | None
+    log: FlightLog | None
+    photographs: tuple[Photograph, ...]
+    missing: tuple[str, ...]
+    estimates: SourceEstimates | None = None
+
+    @property
+    def vehicles(self) -> tuple[str, ...]:
+        """Names of all vehicles, in the order of the scenario where there is one."""
+        names: dict[str, None] = {}
+        if self.scenario is not None:
+            names.update(dict.fromkeys(self.scenario.vehicle_names))
+        if self.plan is not None:
+            names.update(dict.fromkeys(route.vehicle for route in self.plan.routes))
+        if self.log is not None:
+            names.update(dict.fromkeys(sorted({*self.log.tracks, *self.log.samples})))
+        return tuple(names)

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sources estimated from the readings of a run: ``sources.json`` and its like."""
+
+import json
+import os
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
+
+# Thousands of readings take seconds, on a machine that still ends other processes.
+TIMEOUT_S = 120.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceEstimate:
+    """A source as estimated: place, 95 % ellipse and strength with its 95 % interval."""
+
+    position: GeoPosition
+    ellipse_95_m: tuple[float, float]
+    ellipse_angle_from_east_deg: float
+    dose_rate_at_1m_usvh: float
+    dose_rate_at_1m_95_usvh: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceEstimates:
+    """All sources that the readings support, and the probability of 0, 1, 2 ... sources."""
+
+    sources: tuple[SourceEstimate, ...]
+    source_count_probability: tuple[float, ...]
+    background_usvh: float
+    reading_count: int
+
+
+def _localize(arguments: Sequence[str]) -> None:
+    """Run the executable `localize` with `arguments`.
+
+    Raises
+    ------
+    SetupError: if it is not installed.
+    OrchestratorError: if there is nothing to localise from; the reason is told.
+    """
+    command = [str(find_executable('rocsafe_radiation', 'localize')), *arguments]
+    try:
+        done = subprocess.run(
+            command,
+            env={**os.environ, **ONE_THREAD},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=TIMEOUT_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise OrchestratorError(f'no sources estimated: {error}') from error
+    if done.returncode != 0:
+        words = done.stderr.strip().splitlines() or [f'localize ended with {done.returncode}']
+        raise OrchestratorError(words[-1].removeprefix('error: '))
+
+
+def estimate_sources(readings: Path, model: str) -> SourceEstimates:
+    """Estimate sources from the table `readings`; their files are written beside it.
+
+    Raises
+    ------
+    OrchestratorError: saying why there are none.
+    """
+    folder = readings.parent
+    _localize([str(readings), f'--model={model}', f'--out={folder}'])
+    try:
+        content = json.loads((folder / 'sources.json').read_text(encoding='utf-8'))
+        return _estimates(content)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OrchestratorError(f'sources.json cannot be read: {error}') from error
+
+
+def _estimates(content: dict[str, Any]) -> SourceEstimates:
+    return SourceEstimates(
+        sources=tuple(map(_estimate, content['sources'])),
+        source_count_probability=tuple(content['source_count_probability']),
+        background_usvh=content['background_usvh'],
+        reading_count=content['reading_count'],
+    )
+
+
+def _estimate(source: dict[str, Any]) -> SourceEstimate:
+    long_m, short_m = source['ellipse_95_m']
+    low, high = source['dose_rate_at_1m_95_usvh']
+    return SourceEstimate(
+        position=GeoPosition(**source['place']),
+        ellipse_95_m=(long_m, short_m),
+        ellipse_angle_from_east_deg=source['ellipse_angle_from_east_deg'],
+        dose_rate_at_1m_usvh=source['dose_rate_at_1m_usvh'],
+        dose_rate_at_1m_95_usvh=(low, high),
+    )

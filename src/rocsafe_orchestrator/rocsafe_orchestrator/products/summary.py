@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of a run: what was planned, what was flown, what was measured, what is missing."""
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from typing import Any
+
+import numpy as np
+
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.run_record import (
+    STATE_NAMES,
+    MissionSample,
+    Plan,
+    PlannedRoute,
+    Reading,
+    RunRecord,
+    VehicleSample,
+)
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+
+NS_PER_S = 1_000_000_000
+S_PER_H = 3600.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlanFigures:
+    """How good the plan is; the fields mean what those of ``SurveyPlan.msg`` do."""
+
+    method: str
+    makespan_s: float
+    lower_bound_s: float
+    lower_bound_method: str
+    gap_fraction: float
+    region_area_m2: float
+    covered_area_m2: float
+    covered_fraction: float
+    viewpoint_count: int
+    spacing_m: float
+    height_agl_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HighestReading:
+    """The highest dose rate measured, with where and when."""
+
+    dose_rate_usvh: float
+    vehicle: str
+    time: str
+    time_ns: int
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleFigures:
+    """What one vehicle did. None: not known.
+
+    Attributes
+    ----------
+    flown_duration_s: take-off to touch-down, or to the last word heard.
+    integrated_dose_usv: dose that the vehicle took, by trapezoids over its readings.
+    """
+
+    name: str
+    planned_duration_s: float | None
+    flown_duration_s: float | None
+    planned_length_m: float | None
+    flown_length_m: float | None
+    viewpoints_planned: int | None
+    viewpoints_visited: int | None
+    images_stored: int
+    reading_count: int
+    highest_dose_rate_usvh: float | None
+    integrated_dose_usv: float | None
+    battery_left_fraction: float | None
+    state: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSummary:
+    """All figures of a run, as ``summary.json`` holds them. None: not known.
+
+    Attributes
+    ----------
+    outcome: ``complete``, ``failed``, ``cancelled`` or ``unknown``.
+    mission_duration_s: first take-off to last touch-down, simulated.
+    wall_time_s: from the command to the making of the report.
+    start_up_s: wall time from the start of the run to the first word of a flight.
+    real_time_factor: simulated seconds a second of wall time while flying.
+    processes_restarted: process to number of restarts.
+    estimates: sources that the readings support.
+    missing: one line for each thing that is not there.
+    """
+
+    run: str
+    scenario: str
+    description: str
+    seed: int | None
+    outcome: str
+    outcome_text: str
+    plan: PlanFigures | None
+    vehicles: tuple[VehicleFigures, ...]
+    images_stored: int
+    images_expected: int | None
+    reading_count: int
+    highest_reading: HighestReading | None
+    integrated_dose_usv: float | None
+    estimates: SourceEstimates | None
+    mission_duration_s: float | None
+    wall_time_s: float | None
+    start_up_s: float | None
+    real_time_factor: float | None
+    message_count: int | None
+    processes_restarted: Mapping[str, int]
+    versions: Mapping[str, str]
+    missing: tuple[str, ...]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return values that JSON can hold; what is not finite becomes None."""
+        plain: dict[str, Any] = _finite(dataclasses.asdict(self))
+        return plain
+
+
+def summarise(record: RunRecord) -> RunSummary:
+    """Return the figures of the run that `record` describes."""
+    log = record.log
+    readings = log.readings if log else ()
+    mission = log.mission if log else ()
+    vehicles = tuple(_vehicle_figures(record, name) for name in record.vehicles)
+    doses = [v.integrated_dose_usv for v in vehicles if v.integrated_dose_usv is not None]
+    outcome, text = _outcome(record.info, mission)
+    return RunSummary(
+        run=record.path.name,
+        scenario=record.scenario.name if record.scenario else record.path.name,
+        description=record.scenario.description if record.scenario else '',
+        seed=record.scenario.seed if record.scenario else None,
+        outcome=outcome,
+        outcome_text=text,
+        plan=_plan_figures(record.plan) if record.plan else None,
+        vehicles=vehicles,
+        images_stored=len(record.photographs),
+        images_expected=_viewpoint_count(record.plan) if record.plan else None,
+        reading_count=len(readings),
+        highest_reading=highest_reading(readings),
+        integrated_dose_usv=math.fsum(doses) if doses else None,
+        estimates=record.estimates,
+        mission_duration_s=_mission_duration_s(record),
+        wall_time_s=_wall_time_s(record.info, mission),
+        start_up_s=_start_up_s(mission),
+        real_time_factor=_real_time_factor(mission),
+        message_count=log.facts.message_count if log else None,
+        processes_restarted=_restarts(record.info),
+        versions=_versions(record.info),
+        missing=record.missing,
+    )
+
+
+def highest_reading(readings: Sequence[Reading]) -> HighestReading | None:
+    """Return the highest of `readings`, the earliest if several are equal."""
+    if not readings:
+        return None
+    top = max(readings, key=lambda reading: (reading.dose_rate_usvh, -reading.time_ns))
+    return HighestReading(
+        dose_rate_usvh=top.dose_rate_usvh,
+        vehicle=top.vehicle,
+        time=utc_text(top.time_ns),
+        time_ns=top.time_ns,
+        latitude_deg=top.latitude_deg,
+        longitude_deg=top.longitude_deg,
+        altitude_m=top.altitude_m,
+    )
+
+
+def integrated_dose_usv(readings: Sequence[Reading]) -> float | None:
+    """Return the dose in microsievert along `readings` of one vehicle, by trapezoids."""
+    if len(readings) < 2:
+        return None
+    seconds = np.array([reading.time_ns for reading in readings], dtype=np.int64) / NS_PER_S
+    rates = np.array([reading.dose_rate_usvh for reading in readings])
+    return float(np.sum(np.diff(seconds) * (rates[1:] + rates[:-1])) / 2.0 / S_PER_H)
+
+
+def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
+    """Return when a vehicle took off first and was on the ground again, None if it never flew.
+
+    A vehicle that was never seen to land flies until the last word heard of it.
+    """
+    airborne = [number for number, sample in enumerate(samples) if sample.is_airborne]
+    if not airborne:
+        return None
+    end = min(airborne[-1] + 1, len(samples) - 1)
+    return samples[airborne[0]].time_ns, samples[end].time_ns
+
+
+def utc_text(time_ns: int) -> str:
+    """Return `time_ns`, nanoseconds since 1970, as ISO 8601 in UTC with milliseconds."""
+    moment = datetime.fromtimestamp(time_ns // NS_PER_S, tz=timezone.utc)
+    milliseconds = time_ns % NS_PER_S // 1_000_000
+    return f'{moment:%Y-%m-%dT%H:%M:%S}.{milliseconds:03d}Z'
+
+
+def _outcome(info: Mapping[str, object], mission: Sequence[MissionSample]) -> tuple[str, str]:
+    """Return the outcome and its reason, of the run's own words or else of the recording."""
+    if isinstance(info.get('outcome'), str):
+        return str(info['outcome']), str(info.get('outcome_text') or '')
+    if mission and mission[-1].phase.is_over:
+        return mission[-1].phase.name.lower(), mission[-1].text
+    last = f'the recording ends while {mission[-1].phase.name.lower()}' if mission else ''
+    return 'unknown', last
+
+
+def _plan_figures(plan: Plan) -> PlanFigures:
+    return PlanFigures(
+        method=plan.method,
+        makespan_s=plan.makespan_s,
+        lower_bound_s=plan.lower_bound_s,
+        lower_bound_method=plan.lower_bound_method,
+        gap_fraction=plan.gap_fraction,
+        region_area_m2=plan.region_area_m2,
+        covered_area_m2=plan.covered_area_m2,
+        covered_fraction=plan.covered_fraction,
+        viewpoint_count=_viewpoint_count(plan),
+        spacing_m=plan.spacing_m,
+        height_agl_m=plan.height_agl_m,
+    )
+
+
+def _viewpoint_count(plan: Plan) -> int:
+    return sum(len(route.viewpoints) for route in plan.routes)
+
+
+def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
+    route = _route_of(record.plan, name)
+    samples = record.log.samples.get(name, ()) if record.log else ()
+    readings = [r for r in record.log.readings if r.vehicle == name] if record.log else []
+    flight = flight_ns(samples)
+    last = samples[-1] if samples else None
+    return VehicleFigures(
+        name=name,
+        planned_duration_s=route.duration_s if route else None,
+        flown_duration_s=(flight[1] - flight[0]) / NS_PER_S if flight else None,
+        planned_length_m=route.length_m if route else None,
+        flown_length_m=last.distance_flown_m if last else None,
+        viewpoints_planned=len(route.viewpoints) if route else None,
+        viewpoints_visited=last.viewpoints_visited if last else None,
+        images_stored=sum(shot.vehicle == name for shot in record.photographs),
+        reading_count=len(readings),
+        highest_dose_rate_usvh=max((r.dose_rate_usvh for r in readings), default=None),
+        integrated_dose_usv=integrated_dose_usv(readings),
+        battery_left_fraction=last.battery_fraction if last else None,
+        state=STATE_NAMES[last.state] if last else STATE_NAMES[0],
+    )
+
+
+def _route_of(plan: Plan | None, vehicle: str) -> PlannedRoute | None:
+    routes = plan.routes if plan else ()
+    return next((route for route in routes if route.vehicle == vehicle), None)
+
+
+def _mission_duration_s(record: RunRecord) -> float | None:
+    samples = record.log.samples.values() if record.log else ()
+    flights = [flight for flight in map(flight_ns, samples) if flight is not None]
+    if not flights:
+        return None
+    return (max(end for _, end in flights) - min(start for start, _ in flights)) / NS_PER_S
+
+
+def _start_up_s(mission: Sequence[MissionSample]) -> float | None:
+    aloft = (sample.wall_time_s for sample in mission if sample.mission_time_s > 0.0)
+    return next(aloft, None)
+
+
+def _real_time_factor(mission: Sequence[MissionSample]) -> float | None:
+    flying = [sample for sample in mission if sample.phase is Phase.FLYING]
+    if len(flying) < 2:
+        return None
+    wall_s = flying[-1].wall_time_s - flying[0].wall_time_s
+    simulated_s = flying[-1].mission_time_s - flying[0].mission_time_s
+    return simulated_s / wall_s if wall_s > 0.0 else None
+
+
+def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -> float | None:
+    """Return the time from the command to the report; a report made again says the same."""
+    if mission:
+        return mission[-1].wall_time_s
+    wall_time_s = info.get('wall_time_s')
+    return float(wall_time_s) if isinstance(wall_time_s, (int, float)) else None
+
+
+def _restarts(info: Mapping[str, object]) -> dict[str, int]:
+    counts = info.get('restarts')
+    return {str(k): int(v) for k, v in counts.items()} if isinstance(counts, Mapping) else {}
+
+
+def _versions(info: Mapping[str, object]) -> dict[str, str]:
+    """Return the versions of everything that the run was made with."""
+    found = {}
+    if info.get('git_revision'):
+        changes = ' with changes' if info.get('git_dirty') else ''
+        found['revision'] = f'{info["git_revision"]}{changes}'
+    for key, name in (('ros_distro', 'ROS 2'), ('platform', 'platform')):
+        if info.get(key):
+            found[name] = str(info[key])
+    listed = info.get('versions')
+    if isinstance(listed, Mapping):
+        found.update((str(name), str(text)) for name, text in listed.items())
+    return found
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which topics a run records, as channels of its recording.
+
+Left out: ``camera/image_raw`` (its JPEG is recorded), ``camera/shot`` (its photographs are stored
+one by one), ``path`` (the fixes hold it), ``/clock`` and the lock-step (log times hold them).
+"""
+
+from collections.abc import Iterable, Iterator
+
+from rocsafe_orchestrator.recording.recording import Channel
+from rocsafe_ros import topics
+from rocsafe_ros.topics import TopicSpec
+
+VEHICLE_TOPICS: tuple[TopicSpec, ...] = (
+    topics.FIX,
+    topics.GROUND_TRUTH_FIX,
+    topics.VELOCITY,
+    topics.ODOM,
+    topics.BATTERY_STATE,
+    topics.STATE,
+    topics.RADIATION,
+    topics.CAMERA_IMAGE_COMPRESSED,
+    topics.CAMERA_INFO,
+    topics.ROUTE_MARKERS,
+)
+FLEET_TOPICS: tuple[TopicSpec, ...] = (
+    topics.REGION,
+    topics.PLAN,
+    topics.MISSION_STATE,
+    topics.RECEIPTS,
+    topics.HAZARD_SOURCES,
+    topics.DOSE_MAP,
+    topics.MOSAIC,
+    topics.SCENE_MARKERS,
+    topics.DIAGNOSTICS,
+)
+# Every vehicle publishes these from its start, so a recorder may wait until it hears them.
+AWAITED_TOPICS: tuple[TopicSpec, ...] = (topics.FIX, topics.STATE, topics.RADIATION)
+
+
+def recorded_topics(vehicles: Iterable[str]) -> Iterator[tuple[TopicSpec, str]]:
+    """Yield each topic to record with the vehicle it belongs to, empty for the fleet's."""
+    for vehicle in vehicles:
+        for spec in VEHICLE_TOPICS:
+            yield spec, vehicle
+    for spec in FLEET_TOPICS:
+        yield spec, ''
+
+
+def channel_of(spec: TopicSpec, full_name: str) -> Channel:
+    """Return the channel that records `spec`, resolved to `full_name`."""
+    package = spec.message_type.__module__.partition('.')[0]
+    return Channel(
+        topic=full_name,
+        message_type=f'{package}/msg/{spec.message_type.__name__}',
+        depth=max(spec.qos.depth, 1),
+        is_latched=spec.qos.durability.name == 'TRANSIENT_LOCAL',
+    )

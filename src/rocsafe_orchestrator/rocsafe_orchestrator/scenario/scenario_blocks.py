@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The blocks of a scenario file, each with its keys, units, limits and defaults.
+
+Values are taken as written: a text is no number, an unknown key is refused.
+"""
+
+from collections.abc import Callable
+from datetime import datetime, timezone
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from rocsafe_orchestrator.scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
+
+DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
+# Names of ROS nodes and namespaces, which a vehicle may not take.
+RESERVED_NAMES = frozenset(
+    {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
+     'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
+)  # fmt: skip
+
+
+def _within(name: str, low: float, high: float) -> Callable[[float], float]:
+    def check(value: float) -> float:
+        if not low <= value <= high:
+            raise ValueError(f'{name} must be within {low:g} to {high:g}')
+        return value
+
+    return check
+
+
+def _vehicle_name(name: str) -> str:
+    if not name or not name[0].isalpha() or not name.replace('_', 'a').isalnum():
+        raise ValueError('a vehicle name is a ROS namespace: a letter, then letters, digits or _')
+    if not name.isascii() or '__' in name or name.endswith('_'):
+        raise ValueError('a vehicle name is a ROS namespace: ASCII, no __ and no _ at its end')
+    if name in RESERVED_NAMES:
+        raise ValueError('is the name of a ROCSAFE node or topic; choose another')
+    return name
+
+
+def _in_utc(start: datetime) -> datetime:
+    if start.tzinfo is None:
+        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
+    return start.astimezone(timezone.utc)
+
+
+Latitude = Annotated[float, AfterValidator(_within('latitude', -90.0, 90.0))]
+Longitude = Annotated[float, AfterValidator(_within('longitude', -180.0, 180.0))]
+LatLon = tuple[Latitude, Longitude]
+VehicleName = Annotated[str, Field(max_length=32), AfterValidator(_vehicle_name)]
+
+
+class Block(BaseModel):
+    """Settings of every block: unknown keys refused, nothing converted, no infinity, frozen."""
+
+    model_config = ConfigDict(extra='forbid', strict=True, frozen=True, allow_inf_nan=False)
+
+
+class ClockBlock(Block):
+    """Simulated time: `speed` simulated seconds a second, 0 = as fast as the machine can."""
+
+    speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
+    step_s: float = Field(default=0.1, ge=0.001, le=1.0)
+    start: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_START
+
+
+class OriginBlock(Block):
+    """Origin of the local frame; without a position it is the centroid of the region.
+
+    `ground_altitude_m` is that of the flat ground, above the WGS84 ellipsoid.
+    """
+
+    latitude_deg: Latitude | None = None
+    longitude_deg: Longitude | None = None
+    ground_altitude_m: float = Field(default=0.0, ge=-500.0, le=9000.0)
+
+
+class RegionBlock(Block):
+    """A polygon with holes, written here or in a GeoJSON or KML file."""
+
+    polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=10_000)
+    holes: tuple[Annotated[tuple[LatLon, ...], Field(min_length=3)], ...] = ()
+    file: str | None = None
+
+
+class SurveyBlock(Block):
+    """How the region is photographed, and how hard the planner may try."""
+
+    height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
+    spacing_rule: Literal['iou', 'linear'] = 'iou'
+    overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
+    front_overlap_fraction: float | None = Field(default=None, ge=0.0, le=0.95)
+    grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
+    method: str = ''
+    objective: str = 'longest_time'
+    clearance_m: float = Field(default=2.0, ge=0.0, le=1000.0)
+    budget_s: float = Field(default=0.0, ge=0.0, le=LARGEST_BUDGET_S)
+    max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
+
+
+class CameraBlock(Block):
+    """The camera of every vehicle: a pinhole that looks straight down."""
+
+    horizontal_fov_deg: float = Field(default=60.0, ge=5.0, le=150.0)
+    image_width_px: int = Field(default=640, ge=16, le=8192)
+    image_height_px: int = Field(default=480, ge=16, le=8192)
+    jpeg_quality: int = Field(default=90, ge=1, le=100)
+    ground: str = 'procedural'
+
+
+class SimulationBlock(Block):
+    """How vehicles are simulated: one process each or all in one, and their sensors' noise."""
+
+    processes: Literal['per_vehicle', 'fleet'] = 'per_vehicle'
+    fix_rate_hz: float = Field(default=5.0, gt=0.0, le=100.0)
+    gps_horizontal_std_m: float = Field(default=0.02, ge=0.0, le=100.0)
+    gps_vertical_std_m: float = Field(default=0.04, ge=0.0, le=100.0)
+    tilt_std_deg: float = Field(default=0.5, ge=0.0, le=20.0)
+    attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
+
+
+class VehicleBlock(Block):
+    """A vehicle: its name, which is its ROS namespace, its home and what it can do."""
+
+    name: VehicleName
+    home: LatLon
+    cruise_speed_mps: float = Field(default=5.0, gt=0.0, le=100.0)
+    acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0)
+    climb_rate_mps: float = Field(default=2.5, gt=0.0, le=50.0)
+    descent_rate_mps: float = Field(default=1.5, gt=0.0, le=50.0)
+    hover_s: float = Field(default=1.0, ge=0.0, le=600.0)
+    endurance_s: float = Field(default=1500.0, gt=0.0, le=604_800.0)
+    reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
+
+    @property
+    def usable_endurance_s(self) -> float:
+        """Flight time that a plan may use: the reserve is kept."""
+        return self.endurance_s * (1.0 - self.reserve_fraction)
+
+
+Nuclide = Literal[
+    'Am-241', 'Ba-133', 'Co-57', 'Co-60', 'Cs-137', 'Eu-152', 'I-131', 'Ir-192', 'Ra-226',
+    'Se-75', 'Tc-99m',
+]  # fmt: skip
+
+
+class SourceBlock(Block):
+    """A gamma source, `height_m` above the ground.
+
+    Its strength is either `sigma_usvps`, the dose rate in microsievert per second at 1 m, or
+    `activity_gbq` of its nuclide at `activity_date`, by default the start of the mission.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=64)]
+    position: LatLon
+    height_m: float = Field(default=0.0, ge=0.0, le=500.0)
+    nuclide: Nuclide | None = None
+    sigma_usvps: float | None = Field(default=None, gt=0.0, le=1e12)
+    activity_gbq: float | None = Field(default=None, gt=0.0, le=1e9)
+    activity_date: Annotated[datetime, AfterValidator(_in_utc)] | None = None
+
+    @property
+    def strength_text(self) -> str:
+        """Its strength as the scenario says it."""
+        kind = f' of {self.nuclide}' if self.nuclide else ''
+        if self.activity_gbq is None:
+            return f'{self.sigma_usvps:g} uSv/s{kind} at 1 m'
+        when = f' on {self.activity_date:%Y-%m-%d}' if self.activity_date else ''
+        return f'{self.activity_gbq:g} GBq{kind}{when}'
+
+
+class BackgroundBlock(Block):
+    """Natural background: the mean at the ground, and how it varies from place to place."""
+
+    dose_rate_usvh: float = Field(default=0.0, ge=0.0, le=1e6)
+    variation: float = Field(default=0.0, ge=0.0, le=2.0)
+    length_m: float = Field(default=60.0, ge=1.0, le=1e5)
+
+
+class RadiationBlock(Block):
+    """The radiation field; nearer than `source_radius_m` a source counts as that far.
+
+    Every vehicle carries `detector`, which counts over windows of `window_s`; the ideal one reads
+    the dose rate itself, at once.
+    """
+
+    model: Literal['paper', 'air'] = 'paper'
+    detector: Literal['ideal', 'gm_sbm20', 'csi_1cm3', 'csi_33cm3', 'nai_2x2'] = 'ideal'
+    window_s: float = Field(default=1.0, ge=1e-3, le=3600.0)
+    background: BackgroundBlock = BackgroundBlock()
+    source_radius_m: float = Field(default=0.1, gt=0.0, le=100.0)
+    sources: tuple[SourceBlock, ...] = ()

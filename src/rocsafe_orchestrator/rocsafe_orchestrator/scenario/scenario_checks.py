@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a scenario's blocks say together: polygons, names, distances, size of the survey."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import distance_m
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.survey_size import fewest_viewpoints
+
+# The local frame is flat: beyond this its error grows above the noise of a GPS fix.
+LARGEST_DISTANCE_M = 20_000.0
+# On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
+MOST_VEHICLE_PROCESSES = 20
+
+
+def mistakes(scenario: Scenario) -> list[str]:
+    """Return one line for each mistake of `scenario`, naming key path, value and limit."""
+    lines = [
+        *_double_names(scenario),
+        *_unequal_fleet(scenario),
+        *_too_many_processes(scenario),
+        *_half_origin(scenario),
+        *_unclear_strengths(scenario),
+    ]
+    try:
+        area = scenario.area()
+    except ValueError as error:
+        return [*lines, f'region.polygon: {error}']
+    try:
+        scenario.exclusion_areas()
+    except ValueError as error:
+        lines.append(str(error))
+    return [*lines, *_far_places(scenario, area), *_too_large(scenario, area)]
+
+
+def _double_names(scenario: Scenario) -> Iterator[str]:
+    for block, names in (
+        ('vehicles', scenario.vehicle_names),
+        ('radiation.sources', tuple(source.name for source in scenario.radiation.sources)),
+    ):
+        for name, count in Counter(names).items():
+            if count > 1:
+                index = [i for i, other in enumerate(names) if other == name][1]
+                yield f'{block}[{index}].name = {name!r}: is given {count} times, must be unique'
+
+
+def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
+    """One process simulates vehicles of one kind."""
+    if scenario.simulation.processes != 'fleet':
+        return
+    first = scenario.vehicles[0]
+    for index, vehicle in enumerate(scenario.vehicles):
+        for key in type(vehicle).model_fields:
+            is_own = key in ('name', 'home')
+            if not is_own and getattr(vehicle, key) != getattr(first, key):
+                value, limit = getattr(vehicle, key), getattr(first, key)
+                yield (
+                    f'vehicles[{index}].{key} = {value}: must be {limit}, as of vehicles[0], '
+                    'with simulation.processes = fleet'
+                )
+
+
+def _too_many_processes(scenario: Scenario) -> Iterator[str]:
+    count = len(scenario.vehicles)
+    if scenario.simulation.processes == 'per_vehicle' and count > MOST_VEHICLE_PROCESSES:
+        yield (
+            f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
+            'simulation.processes = per_vehicle; fleet flies more in one process'
+        )
+
+
+def _half_origin(scenario: Scenario) -> Iterator[str]:
+    origin = scenario.origin
+    if (origin.latitude_deg is None) != (origin.longitude_deg is None):
+        yield 'origin: must have both latitude_deg and longitude_deg, or neither'
+
+
+def _unclear_strengths(scenario: Scenario) -> Iterator[str]:
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        if (source.sigma_usvps is None) == (source.activity_gbq is None):
+            yield f'{key}: must have sigma_usvps or activity_gbq, one of them'
+        elif source.activity_gbq is not None and source.nuclide is None:
+            yield f'{key}.nuclide: must be given with activity_gbq'
+
+
+def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
+    """Catch swapped coordinates, and missions for which the flat frame is wrong."""
+    centroid = area.centroid()
+    places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles)}
+    for index, source in enumerate(scenario.radiation.sources):
+        places[f'radiation.sources[{index}].position'] = source.position
+    if scenario.origin.latitude_deg is not None and scenario.origin.longitude_deg is not None:
+        places['origin'] = (scenario.origin.latitude_deg, scenario.origin.longitude_deg)
+    corners = enumerate(scenario.region.polygon or ())
+    index, corner = max(
+        corners, key=lambda item: distance_m(centroid, scenario.ground_position(item[1]))
+    )
+    places[f'region.polygon[{index}]'] = corner
+    for key, place in places.items():
+        distance = distance_m(centroid, scenario.ground_position(place))
+        if distance > LARGEST_DISTANCE_M:
+            yield (
+                f'{key} = {list(place)}: is {distance / 1000:.1f} km from the centre of the '
+                f'region, must be at most {LARGEST_DISTANCE_M / 1000:.0f} km'
+            )
+
+
+def _too_large(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
+    points = fewest_viewpoints(area, scenario.survey, scenario.camera)
+    limit = scenario.survey.max_viewpoints
+    if points > limit:
+        yield (
+            f'region.polygon: needs at least {points} viewpoints at survey.height_agl_m = '
+            f'{scenario.survey.height_agl_m:g}, must be at most survey.max_viewpoints = {limit}'
+        )
