@@ -13,18 +13,20 @@ import yaml
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
-from rocsafe_orchestrator.processes import node_parameters
+from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.scenario_blocks import Nuclide, RadiationBlock
+from rocsafe_orchestrator.scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detector import DETECTOR_NAMES
+from rocsafe_radiation.field import MODELS
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.nuclide import nuclide, nuclide_names
-from rocsafe_radiation.options import NODE_MODELS, FieldOptions
+from rocsafe_radiation.options import FieldOptions
+from rocsafe_radiation.photons import AIR, materials
 from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
@@ -190,7 +192,42 @@ def test_scenarios_know_the_nuclides_and_detectors_of_the_field() -> None:
     fields = RadiationBlock.model_fields
     assert set(get_args(Nuclide)) == set(nuclide_names())
     assert set(get_args(fields['detector'].annotation)) == set(DETECTOR_NAMES)
-    assert set(get_args(fields['model'].annotation)) == set(NODE_MODELS)
+    assert set(get_args(fields['model'].annotation)) == set(MODELS)
+    assert set(get_args(Material)) == set(materials()) - {AIR}
+
+
+def test_a_scenario_of_shapes_and_shields_makes_a_field(small: Callable[..., Path]) -> None:
+    """A line, an area and a moving source behind a wagon, as the field node takes them."""
+    corners = [[53.2805, -9.061], [53.2806, -9.061], [53.2806, -9.0611]]
+    stops = [{'time_s': 0.0, 'position': corners[0]}, {'time_s': 30.0, 'position': corners[1]}]
+    strength = {'sigma_usvps': 1.0, 'height_m': 0.5}
+    sources = [
+        {'name': 'spill', 'line': corners[:2], **strength},
+        {'name': 'field', 'area': corners, **strength},
+        {'name': 'thief', 'track': stops, **strength},
+        {'name': 'pot', 'position': corners[2], **strength},
+    ]
+    wagon = {
+        'material': 'iron', 'position': corners[0], 'length_m': 14.0, 'width_m': 3.0,
+        'height_m': 4.0, 'base_height_m': 1.0, 'heading_deg': 30.0, 'wall_m': 0.008,
+    }  # fmt: skip
+    changes = {
+        'radiation.model': 'shielded',
+        'radiation.sources': sources,
+        'radiation.shields': [wagon],
+        'radiation.background': {'dose_rate_usvh': 0.08, 'variation': 0.2, 'cosmic': False},
+    }
+    scenario = read_scenario(small(changes))
+    given = field_parameters(scenario)
+    lists = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
+    survey = FieldOptions(**lists).survey_field()
+    parts = [len(source.places()) for source in survey.field.sources]
+    assert parts[0] > 10
+    assert parts[1] > 10
+    assert parts[2:] == [1, 1]
+    assert survey.field.model == 'shielded'
+    assert survey.field.shielding is not None
+    assert not survey.background.is_cosmic
 
 
 def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Path]) -> None:
@@ -206,7 +243,7 @@ def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Pat
     options = FieldOptions(
         **{
             key: tuple(value) if isinstance(value, list) else value
-            for key, value in node_parameters.field_parameters(scenario).items()
+            for key, value in field_parameters(scenario).items()
         }
     )
     (built,) = options.survey_field().field.sources

@@ -17,6 +17,13 @@ ANTIMERIDIAN = [[53.28, 179.999], [53.281, 179.999], [53.281, -179.999]]
 POLE = [[89.99, 0.0], [89.99, 90.0], [89.99, 180.0]]
 COUNTRY = [[53.2, -9.1], [53.3, -9.1], [53.3, -8.9], [53.2, -8.9]]
 
+WALL = {
+    'material': 'iron', 'position': [53.28, -9.06], 'length_m': 1.0, 'width_m': 1.0,
+    'height_m': 1.0,
+}  # fmt: skip
+SPILL = {'name': 'spill', 'sigma_usvps': 1.0}
+STOP = {'time_s': 5.0, 'position': [53.28, -9.06]}
+
 # Key path, value, what the line says of them.
 REFUSED = [
     ('vehicles[1].home[0]', 95.3, 'latitude must be within -90 to 90'),
@@ -54,6 +61,24 @@ REFUSED_BLOCKS = [
     ('vehicles[1].colour', 'red', 'vehicles[1].colour: unknown key (known: name, home, '),
     ('survey', {}, 'survey.height_agl_m: is missing'),
     ('radiation.sources[0].activity_gbq', 5.0, 'radiation.sources[0]: must have sigma_usvps or'),
+    ('radiation.sources[0].line', [[53.28, -9.06]], 'must have one of position, line, area'),
+    ('radiation.shields', [WALL], "radiation.model = 'paper': must be shielded where there are"),
+    (
+        'radiation',
+        {'model': 'shielded', 'shields': [{**WALL, 'wall_m': 0.5}]},
+        'radiation.shields[0].wall_m = 0.5: must be less than half the shortest side, 0.5',
+    ),
+    (
+        'radiation.sources[0]',
+        {**SPILL, 'line': [[53.28, -9.06]]},
+        'line: has 1 corners, must have',
+    ),
+    ('radiation.sources[0]', {**SPILL, 'area': [[53.28, -9.06]]}, 'area: has 1 corners, must'),
+    (
+        'radiation.sources[0]',
+        {**SPILL, 'track': [STOP, STOP]},
+        'radiation.sources[0].track: time_s = [5.0, 5.0] must rise from stop to stop',
+    ),
     ('radiation.sources[0].nuclide', 'Xx-1', "radiation.sources[0].nuclide = 'Xx-1': must be 'Am"),
     ('region.polygon', BOW_TIE, 'region.polygon: the boundary crosses or touches itself near'),
     ('region.polygon', ANTIMERIDIAN, 'must not cross the antimeridian (180 deg)'),

@@ -142,10 +142,32 @@ def test_a_box_is_crossed_straight_and_askew():
     """Along its length, across it, past it, and from within."""
     box = Box(material='iron', centre_enu_m=(0, 0, 0), size_m=(10, 2, 2))
     points = np.array([[20.0, 0, 0], [-20, 3, 0], [-20, 0, 0]])
-    assert box.lengths_m(np.array([-20.0, 0, 0]), points) == pytest.approx([10, 0, 0])
+    start = np.array([[-20.0, 0, 0]])
+    assert box.lengths_m(start, points)[0] == pytest.approx([10, 0, 0])
     turned = Box(material='iron', centre_enu_m=(0, 0, 0), size_m=(10, 2, 2), yaw_rad=math.pi / 2)
-    assert turned.lengths_m(np.array([-20.0, 0, 0]), points[:1]) == pytest.approx([2])
-    assert box.lengths_m(np.zeros(3), np.array([[0, 0, 50.0]])) == pytest.approx([1])
+    assert turned.lengths_m(start, points[:1])[0] == pytest.approx([2])
+    assert box.lengths_m(np.zeros((1, 3)), np.array([[0, 0, 50.0]]))[0] == pytest.approx([1])
+
+
+def test_a_hollow_box_has_walls_alone():
+    """A ray through it meets two walls, one from within meets one, one along a wall that wall."""
+    wagon = Box(material='iron', centre_enu_m=(0, 0, 0), size_m=(10, 4, 4), wall_m=0.01)
+    starts = np.array([[0.0, 0, 50], [0, 0, 0], [0, 1.995, 50]])
+    below = np.array([[0.0, 0, -50], [0, 1.995, -50]])
+    lengths = wagon.lengths_m(starts, below)
+    assert lengths.shape == (3, 2)
+    assert lengths[0, 0] == pytest.approx(0.02)
+    assert lengths[1, 0] == pytest.approx(0.01)
+    assert lengths[2, 1] == pytest.approx(4.0)
+    with pytest.raises(ValueError, match=r'wall_m = 2\.5 of a box must be at least 0 and less'):
+        Box(material='iron', centre_enu_m=(0, 0, 0), size_m=(10, 4, 4), wall_m=2.5)
+
+
+def test_lines_of_one_and_of_many_materials_agree():
+    """A kilometre of air told as two halves of it is the same."""
+    whole = shielded_transmission('Ir-192', {'air': np.array([1000.0, 5.0])})
+    (line,) = shielded_transmission('Ir-192', {'air': np.array([1000.0]), 'lead': np.zeros(1)})
+    assert line == pytest.approx(whole[0], rel=1e-12)
 
 
 def test_a_wagon_shields_a_drone():

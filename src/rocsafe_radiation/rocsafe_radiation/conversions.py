@@ -11,7 +11,7 @@ from sensor_msgs.msg import NavSatFix
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import GeoPoint, HazardSource, HazardSourceArray, RadiationReading
-from rocsafe_radiation.counting import Sample, WindowReading
+from rocsafe_radiation.counting import NS_PER_S, Sample, WindowReading
 from rocsafe_radiation.detector import IDEAL
 from rocsafe_radiation.dose_map import DoseMap
 from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
@@ -34,6 +34,16 @@ NOWHERE: Coordinates = (math.nan, math.nan, math.nan)
 def coordinates_of_fix(fix: NavSatFix) -> Coordinates:
     """Return latitude and longitude in degrees and altitude in metres, all NaN without a fix."""
     return (fix.latitude, fix.longitude, fix.altitude) if has_position(fix) else NOWHERE
+
+
+def mission_time_s(fix: NavSatFix, start_ns: int) -> float:
+    """Return the time of `fix` after the start of the mission, seconds."""
+    return seconds_since(start_ns, ns_of_stamp(fix.header.stamp))
+
+
+def seconds_since(start_ns: int, time_ns: int) -> float:
+    """Return the seconds from `start_ns` to `time_ns`, both nanoseconds since 1970."""
+    return (time_ns - start_ns) / NS_PER_S
 
 
 def coordinates_of_points(

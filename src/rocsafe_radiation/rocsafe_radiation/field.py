@@ -12,6 +12,7 @@ from rocsafe_radiation.errors import UnknownPointError
 from rocsafe_radiation.photons import AIR
 from rocsafe_radiation.shielding import Coordinates, Shielding
 from rocsafe_radiation.source import RadiationSource
+from rocsafe_radiation.source_shape import TrackShape
 from rocsafe_radiation.transmission import air_transmission, shielded_transmission
 
 SECONDS_PER_HOUR = 3600.0
@@ -19,6 +20,8 @@ PAPER_MODEL, AIR_MODEL, SHIELDED_MODEL = 'paper', 'air', 'shielded'
 MODELS = (PAPER_MODEL, AIR_MODEL, SHIELDED_MODEL)
 # With the largest sigma the dose rate at a source of this radius is 1e18 uSv/s: still finite.
 SMALLEST_SOURCE_RADIUS_M = 1e-3
+# Rays at a time, so that memory stays small.
+LARGEST_BLOCK = 1_000_000
 COORDINATE_LIMITS = (('latitude', 90.0), ('longitude', 180.0), ('altitude', math.inf))
 
 
@@ -47,7 +50,7 @@ class RadiationField:
     source_radius_m: float = 0.1
     model: str = PAPER_MODEL
     shielding: Shielding | None = None
-    _centres: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    _still: dict[int, '_Parts'] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not SMALLEST_SOURCE_RADIUS_M <= self.source_radius_m < math.inf:
@@ -60,49 +63,100 @@ class RadiationField:
         names = [source.name for source in self.sources]
         if len(set(names)) < len(names):
             raise ValueError(f'source names must differ: {", ".join(names)}')
-        object.__setattr__(self, '_centres', _centres(self.sources))
+        still = {
+            index: _Parts.of(source, 0.0)
+            for index, source in enumerate(self.sources)
+            if not isinstance(source.shape, TrackShape)
+        }
+        object.__setattr__(self, '_still', still)
 
     def dose_rates_usvh(
-        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
     ) -> NDArray[np.float64]:
         """Return the dose rate at each of n points in microsievert per hour, shape (n,).
 
         Latitudes and longitudes are WGS84, altitudes above the ellipsoid; each is an array of
-        shape (n,) or a scalar. Distances are good to about 2 nm, the rounding of geocentric
-        coordinates; the rest keeps 1e-12 relative.
+        shape (n,) or a scalar. `time_s` counts from the start of the mission. Distances are good
+        to about 2 nm, the rounding of geocentric coordinates; the rest keeps 1e-12 relative.
 
         Raises
         ------
         UnknownPointError: if a point is not finite or out of range, naming it.
         """
-        return self.source_dose_rates_usvh(latitudes_deg, longitudes_deg, altitudes_m).sum(axis=0)
+        return self.source_dose_rates_usvh(latitudes_deg, longitudes_deg, altitudes_m, time_s).sum(
+            axis=0
+        )
 
     def source_dose_rates_usvh(
-        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
     ) -> NDArray[np.float64]:
         """Return the same of each source alone, shape (sources, n)."""
         points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
         _check_points(points)
         positions = ecef_m(*points)
-        rates_usvps = np.empty((len(self.sources), len(positions)))
-        for index, (source, centre) in enumerate(zip(self.sources, self._centres, strict=True)):
-            distances_m = np.linalg.norm(positions - centre, axis=1)
-            rates_usvps[index] = dose_rate_usvps(
-                source.sigma_usvps, distances_m, self.source_radius_m
-            )
-            if self.model != PAPER_MODEL:
-                rates_usvps[index] *= self._transmission(source, distances_m, points)
+        rates_usvps: NDArray[np.float64] = np.empty((len(self.sources), len(positions)))
+        for index, source in enumerate(self.sources):
+            parts = self._still.get(index) or _Parts.of(source, time_s)
+            rates_usvps[index] = self._rates_usvps(source, parts, positions, points)
         return rates_usvps * SECONDS_PER_HOUR
 
-    def _transmission(
-        self, source: RadiationSource, distances_m: NDArray[np.float64], points: Coordinates
+    def _rates_usvps(
+        self,
+        source: RadiationSource,
+        parts: '_Parts',
+        positions: NDArray[np.float64],
+        points: Coordinates,
     ) -> NDArray[np.float64]:
+        """Return the dose rates of the equal `parts` of a source together, some at a time."""
+        total: NDArray[np.float64] = np.zeros(len(positions))
+        size = max(1, LARGEST_BLOCK // max(1, len(positions)))
+        for start in range(0, len(parts.centres), size):
+            block = slice(start, start + size)
+            distances_m = np.linalg.norm(positions - parts.centres[block, None], axis=2)
+            rates = dose_rate_usvps(
+                source.sigma_usvps / len(parts.centres), distances_m, self.source_radius_m
+            )
+            if self.model != PAPER_MODEL:
+                rates *= self._transmission(source, parts.places[block], distances_m, points)
+            total += rates.sum(axis=0)
+        return total
+
+    def _transmission(
+        self,
+        source: RadiationSource,
+        places: NDArray[np.float64],
+        distances_m: NDArray[np.float64],
+        points: Coordinates,
+    ) -> NDArray[np.float64]:
+        """Return what is left of each ray from a place of the source, shape (places, n)."""
         if self.model == AIR_MODEL or self.shielding is None:
             return air_transmission(source.nuclide, distances_m)
-        lengths = dict(self.shielding.lengths_m(source.position, points))
+        starts = (places[:, 0], places[:, 1], places[:, 2])
+        lengths = dict(self.shielding.lengths_m(starts, points))
         solid = sum(lengths.values(), np.zeros_like(distances_m))
         lengths[AIR] = np.maximum(distances_m - solid, 0.0)
         return shielded_transmission(source.nuclide, lengths)
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """The parts of a source: geodetic and geocentric places, both of shape (parts, 3)."""
+
+    places: NDArray[np.float64]
+    centres: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, source: RadiationSource, time_s: float) -> '_Parts':
+        places = source.places(time_s)
+        return cls(places, ecef_m(*places.T))
 
 
 def dose_rate_usvps(
@@ -128,13 +182,3 @@ def _check_points(points: Coordinates) -> None:
             raise UnknownPointError(
                 f'point {wrong[0]}: {name} = {values[wrong[0]]} must be {bound}'
             )
-
-
-def _centres(sources: tuple[RadiationSource, ...]) -> NDArray[np.float64]:
-    """Return the geocentric positions of `sources` in metres, shape (sources, 3)."""
-    places = [source.position for source in sources]
-    return ecef_m(
-        np.array([place.latitude_deg for place in places]),
-        np.array([place.longitude_deg for place in places]),
-        np.array([place.altitude_m for place in places]),
-    )

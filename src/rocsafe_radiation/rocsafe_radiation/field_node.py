@@ -11,8 +11,10 @@ from rocsafe_radiation.conversions import (
     coordinates_of_fix,
     coordinates_of_points,
     counted_reading_of,
+    mission_time_s,
     reading_of,
     sample_of,
+    seconds_since,
 )
 from rocsafe_radiation.counting import WindowCounter
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
@@ -38,6 +40,7 @@ class Detector:
         self._log = node.get_logger()
         self._vehicle = vehicle
         self._model = options.model
+        self._start_ns = options.start_time_ns
         self._field = field
         kind = field.kind
         self._counter = (
@@ -71,7 +74,9 @@ class Detector:
             return
         fix, place = pair
         try:
-            dose_rate_usvh = self._field.counted_dose_rates_usvh(*coordinates_of_fix(place))[0]
+            dose_rate_usvh = self._field.counted_dose_rates_usvh(
+                *coordinates_of_fix(place), mission_time_s(place, self._start_ns)
+            )[0]
         except UnknownPointError as error:
             self._count_unanswered(error)
             return
@@ -105,6 +110,7 @@ class FieldNode(Node):
         super().__init__('radiation_field', **node_options)
         options = declare_options(self, FieldOptions)
         self._field = options.survey_field()
+        self._start_ns = options.start_time_ns
         self._detectors = [
             Detector(self, vehicle, options, self._field) for vehicle in options.vehicles
         ]
@@ -121,7 +127,10 @@ class FieldNode(Node):
         response: QueryRadiationField.Response,
     ) -> QueryRadiationField.Response:
         try:
-            rates_usvh = self._field.dose_rates_usvh(*coordinates_of_points(request.points))
+            rates_usvh = self._field.dose_rates_usvh(
+                *coordinates_of_points(request.points),
+                seconds_since(self._start_ns, self.get_clock().now().nanoseconds),
+            )
         except RadiationError as error:
             response.error_code = QueryRadiationField.Request.INVALID_POINT
             response.error_msg = str(error)

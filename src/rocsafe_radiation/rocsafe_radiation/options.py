@@ -2,29 +2,37 @@
 """Options of the nodes of this package."""
 
 from dataclasses import dataclass, field
-from typing import TypeVar
 
-from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.background import Background
 from rocsafe_radiation.detector import DETECTOR_NAMES, IDEAL
-from rocsafe_radiation.field import (
-    AIR_MODEL,
-    PAPER_MODEL,
-    SMALLEST_SOURCE_RADIUS_M,
-    RadiationField,
+from rocsafe_radiation.field import MODELS, PAPER_MODEL, SMALLEST_SOURCE_RADIUS_M, RadiationField
+from rocsafe_radiation.field_assembly import (
+    SHAPES,
+    TRACK,
+    BoxLists,
+    SourceLists,
+    places_of,
+    shielding_of,
+    sources_of,
 )
-from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE
-from rocsafe_radiation.source import RadiationSource, decayed_sigma_usvps
 from rocsafe_radiation.survey_field import SurveyField
 
-Value = TypeVar('Value')
 GROUND_TRUTH = 'ground_truth'
 FIX = 'fix'
 POSITION_SOURCES = (GROUND_TRUTH, FIX)
-# Models of which a node knows all that they need.
-NODE_MODELS = (PAPER_MODEL, AIR_MODEL)
-REQUIRED_LISTS = ('latitudes_deg', 'longitudes_deg', 'altitudes_m', 'sigmas_usvps')
-OPTIONAL_LISTS = ('nuclides', 'activities_gbq', 'ages_s')
+# Parallel lists by what they describe: that which says how many there are, those that must be as
+# long, those that may also be empty.
+PARALLEL_LISTS = {
+    'source_names': (
+        ('latitudes_deg', 'longitudes_deg', 'altitudes_m', 'sigmas_usvps'),
+        ('nuclides', 'activities_gbq', 'ages_s', 'shapes', 'corner_counts'),
+    ),
+    'corner_latitudes_deg': (('longitudes_deg', 'altitudes_m'), ('times_s',)),
+    'box_materials': (
+        ('latitudes_deg', 'longitudes_deg', 'altitudes_m', 'lengths_m', 'widths_m', 'heights_m'),
+        ('headings_deg', 'walls_m'),
+    ),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +41,10 @@ class FieldOptions:
 
     model: str = field(
         default=PAPER_MODEL,
-        metadata={'doc': 'law of the dose rate; paper: sigma / d^2, air: with attenuation'},
+        metadata={
+            'doc': 'law of the dose rate; paper: sigma / d^2, air: attenuated, '
+            'shielded: behind boxes, too'
+        },
     )
     vehicles: tuple[str, ...] = field(
         default=(), metadata={'doc': 'namespaces of the vehicles that carry a detector'}
@@ -65,6 +76,34 @@ class FieldOptions:
     source_ages_s: tuple[float, ...] = field(
         default=(), metadata={'doc': 'seconds for which the activities have decayed'}
     )
+    source_shapes: tuple[str, ...] = field(
+        default=(),
+        metadata={'doc': f'shapes of the sources: {", ".join(SHAPES)}; none: all points'},
+    )
+    source_corner_counts: tuple[int, ...] = field(
+        default=(), metadata={'doc': 'how many corners describe each source that is no point'}
+    )
+    corner_latitudes_deg: tuple[float, ...] = field(
+        default=(),
+        metadata={'doc': 'WGS84 latitudes of all corners, source after source, degrees'},
+    )
+    corner_longitudes_deg: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'WGS84 longitudes of the corners, degrees'}
+    )
+    corner_altitudes_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'altitudes of the corners above the ellipsoid, metres'}
+    )
+    corner_times_s: tuple[float, ...] = field(
+        default=(),
+        metadata={'doc': 'when a track is at its corner, seconds after start_time_s; others: 0'},
+    )
+    start_time_s: float = field(
+        default=0.0,
+        metadata={
+            'doc': 'start of the mission, seconds since 1970; tracks count from it',
+            'min': 0.0,
+        },
+    )
     source_radius_m: float = field(
         default=0.1,
         metadata={
@@ -72,6 +111,35 @@ class FieldOptions:
             'min': SMALLEST_SOURCE_RADIUS_M,
             'max': 1e3,
         },
+    )
+    box_materials: tuple[str, ...] = field(
+        default=(),
+        metadata={'doc': 'materials of the boxes that shield: iron, lead, concrete, water'},
+    )
+    box_latitudes_deg: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'WGS84 latitudes of the middles of the boxes, degrees'}
+    )
+    box_longitudes_deg: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'WGS84 longitudes of the middles of the boxes, degrees'}
+    )
+    box_altitudes_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'altitudes of their bottoms above the ellipsoid, metres'}
+    )
+    box_lengths_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'lengths of the boxes, metres'}
+    )
+    box_widths_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'widths of the boxes, metres'}
+    )
+    box_heights_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'heights of the boxes, metres'}
+    )
+    box_headings_deg: tuple[float, ...] = field(
+        default=(),
+        metadata={'doc': 'directions of their lengths, degrees clockwise from north; none: north'},
+    )
+    box_walls_m: tuple[float, ...] = field(
+        default=(), metadata={'doc': 'thickness of their walls, metres; 0 or none: solid'}
     )
     background_usvh: float = field(
         default=0.0,
@@ -92,6 +160,10 @@ class FieldOptions:
     background_length_m: float = field(
         default=60.0,
         metadata={'doc': 'over which the background varies, metres', 'min': 1.0, 'max': 1e5},
+    )
+    background_cosmic: bool = field(
+        default=True,
+        metadata={'doc': 'cosmic rays, which grow with altitude, are part of a background'},
     )
     ground_altitude_m: float = field(
         default=0.0,
@@ -122,33 +194,42 @@ class FieldOptions:
     )
 
     def __post_init__(self) -> None:
-        _require_choice('model', self.model, NODE_MODELS)
+        _require_choice('model', self.model, MODELS)
         _require_choice('detector', self.detector, DETECTOR_NAMES)
         _require_choice('position_source', self.position_source, POSITION_SOURCES)
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
-        for name in (*REQUIRED_LISTS, *OPTIONAL_LISTS):
-            self._require_parallel(name)
+        for leader, (required, optional) in PARALLEL_LISTS.items():
+            prefix = leader.partition('_')[0]
+            for name in (*required, *optional):
+                self._require_parallel(leader, f'{prefix}_{name}', may_be_empty=name in optional)
+        if TRACK in self.source_shapes and not self.corner_times_s:
+            raise ValueError('corner_times_s must be given with a track')
         self.survey_field()
 
-    def _require_parallel(self, name: str) -> None:
-        count = len(getattr(self, f'source_{name}'))
-        if count != len(self.source_names) and (count or name in REQUIRED_LISTS):
-            raise ValueError(
-                f'source_{name} has {count} values, but source_names has {len(self.source_names)}'
-            )
+    def _require_parallel(self, leader: str, name: str, *, may_be_empty: bool) -> None:
+        count, wanted = len(getattr(self, name)), len(getattr(self, leader))
+        if count != wanted and (count or not may_be_empty):
+            raise ValueError(f'{name} has {count} values, but {leader} has {wanted}')
+
+    @property
+    def start_time_ns(self) -> int:
+        """Start of the mission, nanoseconds since 1970."""
+        return round(self.start_time_s * 1e9)
 
     def survey_field(self) -> SurveyField:
-        """Return sources, background and detector described.
+        """Return sources, shields, background and detector described.
 
         Raises
         ------
-        ValueError: naming the source, the value and the limit.
+        ValueError: naming the source or box, the value and the limit.
         """
-        sources = tuple(self._source(index) for index in range(len(self.source_names)))
         return SurveyField(
             field=RadiationField(
-                sources=sources, source_radius_m=self.source_radius_m, model=self.model
+                sources=sources_of(self._source_lists()),
+                source_radius_m=self.source_radius_m,
+                model=self.model,
+                shielding=shielding_of(self._box_lists()),
             ),
             background=self._background(),
             detector=self.detector,
@@ -162,33 +243,49 @@ class FieldOptions:
             variation=self.background_variation,
             length_m=self.background_length_m,
             ground_altitude_m=self.ground_altitude_m,
-            is_cosmic=True,
+            is_cosmic=self.background_cosmic,
             seed=self.seed,
         )
 
-    def _source(self, index: int) -> RadiationSource:
-        name = self.source_names[index]
-        nuclide = _entry(self.source_nuclides, index, '') or DEFAULT_NUCLIDE
-        try:
-            position = GeoPosition(
-                latitude_deg=self.source_latitudes_deg[index],
-                longitude_deg=self.source_longitudes_deg[index],
-                altitude_m=self.source_altitudes_m[index],
-            )
-        except ValueError as error:
-            raise ValueError(f'source {name}: {error}') from error
-        sigma_usvps = self.source_sigmas_usvps[index]
-        if sigma_usvps == 0.0 and self.source_activities_gbq:
-            activity_gbq = self.source_activities_gbq[index]
-            age_s = _entry(self.source_ages_s, index, 0.0)
-            sigma_usvps = decayed_sigma_usvps(name, nuclide, activity_gbq, age_s)
-        return RadiationSource(
-            name=name, position=position, sigma_usvps=sigma_usvps, nuclide=nuclide
+    def _source_lists(self) -> SourceLists:
+        return SourceLists(
+            names=self.source_names,
+            places=places_of(
+                [f'source {name}' for name in self.source_names],
+                self.source_latitudes_deg,
+                self.source_longitudes_deg,
+                self.source_altitudes_m,
+            ),
+            sigmas_usvps=self.source_sigmas_usvps,
+            nuclides=self.source_nuclides,
+            activities_gbq=self.source_activities_gbq,
+            ages_s=self.source_ages_s,
+            shapes=self.source_shapes,
+            corner_counts=self.source_corner_counts,
+            corners=places_of(
+                [f'corner {index}' for index in range(len(self.corner_latitudes_deg))],
+                self.corner_latitudes_deg,
+                self.corner_longitudes_deg,
+                self.corner_altitudes_m,
+            ),
+            corner_times_s=self.corner_times_s,
         )
 
-
-def _entry(values: tuple[Value, ...], index: int, default: Value) -> Value:
-    return values[index] if values else default
+    def _box_lists(self) -> BoxLists:
+        return BoxLists(
+            materials=self.box_materials,
+            places=places_of(
+                [f'box {index}' for index in range(len(self.box_materials))],
+                self.box_latitudes_deg,
+                self.box_longitudes_deg,
+                self.box_altitudes_m,
+            ),
+            sizes_m=tuple(
+                zip(self.box_lengths_m, self.box_widths_m, self.box_heights_m, strict=True)
+            ),
+            headings_deg=self.box_headings_deg,
+            walls_m=self.box_walls_m,
+        )
 
 
 def _require_choice(name: str, value: str, choices: tuple[str, ...]) -> None:

@@ -32,12 +32,13 @@ LARGEST_ORDER = 4
 ELLIPSE_95 = 5.991
 # East, north and strength; the height is known before.
 FREE_PARAMETERS = 3
-TRIED_CANDIDATES = 3
+TRIED_CANDIDATES = 5
+REFINED_CANDIDATES = 3
 ROUGH_ITERATIONS = 8
 SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
-# Of one more source before any reading: sources are rare, and ground and detectors never quite as
-# assumed.
-LOG_PRIOR_ODDS = -3.0
+# Of a source before any reading: sources are rare, and ground and detectors never quite as
+# assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
+LOG_PRIOR_ODDS_FIRST = -3.0
 # What may be wrong with "Poisson about a constant background": background_std, rho.
 NUISANCES = (
     (0.0, 0.0),
@@ -149,7 +150,7 @@ def _with_one_more(likelihood: Likelihood, fit: Fit, grid: Array, kernel: Array)
     rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
     ranked = sorted(rough, key=lambda result: result.log_likelihood, reverse=True)
     return max(
-        (likelihood.fit(result.parameters) for result in ranked[:2]),
+        (likelihood.fit(result.parameters) for result in ranked[:REFINED_CANDIDATES]),
         key=lambda result: result.log_likelihood,
     )
 
@@ -195,7 +196,9 @@ def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
 def _score(likelihood: Likelihood, fit: Fit) -> float:
     """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
     order = likelihood.source_count(fit.parameters)
-    penalty = order * (0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size) - LOG_PRIOR_ODDS)
+    penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
+    if order > 0:
+        penalty -= LOG_PRIOR_ODDS_FIRST
     bumps = slice(LEVEL_PARAMETERS, likelihood.background_size)
     std = likelihood.setting.background_std
     if std > 0.0:

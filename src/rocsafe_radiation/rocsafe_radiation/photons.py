@@ -67,20 +67,29 @@ class Material:
         Geometric progression of ANSI/ANS-6.4.3-1991 for exposure from a point source in an
         infinite medium; `mean_free_paths` beyond 40 count as 40.
         """
-        energy = _log_energies(energy_kev)
-        b, c, a, scale, d = (
-            float(np.interp(energy, self.buildup_log_energies, column))
-            for column in self.buildup_coefficients.T
+        return geometric_progression(self.buildup_terms(energy_kev), np.asarray(mean_free_paths))
+
+    def buildup_terms(self, energies_kev: ArrayLike) -> Array:
+        """Return b, c, a, X, d at each energy, interpolated in its logarithm, shape (..., 5)."""
+        energies = _log_energies(energies_kev)
+        columns = self.buildup_coefficients.T
+        return np.stack(
+            [np.interp(energies, self.buildup_log_energies, column) for column in columns], axis=-1
         )
-        paths = np.clip(mean_free_paths, 0.0, LARGEST_MEAN_FREE_PATHS)
-        # x^a of a negative a is infinite at 0, where the build-up is 1 whatever K.
-        bounded = np.maximum(paths, 1e-9)
-        bend = (np.tanh(bounded / scale - 2.0) - TANH_MINUS_2) / (1.0 - TANH_MINUS_2)
-        growth = np.clip(c * bounded**a + d * bend, 1e-6, 1e3)
-        is_linear = np.abs(growth - 1.0) < 1e-7
-        base = np.where(is_linear, 2.0, growth)
-        series = np.where(is_linear, bounded, (base**bounded - 1.0) / (base - 1.0))
-        return np.asarray(np.maximum(1.0, np.where(paths > 0.0, 1.0 + (b - 1.0) * series, 1.0)))
+
+
+def geometric_progression(terms: Array, mean_free_paths: Array) -> Array:
+    """Return the build-up at `mean_free_paths`; b, c, a, X, d are the last axis of `terms`."""
+    b, c, a, scale, d = np.moveaxis(terms, -1, 0)
+    paths = np.clip(mean_free_paths, 0.0, LARGEST_MEAN_FREE_PATHS)
+    # x^a of a negative a is infinite at 0, where the build-up is 1 whatever K.
+    bounded = np.maximum(paths, 1e-9)
+    bend = (np.tanh(bounded / scale - 2.0) - TANH_MINUS_2) / (1.0 - TANH_MINUS_2)
+    growth = np.clip(c * bounded**a + d * bend, 1e-6, 1e3)
+    is_linear = np.abs(growth - 1.0) < 1e-7
+    base = np.where(is_linear, 2.0, growth)
+    series = np.where(is_linear, bounded, (base**bounded - 1.0) / (base - 1.0))
+    return np.asarray(np.maximum(1.0, np.where(paths > 0.0, 1.0 + (b - 1.0) * series, 1.0)))
 
 
 def materials() -> tuple[str, ...]:

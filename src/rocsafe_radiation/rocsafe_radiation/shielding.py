@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.photons import material
 
 Array = NDArray[np.float64]
@@ -20,11 +19,12 @@ Coordinates = tuple[Array, Array, Array]
 class Shielding(Protocol):
     """Whatever knows the materials of a scene."""
 
-    def lengths_m(self, source: GeoPosition, points: Coordinates) -> Mapping[str, Array]:
-        """Return by material the length of each ray from `source` within it, metres.
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+        """Return by material the length within it of each ray from a start to a point, metres.
 
-        `points` are latitudes and longitudes in degrees and altitudes in metres, each of shape
-        (n,); so are the lengths. Air is left out: it is where nothing else is.
+        `starts` and `points` are latitudes and longitudes in degrees and altitudes in metres,
+        each of shape (m,) and (n,); lengths have shape (m, n). Air is left out: it is where
+        nothing else is. Materials are those of `photons.materials`.
         """
 
 
@@ -36,37 +36,39 @@ class Box:
     ----------
     material: name of its material.
     centre_enu_m: its centre.
-    size_m: length, width and height.
+    size_m: length, width and height, outside.
     yaw_rad: direction of its length, anticlockwise from east.
+    wall_m: thickness of its six walls, hollow within; 0: it is solid.
     """
 
     material: str
     centre_enu_m: tuple[float, float, float]
     size_m: tuple[float, float, float]
     yaw_rad: float = 0.0
+    wall_m: float = 0.0
 
     def __post_init__(self) -> None:
         material(self.material)
-        if not all(0.0 < size < math.inf for size in self.size_m):
-            raise ValueError(f'size_m = {self.size_m} must be above 0 and finite')
+        if not all(0.0 < side < math.inf for side in self.size_m):
+            raise ValueError(f'size_m = {self.size_m} of a box must be above 0')
         if not all(map(math.isfinite, (*self.centre_enu_m, self.yaw_rad))):
-            raise ValueError('centre_enu_m and yaw_rad must be finite')
+            raise ValueError(f'centre_enu_m = {self.centre_enu_m} of a box must be finite')
+        if not 0.0 <= self.wall_m < min(self.size_m) / 2.0:
+            raise ValueError(
+                f'wall_m = {self.wall_m} of a box must be at least 0 and less than half its '
+                f'shortest side, {min(self.size_m) / 2.0:g}'
+            )
 
-    def lengths_m(self, source_enu: Array, points_enu: Array) -> Array:
-        """Return the length within the box of each ray from `source_enu` to `points_enu` (n, 3).
-
-        By the slab method: the ray is inside while it is between all three pairs of faces.
-        """
+    def lengths_m(self, starts_enu: Array, points_enu: Array) -> Array:
+        """Return the length in the material of each ray from (m, 3) to (n, 3), shape (m, n)."""
         turn = self._rotation()
+        starts = (starts_enu - np.array(self.centre_enu_m)) @ turn.T
+        rays = (points_enu - np.array(self.centre_enu_m)) @ turn.T - starts[:, None]
         half = np.array(self.size_m) / 2.0
-        start = turn @ (source_enu - np.array(self.centre_enu_m))
-        rays = (points_enu - source_enu) @ turn.T
-        # A ray along a face never crosses it; a tiny step keeps the quotient finite.
-        safe = np.where(np.abs(rays) < 1e-12, 1e-12, rays)
-        bounds = np.stack([(-half - start) / safe, (half - start) / safe])
-        enter = np.maximum(bounds.min(axis=0).max(axis=1), 0.0)
-        leave = np.minimum(bounds.max(axis=0).min(axis=1), 1.0)
-        return np.asarray(np.maximum(leave - enter, 0.0) * np.linalg.norm(rays, axis=1))
+        shares = _shares_within(starts, rays, half)
+        if self.wall_m > 0.0:
+            shares = shares - _shares_within(starts, rays, half - self.wall_m)
+        return np.asarray(shares * np.linalg.norm(rays, axis=-1))
 
     def _rotation(self) -> Array:
         cosine, sine = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
@@ -80,12 +82,25 @@ class BoxShielding:
     frame: LocalFrame
     boxes: tuple[Box, ...]
 
-    def lengths_m(self, source: GeoPosition, points: Coordinates) -> Mapping[str, Array]:
-        """Return by material the length of each ray within it, metres."""
-        source_enu = self.frame.enu_of(source)
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+        """Return by material the length within it of each ray from a start to a point, metres."""
+        starts_enu = self.frame.to_enu(*starts)
         points_enu = self.frame.to_enu(*points)
         lengths: dict[str, Array] = {}
         for box in self.boxes:
-            inside = box.lengths_m(source_enu, points_enu)
+            inside = box.lengths_m(starts_enu, points_enu)
             lengths[box.material] = lengths.get(box.material, 0.0) + inside
         return lengths
+
+
+def _shares_within(starts: Array, rays: Array, half: Array) -> Array:
+    """Return the share of each ray within a box about the origin, by the slab method.
+
+    A ray is inside while it is between all three pairs of faces.
+    """
+    # A ray along a face never crosses it; a tiny step keeps the quotient finite.
+    safe = np.where(np.abs(rays) < 1e-12, 1e-12, rays)
+    bounds = np.stack([(-half - starts)[:, None] / safe, (half - starts)[:, None] / safe])
+    enter = np.maximum(bounds.min(axis=0).max(axis=-1), 0.0)
+    leave = np.minimum(bounds.max(axis=0).min(axis=-1), 1.0)
+    return np.asarray(np.maximum(leave - enter, 0.0))

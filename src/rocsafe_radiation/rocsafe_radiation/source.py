@@ -4,8 +4,12 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide
+from rocsafe_radiation.source_shape import PointShape, SourceShape
 
 # A hundred thousand times a commercial irradiator of 100 PBq of Co-60 (9.8e6 uSv/s at 1 m); the
 # limit keeps every dose rate far below what a float64 can hold.
@@ -14,20 +18,23 @@ LARGEST_SIGMA_USVPS = 1e12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RadiationSource:
-    """A point source of gamma radiation.
+    """A source of gamma radiation.
 
     Attributes
     ----------
     name: unique among the sources of a field.
-    position: where it is, with its altitude above the ellipsoid.
-    sigma_usvps: dose rate at 1 m without air, microsievert per second; the paper's sigma.
+    position: where it is, or begins, with its altitude above the ellipsoid.
+    sigma_usvps: dose rate at 1 m without air, microsievert per second; the paper's sigma. Of a
+        source that is not a point: what it would be, were it gathered in one.
     nuclide: what it consists of; by default Cs-137. The model ``paper`` does not ask.
+    shape: where its parts are at any time; None: all at `position`, always.
     """
 
     name: str
     position: GeoPosition
     sigma_usvps: float
     nuclide: str = DEFAULT_NUCLIDE
+    shape: SourceShape | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -43,6 +50,10 @@ class RadiationSource:
             nuclide(self.nuclide)
         except ValueError as error:
             raise ValueError(f'source {self.name}: {error}') from error
+
+    def places(self, time_s: float = 0.0) -> NDArray[np.float64]:
+        """Return latitude, longitude, altitude of each of its equal parts, shape (parts, 3)."""
+        return (self.shape or PointShape(place=self.position)).places(time_s)
 
 
 def decayed_sigma_usvps(name: str, nuclide_name: str, activity_gbq: float, age_s: float) -> float:

@@ -11,6 +11,8 @@ from rocsafe_radiation.background import Background
 from rocsafe_radiation.detector import DETECTORS, IDEAL, DetectorModel
 from rocsafe_radiation.field import RadiationField
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyField:
@@ -26,7 +28,7 @@ class SurveyField:
     field: RadiationField
     background: Background
     detector: str = IDEAL
-    _responses: NDArray[np.float64] = dataclasses.field(init=False, repr=False, compare=False)
+    _responses: Array = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.detector != IDEAL and self.detector not in DETECTORS:
@@ -43,35 +45,45 @@ class SurveyField:
         return DETECTORS.get(self.detector)
 
     def dose_rates_usvh(
-        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
-    ) -> NDArray[np.float64]:
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
+    ) -> Array:
         """Return the dose rate at n points, microsievert per hour, shape (n,).
 
         Raises
         ------
         UnknownPointError: if a point is not finite or out of range, naming it.
         """
-        return self._total(
-            np.ones(len(self._responses)), latitudes_deg, longitudes_deg, altitudes_m
+        by_source = self.field.source_dose_rates_usvh(
+            latitudes_deg, longitudes_deg, altitudes_m, time_s
         )
+        return by_source.sum(axis=0) + self._natural(latitudes_deg, longitudes_deg, altitudes_m)
 
     def counted_dose_rates_usvh(
-        self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike
-    ) -> NDArray[np.float64]:
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
+    ) -> Array:
         """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
 
         Raises
         ------
         UnknownPointError: if a point is not finite or out of range, naming it.
         """
-        return self._total(self._responses, latitudes_deg, longitudes_deg, altitudes_m)
+        by_source = self.field.source_dose_rates_usvh(
+            latitudes_deg, longitudes_deg, altitudes_m, time_s
+        )
+        counted = self._responses @ by_source
+        return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
 
-    def _total(
-        self, weights: NDArray[np.float64], latitudes: ArrayLike, longitudes: ArrayLike,
-        altitudes: ArrayLike,
-    ) -> NDArray[np.float64]:  # fmt: skip
-        rates = weights @ self.field.source_dose_rates_usvh(latitudes, longitudes, altitudes)
+    def _natural(self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike) -> Array:
+        """Return the background, or zero where there is none."""
         if self.background == Background():
-            return np.asarray(rates)
+            return np.zeros(1)
         places = (np.asarray(part, np.float64) for part in (latitudes, longitudes, altitudes))
-        return np.asarray(rates + self.background.dose_rates_usvh(*places))
+        return self.background.dose_rates_usvh(*places)

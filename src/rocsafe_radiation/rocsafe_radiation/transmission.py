@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_radiation.nuclide import nuclide
-from rocsafe_radiation.photons import AIR, material
+from rocsafe_radiation.photons import AIR, geometric_progression, material
 
 Array = NDArray[np.float64]
 # Linear interpolation between steps is good to 1e-5 at 60 keV and better above.
@@ -17,6 +17,8 @@ STEP_M = 0.25
 REACH_M = 3000.0
 # Points at a time: their arrays stay in the cache of a core.
 BLOCK = 16384
+# Each of these rays has a value a line.
+SHIELDED_BLOCK = 4096
 
 
 def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
@@ -59,28 +61,36 @@ def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, Array]) -> 
     shape (n,). Each line is attenuated by all of them; the build-up is that of the material with
     the most mean free paths along the ray, at the sum of all: the usual choice of point kernels.
     """
-    source = nuclide(nuclide_name)
-    names = list(lengths_m)
+    names = tuple(lengths_m)
     lengths = np.stack([np.asarray(lengths_m[name], np.float64) for name in names])
-    total = np.zeros(lengths.shape[1:])
-    for energy, share in zip(source.energies_kev, source.dose_shares(), strict=True):
-        if share <= 0.0:
-            continue
-        mu = [float(material(name).attenuation_per_m(energy)) for name in names]
-        paths = lengths * np.array(mu).reshape(-1, *[1] * (lengths.ndim - 1))
-        depth = paths.sum(axis=0)
-        total += share * np.exp(-depth) * _dominant_buildup(names, float(energy), paths, depth)
-    return total
+    flat = lengths.reshape(len(names), -1)
+    result: Array = np.empty(flat.shape[1])
+    for start in range(0, flat.shape[1], SHIELDED_BLOCK):
+        rays = slice(start, start + SHIELDED_BLOCK)
+        result[rays] = _shielded(nuclide_name, names, flat[:, rays])
+    return result.reshape(lengths.shape[1:])
 
 
-def _dominant_buildup(names: list[str], energy_kev: float, paths: Array, depth: Array) -> Array:
-    thickest = np.argmax(paths, axis=0)
-    factors = np.ones_like(depth)
-    for index, name in enumerate(names):
-        chosen = thickest == index
-        if chosen.any():
-            factors[chosen] = material(name).buildup(energy_kev, depth[chosen])
-    return factors
+def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: Array) -> Array:
+    """Return the transmission of each ray, with `lengths` of shape (materials, rays)."""
+    shares, mu, terms = _lines(nuclide_name, names)
+    depths = mu @ lengths
+    thickest = np.argmax(mu[:, :, None] * lengths, axis=1)
+    lines = np.arange(len(shares))[:, None]
+    factors = geometric_progression(terms[lines, thickest], depths)
+    return np.asarray(shares @ (np.exp(-depths) * factors))
+
+
+@cache
+def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[Array, Array, Array]:
+    """Return of each line that gives dose: its share, mu of each material and build-up terms."""
+    source = nuclide(nuclide_name)
+    shares = source.dose_shares()
+    energies, kept = source.energies_kev[shares > 0.0], shares[shares > 0.0]
+    known = [material(name) for name in names]
+    mu = np.stack([one.attenuation_per_m(energies) for one in known], axis=1)
+    terms = np.stack([one.buildup_terms(energies) for one in known], axis=1)
+    return kept, mu, terms
 
 
 @cache

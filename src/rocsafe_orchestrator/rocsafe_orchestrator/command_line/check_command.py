@@ -78,8 +78,8 @@ def _source_table(scenario: Scenario) -> Table:
     for source in scenario.radiation.sources:
         table.add_row(
             source.name,
-            f'{source.position[0]:.6f}, {source.position[1]:.6f}',
+            f'{source.place[0]:.6f}, {source.place[1]:.6f}',
             f'{source.height_m:g} m',
-            source.strength_text,
+            ', '.join(filter(None, (source.strength_text, source.shape_text))),
         )
     return table

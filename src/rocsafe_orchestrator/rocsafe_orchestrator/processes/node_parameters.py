@@ -9,7 +9,7 @@ import yaml
 
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import SourceBlock, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import VehicleBlock
 
 Parameters = dict[str, Any]
 
@@ -65,37 +65,11 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     }
 
 
-def field_parameters(scenario: Scenario) -> Parameters:
-    """Return the parameters of the radiation field."""
-    radiation, sources = scenario.radiation, scenario.radiation.sources
-    return {
-        'model': radiation.model,
-        'source_radius_m': radiation.source_radius_m,
-        'vehicles': list(scenario.vehicle_names),
-        'source_names': [source.name for source in sources],
-        'source_latitudes_deg': [source.position[0] for source in sources],
-        'source_longitudes_deg': [source.position[1] for source in sources],
-        'source_altitudes_m': [_altitude_m(scenario, source) for source in sources],
-        'source_sigmas_usvps': [source.sigma_usvps or 0.0 for source in sources],
-        'source_nuclides': [source.nuclide or '' for source in sources],
-        'source_activities_gbq': [source.activity_gbq or 0.0 for source in sources],
-        'source_ages_s': [_age_s(scenario, source) for source in sources],
-        'detector': radiation.detector,
-        'window_s': radiation.window_s,
-        'background_usvh': radiation.background.dose_rate_usvh,
-        'background_variation': radiation.background.variation,
-        'background_length_m': radiation.background.length_m,
-        'ground_altitude_m': scenario.origin.ground_altitude_m,
-        'seed': scenario.seed,
-        **LOCK_STEP,
-    }
-
-
 def localizer_parameters(scenario: Scenario) -> Parameters:
     """Return the parameters of the localizer, which is not told of the sources."""
     return {
         'vehicles': list(scenario.vehicle_names),
-        'model': scenario.radiation.model,
+        'model': scenario.radiation.estimator_model,
         **_origin(scenario),
     }
 
@@ -161,15 +135,3 @@ def _origin(scenario: Scenario) -> Parameters:
         'origin_longitude_deg': origin.longitude_deg,
         'origin_altitude_m': origin.altitude_m,
     }
-
-
-def _age_s(scenario: Scenario, source: SourceBlock) -> float:
-    """Return for how long the activity of `source` has decayed when the mission starts."""
-    if source.activity_date is None:
-        return 0.0
-    return (scenario.clock.start - source.activity_date).total_seconds()
-
-
-def _altitude_m(scenario: Scenario, source: SourceBlock) -> float:
-    """Return the altitude of `source` above the ellipsoid."""
-    return scenario.ground_position(source.position, source.height_m).altitude_m

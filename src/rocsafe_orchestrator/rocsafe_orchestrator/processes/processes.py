@@ -7,6 +7,7 @@ from typing import Any
 from rocsafe_orchestrator.mission.mission import Crew
 from rocsafe_orchestrator.mission.phase import ACTIVE_PHASES, Phase
 from rocsafe_orchestrator.processes import node_parameters
+from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.process_values import RestartPolicy
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.scenario import Scenario
@@ -103,7 +104,7 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
         _process(
             'radiation_field',
             ('rocsafe_radiation', 'field'),
-            node_parameters.field_parameters(scenario),
+            field_parameters(scenario),
             *radiation,
         ),
         _process(

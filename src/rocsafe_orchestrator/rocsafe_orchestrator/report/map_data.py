@@ -178,7 +178,7 @@ def _sources(record: RunRecord, frame: LocalFrame) -> tuple[SourcePoint, ...]:
     if record.scenario is None:
         return ()
     sources = record.scenario.radiation.sources
-    places = points(frame, (record.scenario.ground_position(s.position) for s in sources))
+    places = points(frame, (record.scenario.ground_position(s.place) for s in sources))
     return tuple(
         SourcePoint(x, y, source.name) for (x, y), source in zip(places, sources, strict=True)
     )

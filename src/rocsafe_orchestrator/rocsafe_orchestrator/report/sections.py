@@ -16,8 +16,8 @@ from rocsafe_orchestrator.report.events import start_ns
 from rocsafe_orchestrator.report.map_data import MapData
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join
 from rocsafe_orchestrator.report.tables import facts
+from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import SourceBlock
 
 OUTCOMES = {
     'complete': ('✓', 'Complete'),
@@ -246,9 +246,10 @@ def _field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
         ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
     ]
     for source in scenario.radiation.sources:
-        place = formats.latitude_longitude(*source.position)
+        place = formats.latitude_longitude(*source.place)
         height = f'{source.height_m:g}{formats.GAP}m above ground'
-        rows.append((source.name, f'{_strength(source)}; {place}, {height}'))
+        shape = f', {source.shape_text}' if source.shape_text else ''
+        rows.append((source.name, f'{_strength(source)}; {place}, {height}{shape}'))
     return rows
 
 

@@ -9,13 +9,13 @@ from pydantic import Field
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.scenario.limits import LARGEST_FLEET, LARGEST_SEED
+from rocsafe_orchestrator.scenario.radiation_blocks import RadiationBlock
 from rocsafe_orchestrator.scenario.scenario_blocks import (
     Block,
     CameraBlock,
     ClockBlock,
     LatLon,
     OriginBlock,
-    RadiationBlock,
     RegionBlock,
     SimulationBlock,
     SurveyBlock,

@@ -39,7 +39,8 @@ def _vehicle_name(name: str) -> str:
     return name
 
 
-def _in_utc(start: datetime) -> datetime:
+def in_utc(start: datetime) -> datetime:
+    """Return a time in UTC; ValueError if it does not say its zone."""
     if start.tzinfo is None:
         raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
     return start.astimezone(timezone.utc)
@@ -62,7 +63,7 @@ class ClockBlock(Block):
 
     speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
     step_s: float = Field(default=0.1, ge=0.001, le=1.0)
-    start: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_START
+    start: Annotated[datetime, AfterValidator(in_utc)] = DEFAULT_START
 
 
 class OriginBlock(Block):
@@ -137,57 +138,3 @@ class VehicleBlock(Block):
     def usable_endurance_s(self) -> float:
         """Flight time that a plan may use: the reserve is kept."""
         return self.endurance_s * (1.0 - self.reserve_fraction)
-
-
-Nuclide = Literal[
-    'Am-241', 'Ba-133', 'Co-57', 'Co-60', 'Cs-137', 'Eu-152', 'I-131', 'Ir-192', 'Ra-226',
-    'Se-75', 'Tc-99m',
-]  # fmt: skip
-
-
-class SourceBlock(Block):
-    """A gamma source, `height_m` above the ground.
-
-    Its strength is either `sigma_usvps`, the dose rate in microsievert per second at 1 m, or
-    `activity_gbq` of its nuclide at `activity_date`, by default the start of the mission.
-    """
-
-    name: Annotated[str, Field(min_length=1, max_length=64)]
-    position: LatLon
-    height_m: float = Field(default=0.0, ge=0.0, le=500.0)
-    nuclide: Nuclide | None = None
-    sigma_usvps: float | None = Field(default=None, gt=0.0, le=1e12)
-    activity_gbq: float | None = Field(default=None, gt=0.0, le=1e9)
-    activity_date: Annotated[datetime, AfterValidator(_in_utc)] | None = None
-
-    @property
-    def strength_text(self) -> str:
-        """Its strength as the scenario says it."""
-        kind = f' of {self.nuclide}' if self.nuclide else ''
-        if self.activity_gbq is None:
-            return f'{self.sigma_usvps:g} uSv/s{kind} at 1 m'
-        when = f' on {self.activity_date:%Y-%m-%d}' if self.activity_date else ''
-        return f'{self.activity_gbq:g} GBq{kind}{when}'
-
-
-class BackgroundBlock(Block):
-    """Natural background: the mean at the ground, and how it varies from place to place."""
-
-    dose_rate_usvh: float = Field(default=0.0, ge=0.0, le=1e6)
-    variation: float = Field(default=0.0, ge=0.0, le=2.0)
-    length_m: float = Field(default=60.0, ge=1.0, le=1e5)
-
-
-class RadiationBlock(Block):
-    """The radiation field; nearer than `source_radius_m` a source counts as that far.
-
-    Every vehicle carries `detector`, which counts over windows of `window_s`; the ideal one reads
-    the dose rate itself, at once.
-    """
-
-    model: Literal['paper', 'air'] = 'paper'
-    detector: Literal['ideal', 'gm_sbm20', 'csi_1cm3', 'csi_33cm3', 'nai_2x2'] = 'ideal'
-    window_s: float = Field(default=1.0, ge=1e-3, le=3600.0)
-    background: BackgroundBlock = BackgroundBlock()
-    source_radius_m: float = Field(default=0.1, gt=0.0, le=100.0)
-    sources: tuple[SourceBlock, ...] = ()

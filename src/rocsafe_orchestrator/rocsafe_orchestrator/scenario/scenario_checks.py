@@ -3,6 +3,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import pairwise
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import distance_m
@@ -23,6 +24,8 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_too_many_processes(scenario),
         *_half_origin(scenario),
         *_unclear_strengths(scenario),
+        *_unclear_places(scenario),
+        *_unused_shields(scenario),
     ]
     try:
         area = scenario.area()
@@ -86,12 +89,51 @@ def _unclear_strengths(scenario: Scenario) -> Iterator[str]:
             yield f'{key}.nuclide: must be given with activity_gbq'
 
 
+def _unclear_places(scenario: Scenario) -> Iterator[str]:
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        if len(source.shapes) != 1:
+            yield f'{key}: must have one of position, line, area, track'
+        elif 0 < len(source.line) < 2 or 0 < len(source.area) < 3:
+            shape = source.shapes[0]
+            fewest = 2 if shape == 'line' else 3
+            yield f'{key}.{shape}: has {len(source.corners)} corners, must have at least {fewest}'
+        times = [stop.time_s for stop in source.track]
+        if any(later <= earlier for earlier, later in pairwise(times)):
+            yield f'{key}.track: time_s = {times} must rise from stop to stop'
+
+
+def _unused_shields(scenario: Scenario) -> Iterator[str]:
+    radiation = scenario.radiation
+    if radiation.shields and radiation.model != 'shielded':
+        yield (
+            f'radiation.model = {radiation.model!r}: must be shielded where there are '
+            'radiation.shields'
+        )
+    for index, shield in enumerate(radiation.shields):
+        thinnest_m = min(shield.length_m, shield.width_m, shield.height_m)
+        if shield.wall_m >= thinnest_m / 2.0:
+            yield (
+                f'radiation.shields[{index}].wall_m = {shield.wall_m:g}: must be less than half '
+                f'the shortest side, {thinnest_m / 2.0:g}'
+            )
+
+
 def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
     """Catch swapped coordinates, and missions for which the flat frame is wrong."""
     centroid = area.centroid()
     places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles)}
     for index, source in enumerate(scenario.radiation.sources):
-        places[f'radiation.sources[{index}].position'] = source.position
+        key = f'radiation.sources[{index}]'
+        places.update({f'{key}.{shape}': source.place for shape in source.shapes[:1]})
+        if len(source.shapes) == 1 and source.corners:
+            far = max(
+                source.corners,
+                key=lambda corner: distance_m(centroid, scenario.ground_position(corner)),
+            )
+            places[f'{key}.{source.shapes[0]}'] = far
+    for index, shield in enumerate(scenario.radiation.shields):
+        places[f'radiation.shields[{index}].position'] = shield.position
     if scenario.origin.latitude_deg is not None and scenario.origin.longitude_deg is not None:
         places['origin'] = (scenario.origin.latitude_deg, scenario.origin.longitude_deg)
     corners = enumerate(scenario.region.polygon or ())
