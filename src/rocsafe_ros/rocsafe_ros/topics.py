@@ -25,6 +25,9 @@ from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
+    AccumulatedDose,
+    DoseAlarm,
+    DoseRate,
     GeotaggedImage,
     HazardSourceArray,
     MissionState,
@@ -36,7 +39,7 @@ from rocsafe_interfaces.msg import (
     SurveyPlan,
     VehicleState,
 )
-from rocsafe_interfaces.srv import QueryRadiationField
+from rocsafe_interfaces.srv import QueryRadiationField, SuggestViewpoints
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
@@ -143,6 +146,15 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+DOSE_RATE = _vehicle(
+    'dose_rate', DoseRate, _kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
+)
+ACCUMULATED_DOSE = _vehicle(
+    'accumulated_dose', AccumulatedDose, _latched(), 'each reading', 'dose since the first reading'
+)
+DOSE_ALARM = _vehicle(
+    'dose_alarm', DoseAlarm, _kept(), 'on change', 'level of dose rate or dose reached or left'
+)
 CAMERA_IMAGE = _vehicle(
     'camera/image_raw', Image, _stream(), 'each shot', 'only while somebody listens'
 )
@@ -168,6 +180,12 @@ MISSION_STATE = _fleet('mission/state', MissionState, _latched(), '2 Hz', 'phase
 RECEIPTS = _fleet('shots/receipts', ShotReceipt, _kept(), 'each shot', 'photograph is stored')
 HAZARD_SOURCES = _fleet('hazard/sources', HazardSourceArray, _latched(), 'on change', 'estimates')
 DOSE_MAP = _fleet('hazard/dose_map', OccupancyGrid, _latched(), 'on change', 'dose rate, log')
+CORDONS = _fleet(
+    'hazard/cordons', MarkerArray, _latched(), 'on change', 'ground above levels of dose rate'
+)
+BELIEF_MAP = _fleet(
+    'hazard/belief', OccupancyGrid, _latched(), 'on change', 'probability of a source, percent'
+)
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
@@ -182,6 +200,9 @@ TOPICS: tuple[TopicSpec, ...] = (
     BATTERY_STATE,
     STATE,
     RADIATION,
+    DOSE_RATE,
+    ACCUMULATED_DOSE,
+    DOSE_ALARM,
     CAMERA_IMAGE,
     CAMERA_IMAGE_COMPRESSED,
     CAMERA_INFO,
@@ -194,6 +215,8 @@ TOPICS: tuple[TopicSpec, ...] = (
     RECEIPTS,
     HAZARD_SOURCES,
     DOSE_MAP,
+    CORDONS,
+    BELIEF_MAP,
     MOSAIC,
     SCENE_MARKERS,
     STEP_DONE,
@@ -215,6 +238,9 @@ PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to
 QUERY_FIELD = _call(
     'radiation_field/query', QueryRadiationField, 'service', Scope.FLEET, 'dose rates at points'
 )
+SUGGEST_VIEWPOINTS = _call(
+    'hazard/suggest_viewpoints', SuggestViewpoints, 'service', Scope.FLEET, 'where to measure next'
+)
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
@@ -226,6 +252,7 @@ CALLS: tuple[CallSpec, ...] = (
     LAND,
     PLAN_SURVEY,
     QUERY_FIELD,
+    SUGGEST_VIEWPOINTS,
     WORLD_RUN,
     SAVE_MOSAIC,
 )
