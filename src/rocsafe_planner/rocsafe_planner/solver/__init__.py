@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Routing core: routes whose longest is short, and a proof of how short any could be.
+
+`solve` searches (simulated annealing with constant-time moves), `improving_bounds` proves. Neither
+knows ROS, regions or cameras; everything is sites, legs and vehicles.
+"""
+
+from .certificate import Bound, held_karp_bound, improving_bounds
+from .outcome import Progress, SearchOptions, Solution
+from .problem import (
+    MatrixLegs,
+    PointLegs,
+    Routes,
+    RoutingProblem,
+    Vehicle,
+    one_depot,
+    route_cost,
+    route_load,
+)
+from .solve import solve
+
+__all__ = [
+    'Bound',
+    'MatrixLegs',
+    'PointLegs',
+    'Progress',
+    'Routes',
+    'RoutingProblem',
+    'SearchOptions',
+    'Solution',
+    'Vehicle',
+    'held_karp_bound',
+    'improving_bounds',
+    'one_depot',
+    'route_cost',
+    'route_load',
+    'solve',
+]

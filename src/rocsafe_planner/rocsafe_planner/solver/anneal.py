@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulated annealing of routes: proposals at the nearest neighbours, best routes kept."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .compiled import inlined, kernel
+from .moves import Change, Goal, Piece, allowed, make, rise
+from .randomness import GOLDEN, THRESHOLD_BITS, below, scramble
+from .ruin import ruin
+from .state import State, unload
+from .tables import Floats, Ints, Tables, Words
+
+U = np.uint64
+Word = np.uint64
+STRIDE_OF_TEMPERATURE = 256
+
+
+class Best(NamedTuple):
+    """The best routes of a search and what they are worth."""
+
+    order: Ints
+    lengths: Ints
+    value: Floats
+    """(1,) worth, as `worth` counts it."""
+
+
+@inlined
+def worth(tables: Tables, state: State, peak: float, share: float) -> float:
+    """Return what is minimised in the end: peak*longest + share*total, and any breach of limits."""
+    longest, total, breach = -np.inf, 0.0, 0.0
+    for r in range(len(state.cost)):
+        longest = max(longest, state.cost[r])
+        total += state.cost[r]
+        if tables.limited:
+            breach += max(0.0, state.load[r] - tables.limit[r] * (1 + 1e-9))
+    return peak * longest + share * total + 1e4 * breach
+
+
+NOTHING = Piece(0, 1, 0, False)
+NONE = Change(-1, 1, 0, NOTHING, NOTHING)
+
+
+@inlined
+def span(word: Word, long: Word) -> int:
+    """Draw how many customers follow the first of a segment: mostly 0 to 2, at times up to 63."""
+    scale = word & U(15)
+    if scale < long:
+        return np.int64((word >> U(4)) % (U(4) << scale))
+    return np.int64((word >> U(4)) % U(3))
+
+
+@inlined
+def within(state: State, route: int, p: int, q: int, word: Word, long: Word) -> Change:
+    """Describe a change that makes slots p (a customer) and q of one route neighbours.
+
+    A change of route -1 stands for none.
+    """
+    end = np.int64(state.length[route]) + 1
+    low, high = min(p, q), max(p, q)
+    if word & U(1) == 0:  # 2-opt, reversing what lies between, with one of the two
+        if (word & U(2) == 0 and high < end) or low == 0:
+            low += 1
+        else:
+            high -= 1
+        if high == end or high <= low:
+            return NONE
+        return Change(route, low, high, Piece(route, low, high, True), NOTHING)
+    size = span(word >> U(6), long)  # Or-opt
+    behind = (q == 0 or (word >> U(4)) & U(1) == 0) and q < end
+    heading = (word >> U(5)) & U(1) == 0
+    low = p if heading else p - size
+    high = low + size
+    gap = q if behind else q - 1
+    if low < 1 or high >= end or low - 1 <= gap <= high:
+        return NONE
+    moved = Piece(route, low, high, heading != behind)
+    if gap > high:
+        return Change(route, low, gap, Piece(route, high + 1, gap, False), moved)
+    return Change(route, gap + 1, high, moved, Piece(route, gap + 1, low - 1, False))
+
+
+@inlined
+def between(
+    state: State, a: int, p: int, b: int, q: int, word: Word, long: Word
+) -> tuple[Change, Change]:
+    """Describe changes that make slot p of route a (a customer) a neighbour of slot q of route b."""
+    size_a, size_b = np.int64(state.length[a]), np.int64(state.length[b])
+    behind = (q == 0 or word & U(1) == 0) and q <= size_b
+    kind = (word >> U(1)) & U(3)
+    if kind == 0:  # swap the tails
+        cut_a, cut_b = (p - 1, q) if behind else (p, q - 1)
+        return (
+            Change(a, cut_a + 1, size_a, Piece(b, cut_b + 1, size_b, False), NOTHING),
+            Change(b, cut_b + 1, size_b, Piece(a, cut_a + 1, size_a, False), NOTHING),
+        )
+    if kind == 1 and 0 < q <= size_b:  # join the heads, and the tails
+        cut_a, cut_b = (p, q) if behind else (p - 1, q - 1)
+        return (
+            Change(a, cut_a + 1, size_a, Piece(b, 1, cut_b, True), NOTHING),
+            Change(
+                b, 1, size_b,
+                Piece(a, cut_a + 1, size_a, True), Piece(b, cut_b + 1, size_b, False),
+            ),
+        )
+    sent = span(word >> U(9), long)
+    got = span(word >> U(32), long) + np.int64((word >> U(3)) & U(1)) if kind == 3 else np.int64(0)
+    heading = (word >> U(7)) & U(1) == 0
+    a_low = p if heading else p - sent
+    b_low = q + 1 if behind else q - got
+    a_high, b_high = a_low + sent, b_low + got - 1
+    if a_low < 1 or a_high > size_a or b_low < 1 or b_high > size_b:
+        return NONE, NONE
+    turned = (word >> U(8)) & U(1) == 0
+    return (
+        Change(a, a_low, a_high, Piece(b, b_low, b_high, turned), NOTHING),
+        Change(b, b_low, b_high, Piece(a, a_low, a_high, heading != behind), NOTHING),
+    )
+
+
+@inlined
+def passes(
+    tables: Tables, state: State, goal: Goal, bar: float, one: Change, other: Change
+) -> bool:
+    """Answer whether two changes are allowed and together raise the energy by at most `bar`."""
+    if one.route < 0:
+        return False
+    total = rise(tables, state, goal, one)
+    if other.route >= 0:
+        total += rise(tables, state, goal, other)
+    if total > bar:
+        return False
+    return not tables.restricted or (
+        allowed(tables, state, one) and allowed(tables, state, other)
+    )
+
+
+@kernel
+def anneal(
+    tables: Tables, state: State, goal: Goal, best: Best, thresholds: Floats, random: Words,
+    peak: float, share: float, temperature: float, ratio: float, proposals: int, ruins: int,
+) -> int:
+    """Make so many proposals while the temperature falls by `ratio` every 256 of them.
+
+    Keeps the best routes met in `best`; answers how many proposals were accepted.
+    """
+    n, near = tables.near.shape
+    m = len(state.length)
+    counter = random[0]
+    accepted = 0
+    ruin_words = U(ruins & 65535)
+    long = U(ruins >> 16)
+    for step in range(proposals):
+        if step & 255 == 255:
+            temperature *= ratio
+        counter += GOLDEN
+        word = scramble(counter)
+        if (word >> U(52)) < ruin_words:
+            random[0] = counter
+            bar = temperature * thresholds[word & U((1 << THRESHOLD_BITS) - 1)]
+            made = ruin(tables, state, goal, random, bar)
+            counter = random[0]
+            if made:
+                accepted += 1
+                value = worth(tables, state, peak, share)
+                if value < best.value[0]:
+                    best.value[0] = value
+                    unload(state, best.order, best.lengths)
+            continue
+        bar = temperature * thresholds[word & U((1 << THRESHOLD_BITS) - 1)]
+        i = below(word >> U(32), n)
+        a = np.int64(state.route[i])
+        p = np.int64(state.place[i])
+        pick = np.int64((((word >> U(12)) & U(127)) * U(near * 16 + 8)) >> U(7))
+        more = scramble(word)
+        if pick < near * 16:
+            j = tables.near[i, pick >> 4]
+            b = np.int64(state.route[j])
+            q = np.int64(state.place[j])
+        else:
+            b = below(more >> U(32), m)
+            q = np.int64(0 if pick & 1 else state.length[b] + 1)
+        if a == b:
+            one, other = within(state, a, p, q, more, long), NONE
+        else:
+            one, other = between(state, a, p, b, q, more, long)
+        if passes(tables, state, goal, bar, one, other):
+            make(tables, state, one, other)
+            accepted += 1
+            value = worth(tables, state, peak, share)
+            if value < best.value[0]:
+                best.value[0] = value
+                unload(state, best.order, best.lengths)
+    random[0] = counter
+    return accepted

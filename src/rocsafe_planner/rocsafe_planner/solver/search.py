@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One lane of the search: cycles of annealing with its own routes and random numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .anneal import Best, anneal, worth
+from .crossover import complete, mix
+from .moves import Goal
+from .randomness import acceptance_thresholds, seed_word
+from .state import empty_state, load
+from .tables import Ints, Tables, leg
+
+Plan = tuple[Ints, Ints]
+"""Customers route after route, and the length of each route."""
+
+THRESHOLDS = acceptance_thresholds()
+STEP = 256
+"""Proposals between two changes of temperature (as in `anneal`)."""
+
+
+def power_of_two(exponent: float) -> float:
+    """Return 2**exponent from sums and products alone, so that it is the same everywhere.
+
+    Accurate to 2e-8; `math.pow` may differ in the last digit from machine to machine.
+    """
+    whole = int(np.floor(exponent))
+    x = (exponent - whole) * 0.6931471805599453
+    total = 1.0
+    for k in range(9, 0, -1):
+        total = 1.0 + total * x / k
+    return float(np.ldexp(total, whole))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Manner:
+    """How a cycle anneals; temperatures in mean distances between near neighbours."""
+
+    hot: float
+    """Temperature at the start, as a power of two."""
+    cold: float
+    """Temperature at the end, as a power of two."""
+    floor: float
+    """Worth of a unit of cost in a short route, against 1 in the longest."""
+    width: float
+    """Share of the target cost over which the worth rises from `floor` to 1."""
+    ruins: int
+    """Of 4096 proposals, how many are ruin and recreate."""
+    long: int
+    """Of 16 segments, how many may be long."""
+
+
+class Lane:
+    """Routes under search, with random numbers of their own."""
+
+    def __init__(self, tables: Tables, peak: float, seed: int, lane: int, far: float) -> None:
+        self.tables = tables
+        self.peak = peak
+        self.share = 1e-7 if peak else 1.0
+        self.far = far
+        self.state = empty_state(tables)
+        n, m = len(tables.needs), len(tables.first)
+        self.best = Best(np.zeros(n, np.int32), np.zeros(m, np.int32), np.array([np.inf]))
+        self.random = np.array([seed_word(seed, lane)], np.uint64)
+        self.proposals = 0
+        self.alike = alike_vehicles(tables)
+        self.scale = typical_leg(tables)
+
+    def begin(self, plan: Plan) -> None:
+        """Continue from a plan, forgetting the best routes of the last cycle."""
+        load(self.tables, self.state, plan[0], plan[1])
+        self.best.value[0] = np.inf
+
+    def worth(self) -> float:
+        """Return what the present routes are worth, as the best routes are counted."""
+        return float(worth(self.tables, self.state, self.peak, self.share))
+
+    def plan(self) -> Plan:
+        """Return the best routes since `begin`."""
+        return self.best.order.copy(), self.best.lengths.copy()
+
+    def goal(self, manner: Manner) -> Goal:
+        """Return what to minimise now: routes above the mean weigh more, up to twice at `width`."""
+        if self.peak == 0:
+            return Goal(
+                target=0.0, floor=1.0, steepness=0.0, curvature=0.0, vacancy=0.0, strictness=8.0
+            )
+        target = max(float(self.state.cost.mean()), self.far)
+        vacancy = 4 * target if len(self.tables.needs) >= len(self.tables.first) else 0.0
+        return Goal(
+            target=target,
+            floor=manner.floor,
+            steepness=0.0,
+            curvature=(1 - manner.floor) / (2 * manner.width * max(target, 1e-12)),
+            vacancy=vacancy,
+            strictness=8.0,
+        )
+
+    def cross(self, one: Plan, other: Plan, chosen: list[int], manner: Manner) -> None:
+        """Continue from a mix of two plans, forgetting the best routes of the last cycle."""
+        order, lengths, missing = mix(one, other, chosen, self.alike)
+        complete(
+            self.tables, self.state, self.goal(manner), order, lengths, missing, self.random
+        )
+        self.best.value[0] = np.inf
+
+    def anneal(self, manner: Manner, progress: float, proposals: int, rate: float) -> None:
+        """Make some proposals; `progress` of the cycle goes by `rate` with each."""
+        exponent = manner.hot + (manner.cold - manner.hot) * progress
+        ratio = power_of_two((manner.cold - manner.hot) * rate * STEP)
+        anneal(
+            self.tables, self.state, self.goal(manner), self.best, THRESHOLDS, self.random,
+            self.peak, self.share, self.scale * power_of_two(exponent), ratio,
+            proposals, manner.ruins | manner.long << 16,
+        )
+        self.proposals += proposals
+
+    def cycle(self, manner: Manner, pacer: 'Pacer') -> None:
+        """Anneal until the pacer says that the cycle is over."""
+        while pacer.progress() < 1:
+            self.anneal(manner, pacer.progress(), pacer.chunk, pacer.rate)
+            if not pacer.advance(self):
+                return
+
+
+class Pacer:
+    """Tells how far a cycle has come: by proposals made, or by a clock."""
+
+    def __init__(
+        self,
+        chunk: int,
+        proposals: int | None,
+        clock: Callable[[], float],
+        duration_s: float,
+        keep_on: Callable[[Lane], bool],
+    ) -> None:
+        self.chunk = chunk
+        self.proposals = proposals
+        self.rate = 0.0
+        self._clock = clock
+        self._began = clock()
+        self._duration_s = duration_s
+        self._keep_on = keep_on
+        self._made = 0
+
+    def progress(self) -> float:
+        """Return the part of the cycle that is over."""
+        if self.proposals is not None:
+            return self._made / self.proposals
+        return (self._clock() - self._began) / self._duration_s
+
+    def advance(self, lane: Lane) -> bool:
+        """Count a chunk; answer whether to go on."""
+        self._made += self.chunk
+        if self.proposals is not None:
+            self.rate = 1 / self.proposals
+        else:
+            self.rate = self.progress() / self._made
+        return self._keep_on(lane)
+
+
+def typical_leg(tables: Tables) -> float:
+    """Return the mean cost of flying from a customer to its nearest other place, stays left out."""
+    n, near = tables.near.shape
+    flown = [
+        float(leg(tables, 0, i, int(j)) - tables.stay[0, i] - tables.stay[0, j])
+        for i in range(0, n, max(1, n // 500))
+        for j in tables.near[i, : min(near, 3)]
+    ]
+    away = [float(leg(tables, 0, int(tables.first[0]), 0))] if n else [1.0]
+    return max(float(np.mean([cost for cost in flown if cost > 0] or away)), 1e-9)
+
+
+def alike_vehicles(tables: Tables) -> bool:
+    """Answer whether any vehicle could fly any other's route at the same cost."""
+    return all(
+        bool((column == column[0]).all())
+        for column in (
+            tables.first, tables.last, tables.measure, tables.limit_measure,
+            tables.fixed, tables.idle, tables.limit, tables.ability,
+        )
+    )

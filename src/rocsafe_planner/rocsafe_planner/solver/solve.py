@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The solver: rounds of annealing in parallel lanes, with a proven bound beside them."""
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .certificate import Bound, improving_bounds
+from .flatten import tables_of
+from .outcome import Progress, SearchOptions, Solution
+from .problem import RoutingProblem, Routes, route_cost, route_load
+from .relaxation import relax
+from .schedule import Schedule
+from .search import Lane, Pacer, Plan
+from .starts import first_plans
+
+POLL_S = 0.02
+CHUNK = 16384
+"""Proposals between two looks at the clock."""
+UNKNOWN = Bound(value=0.0, name='none')
+SURE_BOUNDS = 12
+"""Looks at the bound after a search that counts proposals: always the same bound."""
+
+Report = Callable[[Progress], None]
+
+
+@dataclass(slots=True, kw_only=True)
+class Incumbent:
+    """The best plan of all lanes; guarded, since lanes publish while they run."""
+
+    plan: Plan
+    value: float = np.inf
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def offer(self, value: float, plan: Plan) -> None:
+        """Take over a plan if it is better."""
+        with self.lock:
+            if value < self.value:
+                self.value, self.plan = value, plan
+
+
+class _Search:
+    """One run of the solver."""
+
+    def __init__(
+        self,
+        problem: RoutingProblem,
+        options: SearchOptions,
+        report: Report | None,
+        stop: threading.Event,
+    ) -> None:
+        self.problem = problem
+        self.options = options
+        self.report = report
+        self.stop = stop
+        self.began = time.monotonic()
+        self.tables = tables_of(problem)
+        self.bound = UNKNOWN
+        self.reported = (np.inf, -np.inf)
+        self.bounds: Iterator[Bound] = iter(())
+        self.bound_spent_s = 0.0
+
+    def run(self, starts: tuple[Routes, ...]) -> Solution:
+        """Search until the budget is spent, the gap is closed or a stop is asked for."""
+        options = self.options
+        peak = 1.0 if self.problem.objective == 'max' else 0.0
+        far = float(relax_far(self.problem)) if peak else 0.0
+        lanes = [Lane(self.tables, peak, options.seed, k, far) for k in range(options.lanes)]
+        self.incumbent = self._first(lanes[0], starts)
+        self._tell()
+        if options.bound_share > 0:
+            self.bounds = improving_bounds(self.problem, self.incumbent.value)
+        schedule = Schedule(options, self.problem.customers, self.incumbent.plan)
+        with ThreadPoolExecutor(max_workers=options.threads) as pool:
+            while schedule.more() and not self.stop.is_set() and not self._closed():
+                self._round(pool, lanes, schedule)
+        if options.proposals is not None:
+            for _ in zip(range(SURE_BOUNDS), self._next_bounds(), strict=False):
+                self._tell()
+        routes = routes_of(self.incumbent.plan)
+        made = sum(lane.proposals for lane in lanes)
+        return solution(self.problem, routes, self.bound, time.monotonic() - self.began, made)
+
+    def _first(self, lane: Lane, starts: tuple[Routes, ...]) -> Incumbent:
+        """Return the best of the constructed plans and those given."""
+        incumbent: Incumbent | None = None
+        given = (plan_of(routes) for routes in starts)
+        for plan in (*first_plans(self.problem, self.tables), *given):
+            lane.begin(plan)
+            value = lane.worth()
+            if incumbent is None:
+                incumbent = Incumbent(plan=plan, value=value)
+            incumbent.offer(value, plan)
+        assert incumbent is not None
+        return incumbent
+
+    def _round(self, pool: ThreadPoolExecutor, lanes: list[Lane], schedule: Schedule) -> None:
+        """Let every lane do one cycle; look after bound and reports meanwhile."""
+        running: list[Future[None]] = []
+        for lane in lanes:
+            plan, manner = schedule.next_cycle()
+            lane.begin(plan)
+            running.append(pool.submit(lane.cycle, manner, schedule.pacer(self._keep_on)))
+        while wait(running, timeout=POLL_S, return_when=FIRST_EXCEPTION).not_done:
+            self._watch()
+        for lane, future in zip(lanes, running, strict=True):
+            future.result()
+            self._publish(lane)
+            schedule.finished(float(lane.best.value[0]), lane.plan())
+        self._tell()
+
+    def _keep_on(self, lane: Lane) -> bool:
+        """Publish what a lane has found; answer whether it should go on."""
+        self._publish(lane)
+        return not self.stop.is_set()
+
+    def _publish(self, lane: Lane) -> None:
+        """Offer the best plan of a lane to all."""
+        value = float(lane.best.value[0])
+        if value < self.incumbent.value:
+            self.incumbent.offer(value, lane.plan())
+
+    def _watch(self) -> None:
+        """Report, improve the bound within its share of the time, stop when the gap is closed."""
+        self._tell()
+        if self.options.proposals is not None:
+            return
+        elapsed = time.monotonic() - self.began
+        if self.bound_spent_s < self.options.bound_share * elapsed:
+            next(self._next_bounds(), None)
+        if self._closed():
+            self.stop.set()
+
+    def _next_bounds(self) -> Iterator[Bound]:
+        """Yield bounds, timing them and keeping the best."""
+        while True:
+            began = time.monotonic()
+            bound = next(self.bounds, None)
+            self.bound_spent_s += time.monotonic() - began
+            if bound is None:
+                return
+            if bound.value > self.bound.value:
+                self.bound = bound
+            yield bound
+
+    def _closed(self) -> bool:
+        """Answer whether the plan is proven close enough to the optimum."""
+        value = self.incumbent.value
+        return value <= self.bound.value * (1 + self.options.close_enough + 1e-6)
+
+    def _tell(self) -> None:
+        """Report if plan or bound have improved."""
+        now = (self.incumbent.value, self.bound.value)
+        if self.report is None or now == self.reported:
+            return
+        self.reported = now
+        elapsed = time.monotonic() - self.began
+        self.report(Progress(value=now[0], bound=self.bound, elapsed_s=elapsed))
+
+
+def relax_far(problem: RoutingProblem) -> float:
+    """Return the cost of the dearest customer's own route."""
+    crew = tuple(range(len(problem.vehicles)))
+    return float(relax(problem, crew).around.max(initial=0.0))
+
+
+def plan_of(routes: Routes) -> Plan:
+    """Return routes as flat arrays."""
+    flat = [customer for route in routes for customer in route]
+    return np.array(flat, np.int32), np.array([len(route) for route in routes], np.int32)
+
+
+def routes_of(plan: Plan) -> Routes:
+    """Return flat arrays as routes."""
+    ends = np.cumsum(plan[1])
+    parts = np.split(plan[0], ends[:-1])
+    return tuple(tuple(int(customer) for customer in part) for part in parts)
+
+
+def solution(
+    problem: RoutingProblem, routes: Routes, bound: Bound, elapsed_s: float, proposals: int
+) -> Solution:
+    """Return routes with their costs, recomputed from the problem."""
+    costs = tuple(route_cost(problem, v, route) for v, route in enumerate(routes))
+    loads = tuple(route_load(problem, v, route) for v, route in enumerate(routes))
+    limits = [vehicle.limit for vehicle in problem.vehicles]
+    return Solution(
+        routes=routes,
+        costs=costs,
+        loads=loads,
+        value=max(costs) if problem.objective == 'max' else sum(costs),
+        feasible=all(x <= cap * (1 + 1e-6) for x, cap in zip(loads, limits, strict=True)),
+        bound=bound,
+        elapsed_s=elapsed_s,
+        proposals=proposals,
+    )
+
+
+def solve(
+    problem: RoutingProblem,
+    options: SearchOptions | None = None,
+    report: Report | None = None,
+    stop: threading.Event | None = None,
+    starts: Iterable[Routes] = (),
+) -> Solution:
+    """Return the best routes found within a budget.
+
+    Parameters
+    ----------
+    problem
+        What is to be routed.
+    options
+        Budget, seed, lanes.
+    report
+        Called with each better plan or bound, from this thread.
+    stop
+        Ends the search when set; the best plan so far is returned.
+    starts
+        Plans that the result must not be worse than.
+    """
+    options = options or SearchOptions()
+    if problem.customers == 0:
+        bound = next(improving_bounds(problem, 0.0))
+        return solution(problem, ((),) * len(problem.vehicles), bound, 0.0, 0)
+    return _Search(problem, options, report, stop or threading.Event()).run(tuple(starts))
