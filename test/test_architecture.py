@@ -35,6 +35,7 @@ ROSDEP_KEYS = {
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
+    'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'piexif': 'python3-piexif',
     'pydantic': 'python3-pydantic',
@@ -75,6 +76,7 @@ CLOCKS = {
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
     'rocsafe_planner.planning_job': {'time.monotonic'},  # tells how long a thread has worked
+    'rocsafe_planner.solver.outcome': {'time.monotonic'},  # default of an option: budget of time
 }
 # Of numpy.random, what makes a generator from a seed; all else draws from the global one.
 SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}

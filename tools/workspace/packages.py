@@ -23,6 +23,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'cv2': ('opencv-python-headless', (4, 6)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
+    'numba': ('numba', (0, 58)),
     'PIL': ('pillow', (10, 2)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),

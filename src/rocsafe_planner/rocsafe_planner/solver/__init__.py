@@ -5,9 +5,9 @@
 knows ROS, regions or cameras; everything is sites, legs and vehicles.
 """
 
-from .certificate import Bound, held_karp_bound, improving_bounds
-from .outcome import Progress, SearchOptions, Solution
-from .problem import (
+from rocsafe_planner.solver.certificate import Bound, held_karp_bound, improving_bounds
+from rocsafe_planner.solver.outcome import Progress, SearchOptions, Solution
+from rocsafe_planner.solver.problem import (
     MatrixLegs,
     PointLegs,
     Routes,
@@ -17,7 +17,7 @@ from .problem import (
     route_cost,
     route_load,
 )
-from .solve import solve
+from rocsafe_planner.solver.solve import solve
 
 __all__ = [
     'Bound',

@@ -5,15 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import inlined, kernel
-from .moves import Change, Goal, Piece, allowed, make, rise
-from .randomness import GOLDEN, THRESHOLD_BITS, below, scramble
-from .ruin import ruin
-from .state import State, unload
-from .tables import Floats, Ints, Tables, Words
+from rocsafe_planner.solver.compiled import Long, Word, inlined, kernel
+from rocsafe_planner.solver.moves import Change, Goal, Piece, allowed, make, rise
+from rocsafe_planner.solver.randomness import GOLDEN, THRESHOLD_BITS, below, scramble
+from rocsafe_planner.solver.ruin import ruin
+from rocsafe_planner.solver.state import State, unload
+from rocsafe_planner.solver.tables import Floats, Ints, Tables, Words
 
-U = np.uint64
-Word = np.uint64
 STRIDE_OF_TEMPERATURE = 256
 
 
@@ -28,7 +26,7 @@ class Best(NamedTuple):
 
 @inlined
 def worth(tables: Tables, state: State, peak: float, share: float) -> float:
-    """Return what is minimised in the end: peak*longest + share*total, and any breach of limits."""
+    """Return what is minimised: peak*longest + share*total, and any breach of limits."""
     longest, total, breach = -np.inf, 0.0, 0.0
     for r in range(len(state.cost)):
         longest = max(longest, state.cost[r])
@@ -45,10 +43,10 @@ NONE = Change(-1, 1, 0, NOTHING, NOTHING)
 @inlined
 def span(word: Word, long: Word) -> int:
     """Draw how many customers follow the first of a segment: mostly 0 to 2, at times up to 63."""
-    scale = word & U(15)
+    scale = word & Word(15)
     if scale < long:
-        return np.int64((word >> U(4)) % (U(4) << scale))
-    return np.int64((word >> U(4)) % U(3))
+        return Long((word >> Word(4)) % (Word(4) << scale))
+    return Long((word >> Word(4)) % Word(3))
 
 
 @inlined
@@ -57,19 +55,19 @@ def within(state: State, route: int, p: int, q: int, word: Word, long: Word) -> 
 
     A change of route -1 stands for none.
     """
-    end = np.int64(state.length[route]) + 1
+    end = Long(state.length[route]) + 1
     low, high = min(p, q), max(p, q)
-    if word & U(1) == 0:  # 2-opt, reversing what lies between, with one of the two
-        if (word & U(2) == 0 and high < end) or low == 0:
+    if word & Word(1) == 0:  # 2-opt, reversing what lies between, with one of the two
+        if (word & Word(2) == 0 and high < end) or low == 0:
             low += 1
         else:
             high -= 1
         if high == end or high <= low:
             return NONE
         return Change(route, low, high, Piece(route, low, high, True), NOTHING)
-    size = span(word >> U(6), long)  # Or-opt
-    behind = (q == 0 or (word >> U(4)) & U(1) == 0) and q < end
-    heading = (word >> U(5)) & U(1) == 0
+    size = span(word >> Word(6), long)  # Or-opt
+    behind = (q == 0 or (word >> Word(4)) & Word(1) == 0) and q < end
+    heading = (word >> Word(5)) & Word(1) == 0
     low = p if heading else p - size
     high = low + size
     gap = q if behind else q - 1
@@ -85,10 +83,10 @@ def within(state: State, route: int, p: int, q: int, word: Word, long: Word) -> 
 def between(
     state: State, a: int, p: int, b: int, q: int, word: Word, long: Word
 ) -> tuple[Change, Change]:
-    """Describe changes that make slot p of route a (a customer) a neighbour of slot q of route b."""
-    size_a, size_b = np.int64(state.length[a]), np.int64(state.length[b])
-    behind = (q == 0 or word & U(1) == 0) and q <= size_b
-    kind = (word >> U(1)) & U(3)
+    """Describe changes that bring slot p of route a (a customer) beside slot q of route b."""
+    size_a, size_b = Long(state.length[a]), Long(state.length[b])
+    behind = (q == 0 or word & Word(1) == 0) and q <= size_b
+    kind = (word >> Word(1)) & Word(3)
     if kind == 0:  # swap the tails
         cut_a, cut_b = (p - 1, q) if behind else (p, q - 1)
         return (
@@ -100,19 +98,24 @@ def between(
         return (
             Change(a, cut_a + 1, size_a, Piece(b, 1, cut_b, True), NOTHING),
             Change(
-                b, 1, size_b,
-                Piece(a, cut_a + 1, size_a, True), Piece(b, cut_b + 1, size_b, False),
+                b,
+                1,
+                size_b,
+                Piece(a, cut_a + 1, size_a, True),
+                Piece(b, cut_b + 1, size_b, False),
             ),
         )
-    sent = span(word >> U(9), long)
-    got = span(word >> U(32), long) + np.int64((word >> U(3)) & U(1)) if kind == 3 else np.int64(0)
-    heading = (word >> U(7)) & U(1) == 0
+    sent = span(word >> Word(9), long)
+    got = (
+        span(word >> Word(32), long) + Long((word >> Word(3)) & Word(1)) if kind == 3 else Long(0)
+    )
+    heading = (word >> Word(7)) & Word(1) == 0
     a_low = p if heading else p - sent
     b_low = q + 1 if behind else q - got
     a_high, b_high = a_low + sent, b_low + got - 1
     if a_low < 1 or a_high > size_a or b_low < 1 or b_high > size_b:
         return NONE, NONE
-    turned = (word >> U(8)) & U(1) == 0
+    turned = (word >> Word(8)) & Word(1) == 0
     return (
         Change(a, a_low, a_high, Piece(b, b_low, b_high, turned), NOTHING),
         Change(b, b_low, b_high, Piece(a, a_low, a_high, heading != behind), NOTHING),
@@ -131,15 +134,23 @@ def passes(
         total += rise(tables, state, goal, other)
     if total > bar:
         return False
-    return not tables.restricted or (
-        allowed(tables, state, one) and allowed(tables, state, other)
-    )
+    return not tables.restricted or (allowed(tables, state, one) and allowed(tables, state, other))
 
 
 @kernel
 def anneal(
-    tables: Tables, state: State, goal: Goal, best: Best, thresholds: Floats, random: Words,
-    peak: float, share: float, temperature: float, ratio: float, proposals: int, ruins: int,
+    tables: Tables,
+    state: State,
+    goal: Goal,
+    best: Best,
+    thresholds: Floats,
+    random: Words,
+    peak: float,
+    share: float,
+    temperature: float,
+    ratio: float,
+    proposals: int,
+    ruins: int,
 ) -> int:
     """Make so many proposals while the temperature falls by `ratio` every 256 of them.
 
@@ -149,16 +160,16 @@ def anneal(
     m = len(state.length)
     counter = random[0]
     accepted = 0
-    ruin_words = U(ruins & 65535)
-    long = U(ruins >> 16)
+    ruin_words = Word(ruins & 65535)
+    long = Word(ruins >> 16)
     for step in range(proposals):
         if step & 255 == 255:
             temperature *= ratio
         counter += GOLDEN
         word = scramble(counter)
-        if (word >> U(52)) < ruin_words:
+        if (word >> Word(52)) < ruin_words:
             random[0] = counter
-            bar = temperature * thresholds[word & U((1 << THRESHOLD_BITS) - 1)]
+            bar = temperature * thresholds[word & Word((1 << THRESHOLD_BITS) - 1)]
             made = ruin(tables, state, goal, random, bar)
             counter = random[0]
             if made:
@@ -168,19 +179,19 @@ def anneal(
                     best.value[0] = value
                     unload(state, best.order, best.lengths)
             continue
-        bar = temperature * thresholds[word & U((1 << THRESHOLD_BITS) - 1)]
-        i = below(word >> U(32), n)
-        a = np.int64(state.route[i])
-        p = np.int64(state.place[i])
-        pick = np.int64((((word >> U(12)) & U(127)) * U(near * 16 + 8)) >> U(7))
+        bar = temperature * thresholds[word & Word((1 << THRESHOLD_BITS) - 1)]
+        i = below(word >> Word(32), n)
+        a = Long(state.route[i])
+        p = Long(state.place[i])
+        pick = Long((((word >> Word(12)) & Word(127)) * Word(near * 16 + 8)) >> Word(7))
         more = scramble(word)
         if pick < near * 16:
             j = tables.near[i, pick >> 4]
-            b = np.int64(state.route[j])
-            q = np.int64(state.place[j])
+            b = Long(state.route[j])
+            q = Long(state.place[j])
         else:
-            b = below(more >> U(32), m)
-            q = np.int64(0 if pick & 1 else state.length[b] + 1)
+            b = below(more >> Word(32), m)
+            q = Long(0 if pick & 1 else state.length[b] + 1)
         if a == b:
             one, other = within(state, a, p, q, more, long), NONE
         else:

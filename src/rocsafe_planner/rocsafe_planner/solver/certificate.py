@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lower bounds: how good any plan whatever could be at most.
 
-Every bound here ignores limits and holds for any starts, ends, speeds and directions, because it is
-taken from the cheapest legs of any vehicle (see `Relaxation`); where a bound needs more, its function
-says so and is not used without.
+Every bound here ignores limits and holds for any starts, ends, speeds and directions, because it
+is taken from the cheapest legs of any vehicle (see `Relaxation`); where a bound needs more, its
+function says so and is not used without.
 """
 
 from collections.abc import Iterator
@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .forest import Ascent, edge_lengths
-from .neighbours import near_points
-from .problem import RoutingProblem
-from .relaxation import Relaxation, leg_tables, relax
-from .tables import Floats, Ints
+from rocsafe_planner.solver.forest import Ascent, edge_lengths
+from rocsafe_planner.solver.neighbours import near_points
+from rocsafe_planner.solver.problem import RoutingProblem
+from rocsafe_planner.solver.relaxation import Relaxation, leg_tables, relax
+from rocsafe_planner.solver.tables import Floats, Ints
 
 SAFETY = 1e-9
 """Relative amount by which bounds are lowered against rounding."""

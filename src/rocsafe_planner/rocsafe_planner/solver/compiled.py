@@ -5,12 +5,23 @@ import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numba
+import numpy as np
 from numba import config
 
 Function = TypeVar('Function', bound=Callable[..., Any])
+
+if TYPE_CHECKING:
+    # To the type checker whole numbers are whole numbers.
+    Long = int
+    Word = int
+else:
+    Long = np.int64
+    """What every index in a kernel is turned into: one machine type, one specialisation."""
+    Word = np.uint64
+    """Random bits."""
 
 
 def _sources_digest(directory: Path) -> str:
@@ -26,13 +37,12 @@ def _sources_digest(directory: Path) -> str:
 
 
 def _cache_directory() -> str:
-    """Return where machine code is kept: beside the sources or, if read-only, in the user's cache."""
+    """Return where machine code is kept: beside the sources or else in the user's cache."""
     directory = Path(__file__).parent
     name = f'numba-{_sources_digest(directory)}'
     if os.access(directory, os.W_OK):
         return str(directory / '__pycache__' / name)
-    home = os.environ.get('XDG_CACHE_HOME', '') or str(Path.home() / '.cache')
-    return str(Path(home) / 'rocsafe' / name)
+    return str(Path.home() / '.cache' / 'rocsafe' / name)
 
 
 _CACHE_DIRECTORY = _cache_directory()
@@ -41,14 +51,18 @@ _CACHE_DIRECTORY = _cache_directory()
 def _compile(function: Function, **options: bool) -> Function:
     """Hand a function to numba with the options that every kernel shares."""
     shared: dict[str, Any] = {'nogil': True, 'error_model': 'numpy', '_nrt': False}
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = _CACHE_DIRECTORY
+    njit: Any = numba.njit
+    settings: Any = config
+    previous = settings.CACHE_DIR
+    settings.CACHE_DIR = previous or _CACHE_DIRECTORY
+    compiled: Function
     try:
-        return cast(Function, numba.njit(cache=True, **shared, **options)(function))
+        compiled = njit(cache=True, **shared, **options)(function)
     except RuntimeError:  # no writable place at all: compile anew in each process
-        return cast(Function, numba.njit(**shared, **options)(function))
+        compiled = njit(**shared, **options)(function)
     finally:
-        config.CACHE_DIR = previous
+        settings.CACHE_DIR = previous
+    return compiled
 
 
 def kernel(function: Function) -> Function:

@@ -3,34 +3,35 @@
 
 import numpy as np
 
-from .compiled import kernel
-from .moves import Goal
-from .randomness import draw
-from .ruin import adopt, insert, insert_at_end
-from .state import State, load
-from .tables import Ints, Tables, Words
+from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.moves import Goal
+from rocsafe_planner.solver.randomness import draw
+from rocsafe_planner.solver.ruin import begin_trial, end_trial, insert, insert_at_end
+from rocsafe_planner.solver.state import State, load
+from rocsafe_planner.solver.tables import Ints, Tables, Words
 
 
 @kernel
 def complete(
-    tables: Tables, state: State, goal: Goal, order: Ints, lengths: Ints, missing: Ints, random: Words
+    tables: Tables,
+    state: State,
+    goal: Goal,
+    order: Ints,
+    lengths: Ints,
+    missing: Ints,
+    random: Words,
 ) -> None:
-    """Set the routes to a plan that lacks some customers, and put those in where they cost least."""
+    """Set the routes to a plan that lacks some customers, and put those in cheaply."""
     load(tables, state, order, lengths)
     for k in range(len(missing)):
         state.route[missing[k]] = -1
-    for r in range(len(state.length)):
-        state.trial[0, r] = state.cost[r]
-        state.trial[1, r] = state.load[r]
-        state.trial[2, r] = 0.0
+    begin_trial(state)
     for k in range(len(missing) - 1, -1, -1):
         j = draw(random, k + 1)
         missing[k], missing[j] = missing[j], missing[k]
-        if not insert(tables, state, goal, np.int64(missing[k]), random):
-            insert_at_end(tables, state, goal, np.int64(missing[k]))
-    for r in range(len(state.length)):
-        if state.trial[2, r] != 0.0:
-            adopt(tables, state, r)
+        if not insert(tables, state, goal, Long(missing[k]), random):
+            insert_at_end(tables, state, goal, Long(missing[k]))
+    end_trial(tables, state, keep=True)
 
 
 def ends_of(lengths: Ints) -> Ints:
@@ -50,8 +51,8 @@ def mix(
     chosen
         Routes of `one` that are kept whole.
     alike
-        Whether vehicles are interchangeable: then the routes of `other` that lose least fill up the
-        plan, else each vehicle without a chosen route keeps what is left of its own.
+        Whether vehicles are interchangeable: then the routes of `other` that lose least fill up
+        the plan, else each vehicle without a chosen route keeps what is left of its own.
     """
     first, second = ends_of(one[1]), ends_of(other[1])
     vehicles = len(one[1])

@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from .neighbours import near_points, near_rows
-from .problem import MatrixLegs, PointLegs, RoutingProblem
-from .tables import Floats, Ints, Tables, Words
+from rocsafe_planner.solver.neighbours import near_points, near_rows
+from rocsafe_planner.solver.problem import MatrixLegs, PointLegs, RoutingProblem
+from rocsafe_planner.solver.tables import Costs, Floats, Ints, Tables, Words
 
 DENSE_SITES = 800
 """Up to here a matrix of legs stays in the processor's cache and beats computing square roots."""
@@ -37,7 +37,7 @@ def tables_of(problem: RoutingProblem) -> Tables:
         limit=limit,
         ability=ability,
         needs=needs,
-        near=_near(problem, matrix, dense),
+        near=_near(problem, matrix),
         dense=dense,
         symmetric=not dense or bool((matrix == matrix.transpose(0, 2, 1)).all()),
         limited=bool(np.isfinite(limit).any()),
@@ -45,7 +45,7 @@ def tables_of(problem: RoutingProblem) -> Tables:
     )
 
 
-def _matrix(problem: RoutingProblem) -> np.ndarray:
+def _matrix(problem: RoutingProblem) -> Costs:
     """Return the cost of every leg under every measure, with a free last site `nowhere`."""
     sites = problem.sites
     matrix = np.zeros((len(problem.legs), sites + 1, sites + 1), np.float32)
@@ -62,9 +62,8 @@ def _matrix(problem: RoutingProblem) -> np.ndarray:
 
 def _points(problem: RoutingProblem) -> Floats:
     """Return the coordinates of the sites, (sites + 1, 3), with a last row for `nowhere`."""
-    assert problem.points is not None
     points = np.zeros((problem.sites + 1, 3))
-    points[:-1, : problem.points.shape[1]] = problem.points
+    points[:-1, : problem.places.shape[1]] = problem.places
     return points
 
 
@@ -101,7 +100,7 @@ def _abilities(problem: RoutingProblem) -> tuple[Words, Words]:
     return bits[kind_of.reshape(-1)], needs.astype(np.uint64)
 
 
-def _near(problem: RoutingProblem, matrix: np.ndarray, dense: bool) -> Ints:
+def _near(problem: RoutingProblem, matrix: Costs) -> Ints:
     """Return the neighbours of each customer: by distance, or by mean cost of both directions."""
     n = problem.customers
     count = min(NEIGHBOURS, n - 1)

@@ -2,18 +2,18 @@
 """The forest bound: k routes contain a forest of k trees and 2k legs to and from the ends.
 
 Prices on the customers (Lagrange multipliers of "two legs each", after Held and Karp, Operations
-Research 18, 1970) leave every plan's cost as it is but raise that of the cheapest forest. Any prices
-give a valid bound; the ascent looks for good ones.
+Research 18, 1970) leave every plan's cost as it is but raise that of the cheapest forest. Any
+prices give a valid bound; the ascent looks for good ones.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from .neighbours import near_points, near_rows
-from .relaxation import Relaxation
-from .tables import Floats, Ints
-from .trees import grow_tree, join_edges
+from rocsafe_planner.solver.neighbours import near_points, near_rows
+from rocsafe_planner.solver.relaxation import Relaxation
+from rocsafe_planner.solver.tables import Floats, Ints
+from rocsafe_planner.solver.trees import grow_tree, join_edges
 
 SPARSE_FROM = 700
 """From here on the ascent works on a sparse graph, and only its result is checked densely."""
@@ -70,7 +70,9 @@ class Ascent:
         pairs = np.vstack([np.column_stack([own, near.ravel()]), local[ends]])
         pairs = np.unique(np.sort(pairs, axis=1), axis=0).astype(np.int32)
         self._edges = np.ascontiguousarray(pairs)
-        self._lengths = edge_lengths(self.relaxed, self.members[pairs[:, 0]], self.members[pairs[:, 1]])
+        self._lengths = edge_lengths(
+            self.relaxed, self.members[pairs[:, 0]], self.members[pairs[:, 1]]
+        )
 
     def _dense_tree(self, price: Floats) -> tuple[Ints, Floats]:
         """Return the ends of the edges of the least priced tree, and their weights."""
@@ -80,8 +82,16 @@ class Ascent:
         reach, weight = np.zeros(size), np.zeros(size)
         relaxed = self.relaxed
         grow_tree(
-            relaxed.costs, relaxed.points, relaxed.pace, members, price,
-            open_nodes, nearest, reach, parent, weight,
+            relaxed.costs,
+            relaxed.points,
+            relaxed.pace,
+            members,
+            price,
+            open_nodes,
+            nearest,
+            reach,
+            parent,
+            weight,
         )
         return np.column_stack([members[1:], parent[1:]]), weight[1:]
 
@@ -91,7 +101,7 @@ class Ascent:
         weights = self._lengths + tolls[self._edges[:, 0]] + tolls[self._edges[:, 1]]
         order = np.argsort(weights, kind='stable').astype(np.int32)
         size = len(self.members)
-        chosen = np.zeros(size, np.int32)
+        chosen: Ints = np.zeros(size, np.int32)
         count = join_edges(self._edges, order, np.zeros(size, np.int32), chosen)
         chosen = chosen[:count]
         return self.members[self._edges[chosen]], weights[chosen]

@@ -2,17 +2,18 @@
 """Changes of routes: described by slots, weighed in constant time, made in linear time.
 
 Every move is one or two `Change`s: a window of a route replaced by at most two pieces of routes.
-That covers 2-opt (one reversed piece), Or-opt (two pieces of the same route), relocation and swap of
-segments, and the two ways of recombining two routes, whatever the measures and ends of the routes.
+That covers 2-opt (one reversed piece), Or-opt (two pieces of the same route), relocation and swap
+of segments, and the two ways of recombining two routes, whatever the measures and ends of the
+routes.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import inlined, kernel
-from .state import State, path_cost, refill, settle, slide
-from .tables import Tables, leg
+from rocsafe_planner.solver.compiled import Long, inlined, kernel
+from rocsafe_planner.solver.state import State, path_cost, refill, settle, slide
+from rocsafe_planner.solver.tables import Tables, leg
 
 
 class Piece(NamedTuple):
@@ -35,7 +36,7 @@ class Change(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What the search minimises: the sum of the costs plus penalties of routes that are too long."""
+    """What the search minimises: the sum of the costs and of penalties of routes that are long."""
 
     target: float
     """Cost above which a route is penalised."""
@@ -94,7 +95,7 @@ def changed_path(tables: Tables, state: State, measure: int, change: Change) -> 
     path = state.ahead[np.uint64(base + change.low - 1)] + (
         state.ahead[end] - state.ahead[np.uint64(base + change.high + 1)]
     )
-    here = np.int64(state.node[np.uint64(row + change.low - 1)])
+    here = Long(state.node[np.uint64(row + change.low - 1)])
     path, here = piece_path(tables, state, measure, change.first, path, here)
     path, here = piece_path(tables, state, measure, change.second, path, here)
     return path + leg(tables, measure, here, state.node[np.uint64(row + change.high + 1)])
@@ -116,9 +117,9 @@ def rise(tables: Tables, state: State, goal: Goal, change: Change) -> float:
     used = 0.0
     if tables.limited and customers:
         used = changed_path(tables, state, tables.limit_measure[route], change)
-    value = energy(
-        tables, goal, route, path_cost(tables, route, customers, path), used
-    ) - energy(tables, goal, route, state.cost[route], state.load[route])
+    value = energy(tables, goal, route, path_cost(tables, route, customers, path), used) - energy(
+        tables, goal, route, state.cost[route], state.load[route]
+    )
     return value + (goal.vacancy if customers == 0 else 0.0)
 
 
@@ -126,8 +127,8 @@ def rise(tables: Tables, state: State, goal: Goal, change: Change) -> float:
 def serves(tables: Tables, state: State, route: int, piece: Piece) -> bool:
     """Answer whether a route's vehicle may serve a piece.
 
-    A piece that is neither the head nor the tail of its route is looked at slot by slot: moves keep
-    such pieces short.
+    A piece that is neither the head nor the tail of its route is looked at slot by slot: moves
+    keep such pieces short.
     """
     if piece.high < piece.low or piece.route == route or route < 0:
         return True

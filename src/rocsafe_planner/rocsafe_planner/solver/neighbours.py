@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from .compiled import kernel
-from .tables import Floats, Ints
+from rocsafe_planner.solver.compiled import kernel
+from rocsafe_planner.solver.tables import Floats, Ints
 
 
 @kernel
@@ -15,7 +15,8 @@ def insert_sorted(near: Ints, apart: Floats, row: int, candidate: int, distance:
     if distance > last or (distance == last and candidate > near[row, k]):
         return
     while k > 0 and (
-        distance < apart[row, k - 1] or (distance == apart[row, k - 1] and candidate < near[row, k - 1])
+        distance < apart[row, k - 1]
+        or (distance == apart[row, k - 1] and candidate < near[row, k - 1])
     ):
         near[row, k] = near[row, k - 1]
         apart[row, k] = apart[row, k - 1]
@@ -26,8 +27,14 @@ def insert_sorted(near: Ints, apart: Floats, row: int, candidate: int, distance:
 
 @kernel
 def nearest_in_cells(
-    points: Floats, cell_of: Ints, start: Ints, members: Ints, columns: int, size: float,
-    near: Ints, apart: Floats,
+    points: Floats,
+    cell_of: Ints,
+    start: Ints,
+    members: Ints,
+    columns: int,
+    size: float,
+    near: Ints,
+    apart: Floats,
 ) -> None:
     """Fill `near` from a grid of cells, ring by ring until no nearer point can follow."""
     rows = (len(start) - 1) // columns
@@ -78,4 +85,6 @@ def near_rows(costs: Floats, count: int) -> Ints:
     """Return the `count` cheapest other customers of each row of a square table of costs."""
     table = costs.copy()
     np.fill_diagonal(table, np.inf)
-    return np.ascontiguousarray(np.argsort(table, axis=1, kind='stable')[:, :count].astype(np.int32))
+    return np.ascontiguousarray(
+        np.argsort(table, axis=1, kind='stable')[:, :count].astype(np.int32)
+    )

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .certificate import Bound
-from .problem import Routes
+from rocsafe_planner.solver.certificate import Bound
+from rocsafe_planner.solver.problem import Routes
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchOptions:

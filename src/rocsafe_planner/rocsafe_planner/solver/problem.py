@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ class PointLegs:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be positive')
         if not (np.isfinite(self.speed_mps) and np.isfinite(self.stay) and self.stay >= 0):
             raise ValueError(
-                f'speed_mps {self.speed_mps} and stay {self.stay} must be finite, stay not negative'
+                f'speed_mps {self.speed_mps} and stay {self.stay} must be finite, stay >= 0'
             )
 
     def pace(self) -> tuple[float, float, float, float]:
@@ -53,9 +54,7 @@ class PointLegs:
         apart = points[:, None, :] - points[None, :, :]
         distance = np.sqrt((apart * apart).sum(axis=2))
         slowness, ramp, short, factor = self.pace()
-        cost = np.where(
-            distance >= short, distance * slowness + ramp, factor * np.sqrt(distance)
-        )
+        cost = np.where(distance >= short, distance * slowness + ramp, factor * np.sqrt(distance))
         half = self.halves(len(points), customers)
         return cost + half[:, None] + half[None, :]
 
@@ -159,6 +158,8 @@ class RoutingProblem:
 
     def _check_sites(self) -> None:
         """Refuse sites, or legs, that do not exist."""
+        if self.points is None and any(isinstance(legs, PointLegs) for legs in self.legs):
+            raise ValueError('points is missing: PointLegs needs it')
         sites = self.sites
         if not 0 <= self.customers <= sites:
             raise ValueError(f'customers is {self.customers}: there are {sites} sites')
@@ -167,14 +168,12 @@ class RoutingProblem:
         for legs in self.legs:
             if isinstance(legs, MatrixLegs) and len(legs.matrix) != sites:
                 raise ValueError(f'a matrix has {len(legs.matrix)} sites, others {sites}')
-            if isinstance(legs, PointLegs) and self.points is None:
-                raise ValueError('points is missing: PointLegs needs it')
         for vehicle in self.vehicles:
             ends = (vehicle.start, vehicle.start if vehicle.end is None else vehicle.end)
             if not (self.customers <= min(ends) and max(ends) < sites):
                 raise ValueError(
-                    f'a vehicle starts or ends at site {ends}: sites {self.customers} to {sites - 1} '
-                    'are no customers'
+                    f'a vehicle starts or ends at site {ends}: it must be one of '
+                    f'{self.customers} to {sites - 1}, which are no customers'
                 )
             if not 0 <= max(vehicle.legs, vehicle.limiting_legs) < len(self.legs):
                 raise ValueError(f'a vehicle counts legs {vehicle.legs} of {len(self.legs)}')
@@ -189,6 +188,19 @@ class RoutingProblem:
         unserved = np.flatnonzero(~self.allowed.any(axis=0))
         if len(unserved):
             raise ValueError(f'no vehicle may serve customer {unserved[0]}')
+
+    @property
+    def places(self) -> Floats:
+        """Return the coordinates of the sites: only asked for where legs are flown between points.
+
+        Raises
+        ------
+        ValueError
+            If there are none.
+        """
+        if self.points is None:
+            raise ValueError('points is missing: PointLegs needs it')
+        return self.points
 
     @property
     def sites(self) -> int:
@@ -233,8 +245,7 @@ def leg_cost(problem: RoutingProblem, legs: int, origin: int, target: int | None
     total = half * (origin < problem.customers)
     if target is None:
         return total
-    assert problem.points is not None
-    distance = float(np.linalg.norm(problem.points[origin] - problem.points[target]))
+    distance = float(np.linalg.norm(problem.places[origin] - problem.places[target]))
     slowness, ramp, short, factor = kind.pace()
     flown = distance * slowness + ramp if distance >= short else factor * distance**0.5
     return total + half * (target < problem.customers) + flown
@@ -245,7 +256,7 @@ def path_cost(problem: RoutingProblem, legs: int, vehicle: Vehicle, route: Seque
     if not route:
         return 0.0
     stops = [vehicle.start, *route]
-    total = sum(leg_cost(problem, legs, a, b) for a, b in zip(stops, stops[1:], strict=False))
+    total = sum(leg_cost(problem, legs, a, b) for a, b in pairwise(stops))
     return total + leg_cost(problem, legs, stops[-1], vehicle.end)
 
 

@@ -9,20 +9,20 @@ import math
 
 import numpy as np
 
-from .compiled import inlined
-from .tables import Words
+from rocsafe_planner.solver.compiled import Long, Word, inlined
+from rocsafe_planner.solver.tables import Floats, Words
 
-GOLDEN = np.uint64(0x9E3779B97F4A7C15)
-MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
-MIX_2 = np.uint64(0x94D049BB133111EB)
-S30, S27, S31, S32 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(32)
+GOLDEN = Word(0x9E3779B97F4A7C15)
+MIX_1 = Word(0xBF58476D1CE4E5B9)
+MIX_2 = Word(0x94D049BB133111EB)
+S30, S27, S31, S32 = Word(30), Word(27), Word(31), Word(32)
 
 THRESHOLD_BITS = 12
 """Resolution of the acceptance draw, in bits."""
 
 
 @inlined
-def scramble(word):
+def scramble(word: int) -> int:
     """Return the well mixed 64 bits of one counter value."""
     word = (word ^ (word >> S30)) * MIX_1
     word = (word ^ (word >> S27)) * MIX_2
@@ -30,9 +30,9 @@ def scramble(word):
 
 
 @inlined
-def below(bits32, limit):
-    """Map 32 random bits to 0 .. limit - 1 (Lemire's multiplication; bias below 2e-6 for 10 000)."""
-    return np.int64((bits32 * np.uint64(limit)) >> S32)
+def below(bits32: int, limit: int) -> int:
+    """Map 32 random bits to 0 .. limit - 1 (Lemire's multiplication)."""
+    return Long((bits32 * Word(limit)) >> S32)
 
 
 @inlined
@@ -50,8 +50,8 @@ def seed_word(seed: int, lane: int) -> int:
     return word ^ (word >> 33)
 
 
-def acceptance_thresholds() -> np.ndarray:
-    """Return -ln(u) for evenly spaced u, on a grid of 2**-20 that hides the last digit of `log`."""
+def acceptance_thresholds() -> Floats:
+    """Return -ln(u) for evenly spaced u, rounded to 2**-20 to hide the last digit of `log`."""
     count = 1 << THRESHOLD_BITS
     exact = [-math.log((k + 0.5) / count) for k in range(count)]
     return np.array([round(x * 2**20) / 2**20 for x in exact])

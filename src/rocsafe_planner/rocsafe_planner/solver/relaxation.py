@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .problem import MatrixLegs, PointLegs, RoutingProblem
-from .tables import Floats
+from rocsafe_planner.solver.problem import PointLegs, RoutingProblem
+from rocsafe_planner.solver.tables import Floats
 
 CLOSURE_SITES = 800
 """Up to here given matrices are closed under detours, so that cutting corners never costs more."""
@@ -35,7 +35,7 @@ class Relaxation:
     around: Floats
     """(n,) cheapest route that serves a customer alone, fixed cost included; 0 if not known."""
     shares: Floats
-    """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost at least `a` times `costs`."""
+    """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost >= `a` times `costs`."""
     fixed: float
     """Least fixed cost of a route."""
     closed: bool
@@ -52,8 +52,7 @@ def leg_tables(problem: RoutingProblem) -> tuple[list[Floats], bool]:
     tables, closed = [], True
     for legs in problem.legs:
         if isinstance(legs, PointLegs):
-            assert problem.points is not None
-            tables.append(legs.costs(problem.points, problem.customers))
+            tables.append(legs.costs(problem.places, problem.customers))
             continue
         table = np.array(legs.matrix, np.float64)
         np.fill_diagonal(table, 0.0)
@@ -83,9 +82,7 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     factors = {kind: _least_ratio(table, costs) for kind, table in between.items()}
     halves = _end_stays(problem)
     starts = [tables[v.legs][v.start, :n] for v in vehicles]
-    ends = [
-        halves[v.legs] if v.end is None else tables[v.legs][:n, v.end] for v in vehicles
-    ]
+    ends = [halves[v.legs] if v.end is None else tables[v.legs][:n, v.end] for v in vehicles]
     around = [v.fixed_cost + s + e for v, s, e in zip(vehicles, starts, ends, strict=True)]
     symmetric = all(
         np.array_equal(tables[v.legs][v.start], tables[v.legs][:, v.start]) for v in vehicles
@@ -100,7 +97,8 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         shares=_shares([factors[v.legs] for v in vehicles]),
         fixed=min(v.fixed_cost for v in vehicles),
         closed=closed,
-        one_depot=symmetric and len({(v.start, v.end) for v in vehicles}) == 1
+        one_depot=symmetric
+        and len({(v.start, v.end) for v in vehicles}) == 1
         and vehicles[0].start == vehicles[0].end,
     )
 
@@ -108,7 +106,6 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
 def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     """Relax with legs computed from points when needed."""
     n = problem.customers
-    assert problem.points is not None
     vehicles = [problem.vehicles[v] for v in crew]
     kinds = sorted({v.legs for v in vehicles})
     point_legs = [problem.legs[k] for k in kinds]
@@ -116,7 +113,7 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     ends = [_point_leg(problem, v.legs, v.end) for v in vehicles]
     around = [v.fixed_cost + s + e for v, s, e in zip(vehicles, starts, ends, strict=True)]
     points = np.zeros((n, 3))
-    points[:, : problem.points.shape[1]] = problem.points[:n]
+    points[:, : problem.places.shape[1]] = problem.places[:n]
     return Relaxation(
         costs=np.zeros((0, 0)),
         points=points,
@@ -135,11 +132,12 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
 def _point_leg(problem: RoutingProblem, kind: int, site: int | None) -> Floats:
     """Return the cost of the legs between a site and each customer; to `None`, of staying only."""
     legs = problem.legs[kind]
-    assert problem.points is not None and isinstance(legs, PointLegs)
+    if not isinstance(legs, PointLegs):
+        raise TypeError(f'legs {kind} are no PointLegs')
     half = np.full(problem.customers, legs.stay / 2)
     if site is None:
         return half
-    distance = np.linalg.norm(problem.points[: problem.customers] - problem.points[site], axis=1)
+    distance = np.linalg.norm(problem.places[: problem.customers] - problem.places[site], axis=1)
     slowness, ramp, short, factor = legs.pace()
     flown = np.where(distance >= short, distance * slowness + ramp, factor * np.sqrt(distance))
     return np.asarray(flown + half, np.float64)

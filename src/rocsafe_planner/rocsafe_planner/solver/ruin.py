@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ruin and recreate: strings of neighbouring routes are taken out and put back greedily.
 
-Slack induction by string removals (Christiaens and Vanden Berghe, Transportation Science 54, 2020),
-with insertion beside near neighbours only, so that a step costs the same at any size.
+Slack induction by string removals (Christiaens and Vanden Berghe, Transportation Science 54,
+2020), with insertion beside near neighbours only, so that a step costs the same at any size.
 """
 
 import numpy as np
 
-from .compiled import inlined, kernel
-from .moves import Goal, energy
-from .randomness import GOLDEN, below, draw, scramble
-from .state import State, refill, settle
-from .tables import Tables, Words, leg
+from rocsafe_planner.solver.compiled import Long, Word, inlined, kernel
+from rocsafe_planner.solver.moves import Goal, energy
+from rocsafe_planner.solver.randomness import GOLDEN, below, draw, scramble
+from rocsafe_planner.solver.state import State, refill, settle
+from rocsafe_planner.solver.tables import Tables, Words, leg
 
-U = np.uint64
 LONGEST_STRING = 10
 MOST_STRINGS = 6
 
@@ -21,13 +20,13 @@ MOST_STRINGS = 6
 @inlined
 def site_before(tables: Tables, place: int, route: int) -> int:
     """Return the site of a predecessor: a customer, or the start of its route."""
-    return place if place < len(tables.needs) else np.int64(tables.first[route])
+    return place if place < len(tables.needs) else Long(tables.first[route])
 
 
 @inlined
 def site_behind(tables: Tables, place: int, route: int) -> int:
     """Return the site of a successor: a customer, or the end of its route."""
-    return place if place < len(tables.needs) else np.int64(tables.last[route])
+    return place if place < len(tables.needs) else Long(tables.last[route])
 
 
 @kernel
@@ -35,18 +34,18 @@ def take_string(
     tables: Tables, state: State, customer: int, size: int, offset: int, taken: int
 ) -> int:
     """Take a string of customers, one of them given, out of its route; return how many are out."""
-    route = np.int64(state.route[customer])
+    route = Long(state.route[customer])
     stride = len(state.node) // len(state.length)
     row = route * stride
-    length = np.int64(state.length[route])
+    length = Long(state.length[route])
     size = min(size, length)
     low = min(max(1, state.place[customer] - offset % size), length - size + 1)
     high = low + size - 1
     for k in range(low, high + 1):
         state.spare[taken + k - low] = state.node[row + k]
         state.route[state.node[row + k]] = -1
-    prior = np.int64(state.before[state.node[row + low]])
-    later = np.int64(state.after[state.node[row + high]])
+    prior = Long(state.before[state.node[row + low]])
+    later = Long(state.after[state.node[row + high]])
     state.after[prior] = later
     state.before[later] = prior
     left, right = state.node[row + low - 1], state.node[row + high + 1]
@@ -70,7 +69,9 @@ def take_string(
 def detour(tables: Tables, c: int, left: int, customer: int, right: int) -> float:
     """Return what serving a customer between two sites costs."""
     return (
-        leg(tables, c, left, customer) + leg(tables, c, customer, right) - leg(tables, c, left, right)
+        leg(tables, c, left, customer)
+        + leg(tables, c, customer, right)
+        - leg(tables, c, left, right)
     )
 
 
@@ -84,7 +85,9 @@ def joined(
     c = tables.measure[route]
     used = 0.0
     if left >= n and right >= n:
-        cost = tables.fixed[route] + leg(tables, c, prior, customer) + leg(tables, c, customer, later)
+        cost = (
+            tables.fixed[route] + leg(tables, c, prior, customer) + leg(tables, c, customer, later)
+        )
         if tables.limited:
             c = tables.limit_measure[route]
             used = leg(tables, c, prior, customer) + leg(tables, c, customer, later)
@@ -97,31 +100,29 @@ def joined(
 
 
 @kernel
-def insert(
-    tables: Tables, state: State, goal: Goal, customer: int, random: Words
-) -> bool:
+def insert(tables: Tables, state: State, goal: Goal, customer: int, random: Words) -> bool:
     """Put a customer where the energy rises least among places beside near neighbours."""
     n, near = tables.near.shape
     m = len(state.length)
     best, best_left, best_route = np.inf, -1, -1
     random[0] += GOLDEN
     blinks = scramble(random[0])
-    some = below(blinks >> U(32), m)
+    some = below(blinks >> Word(32), m)
     for k in range(2 * near + 2):
         if k < 2 * near:
             j = tables.near[customer, k >> 1]
-            route = np.int64(state.route[j])
+            route = Long(state.route[j])
             if route < 0:
                 continue
-            left = np.int64(j if k & 1 else state.before[j])
+            left = Long(j if k & 1 else state.before[j])
         else:
             route = some
-            left = np.int64(n + some if k & 1 else state.before[n + some])
+            left = Long(n + some if k & 1 else state.before[n + some])
         if tables.restricted and tables.needs[customer] & tables.ability[route] == 0:
             continue
-        if (blinks >> U(k & 31)) & U(63) == 0:
+        if (blinks >> Word(k & 31)) & Word(63) == 0:
             continue
-        right = np.int64(state.after[left])
+        right = Long(state.after[left])
         cost, used = joined(tables, state, route, left, customer, right)
         rise = energy(tables, goal, route, cost, used) - energy(
             tables, goal, route, state.trial[0, route], state.trial[1, route]
@@ -137,7 +138,7 @@ def insert(
 @kernel
 def link(tables: Tables, state: State, customer: int, left: int, route: int) -> None:
     """Put a customer behind another, or behind the start, of a route on trial."""
-    right = np.int64(state.after[left])
+    right = Long(state.after[left])
     cost, used = joined(tables, state, route, left, customer, right)
     state.trial[0, route], state.trial[1, route] = cost, used
     state.trial[2, route] = 1.0
@@ -156,13 +157,13 @@ def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> No
     for r in range(len(state.length)):
         if tables.needs[customer] & tables.ability[r] == 0:
             continue
-        left = np.int64(state.before[n + r])
+        left = Long(state.before[n + r])
         cost, used = joined(tables, state, r, left, customer, n + r)
         rise = energy(tables, goal, r, cost, used)
         rise -= energy(tables, goal, r, state.trial[0, r], state.trial[1, r])
         if rise < best:
             best, best_route = rise, r
-    link(tables, state, customer, np.int64(state.before[n + best_route]), best_route)
+    link(tables, state, customer, Long(state.before[n + best_route]), best_route)
 
 
 @kernel
@@ -172,7 +173,7 @@ def restore(tables: Tables, state: State, route: int) -> None:
     row = route * (len(state.node) // len(state.length))
     previous = n + route
     for k in range(1, state.length[route] + 1):
-        customer = np.int64(state.node[row + k])
+        customer = Long(state.node[row + k])
         state.route[customer] = route
         state.before[customer] = previous
         state.after[previous] = customer
@@ -187,33 +188,37 @@ def adopt(tables: Tables, state: State, route: int) -> None:
     n = len(tables.needs)
     row = route * (len(state.node) // len(state.length))
     k = 0
-    customer = np.int64(state.after[n + route])
+    customer = Long(state.after[n + route])
     while customer < n:
         k += 1
         state.node[row + k] = customer
-        customer = np.int64(state.after[customer])
+        customer = Long(state.after[customer])
     state.length[route] = k
     state.node[row + k + 1] = tables.last[route]
     refill(tables, state, route, 1, k + 1)
     settle(tables, state, route)
 
 
-@kernel
-def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) -> bool:
-    """Take out strings about a random customer, put them back, keep the result if it passes."""
-    n, near = tables.near.shape
-    m = len(state.length)
-    for r in range(m):
+@inlined
+def begin_trial(state: State) -> None:
+    """Put every route on trial as it is."""
+    for r in range(len(state.length)):
         state.trial[0, r] = state.cost[r]
         state.trial[1, r] = state.load[r]
         state.trial[2, r] = 0.0
+
+
+@inlined
+def take_strings(tables: Tables, state: State, random: Words) -> int:
+    """Take strings of customers about a random one out of their routes; return their number."""
+    n, near = tables.near.shape
     seed = draw(random, n)
     strings = 1 + draw(random, MOST_STRINGS)
     longest = 1 + draw(random, LONGEST_STRING)
     taken, hit = 0, 0
     for k in range(-1, near):
-        customer = seed if k < 0 else np.int64(tables.near[seed, k])
-        route = np.int64(state.route[customer])
+        customer = seed if k < 0 else Long(tables.near[seed, k])
+        route = Long(state.route[customer])
         if route < 0 or state.trial[2, route] != 0.0:
             continue
         size = 1 + draw(random, longest)
@@ -221,24 +226,44 @@ def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) ->
         hit += 1
         if hit == strings:
             break
-    shuffle(tables, state, taken, random)
-    complete = True
-    for k in range(taken):
-        if not insert(tables, state, goal, np.int64(state.spare[k]), random):
-            complete = False
-            break
+    return taken
+
+
+@inlined
+def trial_rise(tables: Tables, state: State, goal: Goal) -> float:
+    """Return how much higher the energy of the routes on trial is."""
     rise = 0.0
-    for r in range(m):
+    for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
             rise += energy(tables, goal, r, state.trial[0, r], state.trial[1, r])
             rise -= energy(tables, goal, r, state.cost[r], state.load[r])
-    keep = complete and rise <= bar
-    for r in range(m):
+    return rise
+
+
+@inlined
+def end_trial(tables: Tables, state: State, keep: bool) -> None:
+    """Adopt the routes on trial, or forget them."""
+    for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
             if keep:
                 adopt(tables, state, r)
             else:
                 restore(tables, state, r)
+
+
+@kernel
+def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) -> bool:
+    """Take out strings about a random customer, put them back, keep the result if it passes."""
+    begin_trial(state)
+    taken = take_strings(tables, state, random)
+    shuffle(tables, state, taken, random)
+    complete = True
+    for k in range(taken):
+        if not insert(tables, state, goal, Long(state.spare[k]), random):
+            complete = False
+            break
+    keep = complete and trial_rise(tables, state, goal) <= bar
+    end_trial(tables, state, keep)
     return keep
 
 
@@ -252,12 +277,12 @@ def shuffle(tables: Tables, state: State, taken: int, random: Words) -> None:
     if way > 2:
         return
     sign = -1.0 if way < 2 else 1.0
-    depot = np.int64(tables.first[0])
+    depot = Long(tables.first[0])
     for k in range(1, taken):
-        customer = np.int64(state.spare[k])
+        customer = Long(state.spare[k])
         key = sign * leg(tables, 0, depot, customer)
         j = k - 1
-        while j >= 0 and sign * leg(tables, 0, depot, np.int64(state.spare[j])) > key:
+        while j >= 0 and sign * leg(tables, 0, depot, Long(state.spare[j])) > key:
             state.spare[j + 1] = state.spare[j]
             j -= 1
         state.spare[j + 1] = customer

@@ -2,12 +2,11 @@
 """What each cycle of each lane starts from, and how hot and how long it anneals."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from .outcome import SearchOptions
-from .search import Lane, Manner, Pacer, Plan
+from rocsafe_planner.solver.outcome import SearchOptions
+from rocsafe_planner.solver.search import Lane, Manner, Pacer, Plan
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""

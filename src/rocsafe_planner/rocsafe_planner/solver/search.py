@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .anneal import Best, anneal, worth
-from .crossover import complete, mix
-from .moves import Goal
-from .randomness import acceptance_thresholds, seed_word
-from .state import empty_state, load
-from .tables import Ints, Tables, leg
+from rocsafe_planner.solver.anneal import Best, anneal, worth
+from rocsafe_planner.solver.crossover import complete, mix
+from rocsafe_planner.solver.moves import Goal
+from rocsafe_planner.solver.randomness import acceptance_thresholds, seed_word
+from rocsafe_planner.solver.state import empty_state, load
+from rocsafe_planner.solver.tables import Ints, Tables, leg
 
 Plan = tuple[Ints, Ints]
 """Customers route after route, and the length of each route."""
@@ -82,13 +82,14 @@ class Lane:
         return self.best.order.copy(), self.best.lengths.copy()
 
     def goal(self, manner: Manner) -> Goal:
-        """Return what to minimise now: routes above the mean weigh more, up to twice at `width`."""
+        """Return what to minimise: routes above the mean weigh more, up to twice at `width`."""
         if self.peak == 0:
             return Goal(
                 target=0.0, floor=1.0, steepness=0.0, curvature=0.0, vacancy=0.0, strictness=8.0
             )
         target = max(float(self.state.cost.mean()), self.far)
-        vacancy = 4 * target if len(self.tables.needs) >= len(self.tables.first) else 0.0
+        spare = len(self.tables.needs) < len(self.tables.first)
+        vacancy = 4 * target if self.alike and not spare else 0.0
         return Goal(
             target=target,
             floor=manner.floor,
@@ -101,9 +102,7 @@ class Lane:
     def cross(self, one: Plan, other: Plan, chosen: list[int], manner: Manner) -> None:
         """Continue from a mix of two plans, forgetting the best routes of the last cycle."""
         order, lengths, missing = mix(one, other, chosen, self.alike)
-        complete(
-            self.tables, self.state, self.goal(manner), order, lengths, missing, self.random
-        )
+        complete(self.tables, self.state, self.goal(manner), order, lengths, missing, self.random)
         self.best.value[0] = np.inf
 
     def anneal(self, manner: Manner, progress: float, proposals: int, rate: float) -> None:
@@ -111,9 +110,18 @@ class Lane:
         exponent = manner.hot + (manner.cold - manner.hot) * progress
         ratio = power_of_two((manner.cold - manner.hot) * rate * STEP)
         anneal(
-            self.tables, self.state, self.goal(manner), self.best, THRESHOLDS, self.random,
-            self.peak, self.share, self.scale * power_of_two(exponent), ratio,
-            proposals, manner.ruins | manner.long << 16,
+            self.tables,
+            self.state,
+            self.goal(manner),
+            self.best,
+            THRESHOLDS,
+            self.random,
+            self.peak,
+            self.share,
+            self.scale * power_of_two(exponent),
+            ratio,
+            proposals,
+            manner.ruins | manner.long << 16,
         )
         self.proposals += proposals
 
@@ -162,7 +170,7 @@ class Pacer:
 
 
 def typical_leg(tables: Tables) -> float:
-    """Return the mean cost of flying from a customer to its nearest other place, stays left out."""
+    """Return the mean cost of flying from a customer to its nearest places, stays left out."""
     n, near = tables.near.shape
     flown = [
         float(leg(tables, 0, i, int(j)) - tables.stay[0, i] - tables.stay[0, j])
@@ -178,7 +186,13 @@ def alike_vehicles(tables: Tables) -> bool:
     return all(
         bool((column == column[0]).all())
         for column in (
-            tables.first, tables.last, tables.measure, tables.limit_measure,
-            tables.fixed, tables.idle, tables.limit, tables.ability,
+            tables.first,
+            tables.last,
+            tables.measure,
+            tables.limit_measure,
+            tables.fixed,
+            tables.idle,
+            tables.limit,
+            tables.ability,
         )
     )

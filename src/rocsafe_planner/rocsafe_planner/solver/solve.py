@@ -2,21 +2,20 @@
 """The solver: rounds of annealing in parallel lanes, with a proven bound beside them."""
 
 import threading
-import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from .certificate import Bound, improving_bounds
-from .flatten import tables_of
-from .outcome import Progress, SearchOptions, Solution
-from .problem import RoutingProblem, Routes, route_cost, route_load
-from .relaxation import relax
-from .schedule import Schedule
-from .search import Lane, Pacer, Plan
-from .starts import first_plans
+from rocsafe_planner.solver.certificate import Bound, improving_bounds
+from rocsafe_planner.solver.flatten import tables_of
+from rocsafe_planner.solver.outcome import Progress, SearchOptions, Solution
+from rocsafe_planner.solver.problem import Routes, RoutingProblem, route_cost, route_load
+from rocsafe_planner.solver.relaxation import relax
+from rocsafe_planner.solver.schedule import Schedule
+from rocsafe_planner.solver.search import Lane, Plan
+from rocsafe_planner.solver.starts import first_plans
 
 POLL_S = 0.02
 CHUNK = 16384
@@ -57,7 +56,7 @@ class _Search:
         self.options = options
         self.report = report
         self.stop = stop
-        self.began = time.monotonic()
+        self.began = options.clock()
         self.tables = tables_of(problem)
         self.bound = UNKNOWN
         self.reported = (np.inf, -np.inf)
@@ -83,19 +82,16 @@ class _Search:
                 self._tell()
         routes = routes_of(self.incumbent.plan)
         made = sum(lane.proposals for lane in lanes)
-        return solution(self.problem, routes, self.bound, time.monotonic() - self.began, made)
+        return solution(self.problem, routes, self.bound, self.options.clock() - self.began, made)
 
     def _first(self, lane: Lane, starts: tuple[Routes, ...]) -> Incumbent:
         """Return the best of the constructed plans and those given."""
-        incumbent: Incumbent | None = None
-        given = (plan_of(routes) for routes in starts)
-        for plan in (*first_plans(self.problem, self.tables), *given):
+        given = [plan_of(routes) for routes in starts]
+        plans = [*first_plans(self.problem, self.tables), *given]
+        incumbent = Incumbent(plan=plans[0])
+        for plan in plans:
             lane.begin(plan)
-            value = lane.worth()
-            if incumbent is None:
-                incumbent = Incumbent(plan=plan, value=value)
-            incumbent.offer(value, plan)
-        assert incumbent is not None
+            incumbent.offer(lane.worth(), plan)
         return incumbent
 
     def _round(self, pool: ThreadPoolExecutor, lanes: list[Lane], schedule: Schedule) -> None:
@@ -114,8 +110,13 @@ class _Search:
         self._tell()
 
     def _keep_on(self, lane: Lane) -> bool:
-        """Publish what a lane has found; answer whether it should go on."""
-        self._publish(lane)
+        """Publish what a lane has found; answer whether it should go on.
+
+        A search that counts proposals publishes between rounds only: which of two equally good
+        plans came first is then the same on every machine.
+        """
+        if self.options.proposals is None:
+            self._publish(lane)
         return not self.stop.is_set()
 
     def _publish(self, lane: Lane) -> None:
@@ -129,7 +130,7 @@ class _Search:
         self._tell()
         if self.options.proposals is not None:
             return
-        elapsed = time.monotonic() - self.began
+        elapsed = self.options.clock() - self.began
         if self.bound_spent_s < self.options.bound_share * elapsed:
             next(self._next_bounds(), None)
         if self._closed():
@@ -138,9 +139,9 @@ class _Search:
     def _next_bounds(self) -> Iterator[Bound]:
         """Yield bounds, timing them and keeping the best."""
         while True:
-            began = time.monotonic()
+            began = self.options.clock()
             bound = next(self.bounds, None)
-            self.bound_spent_s += time.monotonic() - began
+            self.bound_spent_s += self.options.clock() - began
             if bound is None:
                 return
             if bound.value > self.bound.value:
@@ -158,7 +159,7 @@ class _Search:
         if self.report is None or now == self.reported:
             return
         self.reported = now
-        elapsed = time.monotonic() - self.began
+        elapsed = self.options.clock() - self.began
         self.report(Progress(value=now[0], bound=self.bound, elapsed_s=elapsed))
 
 

@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from .compiled import kernel
-from .state import path_cost
-from .tables import Ints, Tables, leg
+from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.state import path_cost
+from rocsafe_planner.solver.tables import Ints, Tables, leg
 
 BISECTIONS = 50
 
@@ -16,12 +16,12 @@ def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> 
     n, taken = len(order), 0
     for r in turn:
         c = tables.measure[r]
-        here = np.int64(tables.first[r])
+        here = Long(tables.first[r])
         path = 0.0
         best = taken
         k = taken
         while k < n:
-            customer = np.int64(order[k])
+            customer = Long(order[k])
             if tables.needs[customer] & tables.ability[r] == 0:
                 break
             path += leg(tables, c, here, customer)
@@ -46,11 +46,11 @@ def whole(tables: Tables, order: Ints) -> float:
         path = 0.0
         far = 0.0
         for k in range(len(order)):
-            customer = np.int64(order[k])
+            customer = Long(order[k])
             far = max(far, leg(tables, c, tables.first[r], customer))
             far = max(far, leg(tables, c, customer, tables.last[r]))
             if k > 0:
-                path += leg(tables, c, np.int64(order[k - 1]), customer)
+                path += leg(tables, c, Long(order[k - 1]), customer)
         most = max(most, tables.fixed[r] + path + 2 * far)
     return most
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .compiled import kernel
-from .problem import RoutingProblem
-from .split import split
-from .state import path_cost
-from .tables import Floats, Ints, Tables, leg
+from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.problem import RoutingProblem
+from rocsafe_planner.solver.split import split
+from rocsafe_planner.solver.state import path_cost
+from rocsafe_planner.solver.tables import Floats, Ints, Tables, leg
 
 HILBERT_BITS = 16
 
@@ -43,7 +43,7 @@ def grid_angle(points: Floats, near: Ints) -> float:
 
 
 def serpentine_orders(points: Floats, near: Ints) -> Iterator[Ints]:
-    """Yield the points row by row, forth and back, for both row directions and all four corners."""
+    """Yield the points row by row, forth and back, both row directions, all four corners."""
     spacing = _spacing(points, near)
     base = round(grid_angle(points, near), 9)
     for angle in (base, base + np.pi / 2):
@@ -70,17 +70,17 @@ def _spacing(points: Floats, near: Ints) -> float:
 @kernel
 def chain(tables: Tables, order: Ints) -> None:
     """Reorder customers greedily: each time the nearest one left, from the first start."""
-    here = np.int64(tables.first[0])
+    here = Long(tables.first[0])
     for k in range(len(order)):
         best = k
         least = np.inf
         for j in range(k, len(order)):
-            cost = leg(tables, 0, here, np.int64(order[j]))
+            cost = leg(tables, 0, here, Long(order[j]))
             if cost < least:
                 least = cost
                 best = j
         order[k], order[best] = order[best], order[k]
-        here = np.int64(order[k])
+        here = Long(order[k])
 
 
 @kernel
@@ -96,15 +96,15 @@ def append_cheapest(tables: Tables, order: Ints, owner: Ints, paths: Floats, her
             if tables.needs[customer] & tables.ability[r] == 0:
                 continue
             c = tables.measure[r]
-            path = paths[r] + leg(tables, c, np.int64(here[r]), np.int64(customer))
-            path += leg(tables, c, np.int64(customer), np.int64(tables.last[r]))
+            path = paths[r] + leg(tables, c, Long(here[r]), Long(customer))
+            path += leg(tables, c, Long(customer), Long(tables.last[r]))
             cost = path_cost(tables, r, 1, path)
             if cost < best:
                 best = cost
                 chosen = r
         owner[customer] = chosen
         c = tables.measure[chosen]
-        paths[chosen] += leg(tables, c, np.int64(here[chosen]), np.int64(customer))
+        paths[chosen] += leg(tables, c, Long(here[chosen]), Long(customer))
         here[chosen] = customer
 
 
@@ -136,7 +136,7 @@ def first_plans(problem: RoutingProblem, tables: Tables) -> Iterator[tuple[Ints,
     """Yield plans as `State.load` reads them: customers route after route, and route lengths."""
     n, m = problem.customers, len(problem.vehicles)
     served = False
-    order = np.arange(n, dtype=np.int32)
+    order: Ints = np.arange(n, dtype=np.int32)
     for order in orders(problem, tables):
         turn = turns(problem, order)
         lengths = np.zeros(m, np.int32)

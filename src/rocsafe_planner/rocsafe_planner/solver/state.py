@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .compiled import inlined, kernel
-from .tables import Floats, Ints, Tables, Words, leg
+from rocsafe_planner.solver.compiled import Long, inlined, kernel
+from rocsafe_planner.solver.tables import Floats, Ints, Tables, Words, leg
 
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 
@@ -82,20 +82,20 @@ def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
 
 @kernel
 def refill(tables: Tables, state: State, route: int, low: int, high: int) -> None:
-    """Bring slots low .. high (low >= 1) in line with `node`, and shift all partial costs behind."""
+    """Bring slots low .. high (low >= 1) in line with `node`, and shift what is behind."""
     stride = len(state.node) // len(state.length)
     row = route * stride
     end = state.length[route] + 1
     anchor = len(state.route) + route
-    previous = anchor if low == 1 else np.int64(state.node[row + low - 1])
+    previous = anchor if low == 1 else Long(state.node[row + low - 1])
     for k in range(low, min(high, end - 1) + 1):
-        customer = np.int64(state.node[row + k])
+        customer = Long(state.node[row + k])
         state.route[customer] = route
         state.place[customer] = k
         state.before[customer] = previous
         state.after[previous] = customer
         previous = customer
-    following = anchor if high >= end - 1 else np.int64(state.node[row + high + 1])
+    following = anchor if high >= end - 1 else Long(state.node[row + high + 1])
     state.after[previous] = following
     state.before[following] = previous
     for c in range(tables.stay.shape[0]):
@@ -185,7 +185,7 @@ def load(tables: Tables, state: State, order: Ints, lengths: Ints) -> None:
     taken = 0
     for r in range(m):
         row = r * stride
-        size = int(lengths[r])
+        size = Long(lengths[r])
         state.length[r] = size
         state.node[row] = tables.first[r]
         for k in range(size):

@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the kernels read and never write: legs, ends of routes, limits, neighbours."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import inlined
+from rocsafe_planner.solver.compiled import inlined
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-Words = NDArray[np.uint64]
+Costs = NDArray[np.float32]
+if TYPE_CHECKING:
+    # Elements count as whole numbers: kernels calculate with them.
+    Ints = NDArray[Any]
+    Words = NDArray[Any]
+else:
+    Ints = NDArray[np.int32]
+    Words = NDArray[np.uint64]
 
 
 class Tables(NamedTuple):
@@ -20,12 +26,12 @@ class Tables(NamedTuple):
     for the missing end of an open route. Measures are ways of costing a leg (one a vehicle class).
     """
 
-    matrix: NDArray[np.float32]
+    matrix: Costs
     """(measures, sites, sites) cost of legs; one element when legs are computed from `points`."""
     points: Floats
     """(sites, 3) coordinates; one row when legs are read from `matrix`."""
     pace: Floats
-    """(measures, 4): cost a metre, ramp cost a leg, metres below which the ramp rules, its factor."""
+    """(measures, 4): cost a metre, of the ramp, metres below which the ramp rules, its factor."""
     stay: Floats
     """(measures, sites): half of the cost of staying at a site; each leg carries both halves."""
     first: Ints

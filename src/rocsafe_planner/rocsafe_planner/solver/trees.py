@@ -3,20 +3,28 @@
 
 import numpy as np
 
-from .compiled import kernel
-from .tables import Floats, Ints
+from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.tables import Floats, Ints
 
 
 @kernel
 def grow_tree(
-    costs: Floats, points: Floats, pace: Floats, members: Ints, price: Floats,
-    open_nodes: Ints, nearest: Ints, reach: Floats, parent: Ints, weight: Floats,
+    costs: Floats,
+    points: Floats,
+    pace: Floats,
+    members: Ints,
+    price: Floats,
+    open_nodes: Ints,
+    nearest: Ints,
+    reach: Floats,
+    parent: Ints,
+    weight: Floats,
 ) -> None:
     """Span some customers with the least tree (Prim, quadratic; no memory of its own).
 
-    An edge costs its leg plus the prices of both ends. Legs come from `costs` or, if that is empty,
-    from coordinates under every row of `pace`, the cheapest counting. Writes each member's parent
-    and the weight of the edge to it; the first member has parent -1.
+    An edge costs its leg plus the prices of both ends. Legs come from `costs` or, if that is
+    empty, from coordinates under every row of `pace`, the cheapest counting. Writes each member's
+    parent and the weight of the edge to it; the first member has parent -1.
     """
     size = len(members)
     dense = costs.shape[0] > 0
@@ -24,7 +32,7 @@ def grow_tree(
         open_nodes[k] = members[k]
         reach[k] = np.inf
         nearest[k] = -1
-    current = np.int64(members[0])
+    current = Long(members[0])
     parent[0], weight[0] = -1, 0.0
     open_nodes[0] = open_nodes[size - 1]
     left = size - 1
@@ -32,18 +40,15 @@ def grow_tree(
         best, best_k = np.inf, 0
         toll = price[current]
         for k in range(left):
-            j = np.int64(open_nodes[k])
-            if dense:
-                cost = costs[current, j]
-            else:
-                cost = cheapest_leg(points, pace, current, j)
+            j = Long(open_nodes[k])
+            cost = costs[current, j] if dense else cheapest_leg(points, pace, current, j)
             cost += toll + price[j]
             if cost < reach[k]:
                 reach[k] = cost
                 nearest[k] = current
             if reach[k] < best:
                 best, best_k = reach[k], k
-        current = np.int64(open_nodes[best_k])
+        current = Long(open_nodes[best_k])
         members[step], parent[step], weight[step] = current, nearest[best_k], best
         left -= 1
         open_nodes[best_k] = open_nodes[left]
@@ -74,7 +79,7 @@ def find(root: Ints, i: int) -> int:
     """Return the representative of a component, shortening the way to it."""
     while root[i] != i:
         root[i] = root[root[i]]
-        i = np.int64(root[i])
+        i = Long(root[i])
     return i
 
 
@@ -85,7 +90,7 @@ def join_edges(ends: Ints, order: Ints, root: Ints, chosen: Ints) -> int:
         root[i] = i
     count = 0
     for k in order:
-        a, b = find(root, np.int64(ends[k, 0])), find(root, np.int64(ends[k, 1]))
+        a, b = find(root, Long(ends[k, 0])), find(root, Long(ends[k, 1]))
         if a != b:
             root[a] = b
             chosen[count] = k

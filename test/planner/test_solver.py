@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The solver: plans that are valid, repeatable, and as good as can be where that is known."""
+
+import dataclasses
+import math
+import threading
+
+import numpy as np
+import pytest
+
+from rocsafe_planner.solver import (
+    MatrixLegs,
+    PointLegs,
+    RoutingProblem,
+    SearchOptions,
+    Vehicle,
+    one_depot,
+    solve,
+)
+
+from . import tiny_routing
+
+QUICK = SearchOptions(proposals=40_000, lanes=2, bound_share=0.0)
+
+
+def grid(side, spacing=10.0):
+    """Return a square grid of points without its corner, which is the depot."""
+    points = [(spacing * x, spacing * y) for x in range(side) for y in range(side)]
+    return np.array(points[1:])
+
+
+@pytest.mark.parametrize('seed', range(25))
+def test_small_problems_are_solved_to_the_optimum(seed):
+    """Whatever the fleet, no plan of all is better; costs are those of the definition."""
+    objective = 'sum' if seed % 3 == 2 else 'max'
+    problem = tiny_routing.random_problem(seed, 5, 2 + seed % 2, objective)
+    found = solve(problem, QUICK)
+    assert tiny_routing.faults(problem, found.routes) == []
+    assert found.value == pytest.approx(tiny_routing.value(problem, found.routes), rel=1e-9)
+    assert found.value == pytest.approx(tiny_routing.optimum(problem), rel=1e-6)
+
+
+@pytest.mark.parametrize('seed', range(100, 115))
+def test_endurance_is_kept_where_that_is_possible(seed):
+    """A plan without faults is found if there is one; if there is none, the solution says so."""
+    problem = tiny_routing.random_problem(seed, 5, 3, limited=True)
+    found = solve(problem, QUICK)
+    best = tiny_routing.optimum(problem)
+    assert found.feasible == (tiny_routing.faults(problem, found.routes) == [])
+    assert found.feasible == math.isfinite(best)
+    if found.feasible:
+        assert best * (1 - 1e-6) <= found.value <= best * 1.01
+
+
+def test_limits_may_count_other_legs_than_the_objective():
+    """Metres are minimised, minutes limited: the far customer goes to the one who has time."""
+    points = np.array([[100.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
+    tired, fresh = (
+        Vehicle(start=2, end=2, limit=limit, limit_legs=1) for limit in (50.0, math.inf)
+    )
+    problem = RoutingProblem(
+        customers=2,
+        vehicles=(tired, fresh),
+        legs=(PointLegs(), PointLegs(speed_mps=2.0)),
+        points=points,
+        objective='sum',
+    )
+    found = solve(problem, QUICK)
+    assert found.feasible
+    assert 0 in found.routes[1]
+
+
+def test_wind_decides_the_way_round():
+    """Of two orders of the same customers the one with the wind is taken."""
+    matrix = np.full((4, 4), 9.0)
+    for origin, target in ((3, 2), (2, 1), (1, 0), (0, 3)):
+        matrix[origin, target] = 1.0
+    problem = RoutingProblem(
+        customers=3, vehicles=(Vehicle(start=3, end=3),), legs=(MatrixLegs(matrix=matrix),)
+    )
+    found = solve(problem, QUICK)
+    assert found.routes == ((2, 1, 0),)
+    assert found.value == 4.0
+
+
+def test_a_slower_vehicle_serves_fewer():
+    """Half the speed gets clearly less than half of the customers."""
+    problem = one_depot(grid(8), np.zeros(2), 2)
+    slow = dataclasses.replace(problem.vehicles[0], legs=1)
+    problem = dataclasses.replace(
+        problem,
+        legs=(PointLegs(speed_mps=2.0), PointLegs(speed_mps=1.0)),
+        vehicles=(problem.vehicles[0], slow),
+    )
+    found = solve(problem, dataclasses.replace(QUICK, proposals=200_000))
+    assert tiny_routing.faults(problem, found.routes) == []
+    assert 0.4 < len(found.routes[1]) / len(found.routes[0]) < 0.62
+    assert found.value < 1.06 * 650 / 3
+
+
+@pytest.mark.parametrize('threads', [1, 3])
+def test_proposals_decide_the_plan_alone(threads):
+    """The same seed and number of proposals give the same plan, however many threads there are."""
+    problem = one_depot(grid(7), np.zeros(2), 3)
+    options = SearchOptions(proposals=100_000, lanes=3, threads=2, seed=7)
+    first = solve(problem, options)
+    again = solve(problem, dataclasses.replace(options, threads=threads))
+    assert again.routes == first.routes
+    assert again.bound == first.bound
+    assert again.proposals == first.proposals
+
+
+def test_the_plan_is_the_same_on_every_machine():
+    """A plan that another machine has found: integers and plain sums leave nothing to chance."""
+    problem = one_depot(grid(5), np.zeros(2), 2)
+    found = solve(problem, SearchOptions(proposals=50_000, lanes=1, seed=3, bound_share=0.0))
+    assert found.value == pytest.approx(146.50281539872884, abs=1e-9)
+
+
+def test_given_plans_are_never_worsened():
+    """The solution is at least as good as any plan that it was given."""
+    points = np.random.default_rng(5).uniform(0, 100, (60, 2))
+    problem = one_depot(points, np.zeros(2), 4)
+    good = solve(problem, SearchOptions(proposals=400_000, bound_share=0.0))
+    poor = solve(problem, SearchOptions(proposals=1, bound_share=0.0), starts=[good.routes])
+    assert poor.value <= good.value * (1 + 1e-9)
+
+
+def test_it_stops_when_told_and_reports_improvements():
+    """A long budget is cut short by `stop`; reports are monotone and the first is a valid plan."""
+    problem = one_depot(grid(12), np.zeros(2), 3)
+    stop, seen = threading.Event(), []
+
+    def watch(progress):
+        seen.append((progress.value, progress.bound.value))
+        if len(seen) == 5:
+            stop.set()
+
+    found = solve(problem, SearchOptions(budget_s=60.0), watch, stop)
+    assert found.elapsed_s < 30
+    values, bounds = zip(*seen, strict=True)
+    assert list(values) == sorted(values, reverse=True)
+    assert list(bounds) == sorted(bounds)
+    assert found.value <= values[-1] * (1 + 1e-6)
+    assert tiny_routing.faults(problem, found.routes) == []
+
+
+@pytest.mark.parametrize(
+    ('points', 'vehicles'),
+    [
+        (np.zeros((0, 2)), 2),
+        (np.array([[3.0, 4.0]]), 3),
+        (np.zeros((6, 2)), 2),
+        (np.array([[float(k), 0.0] for k in range(9)]), 2),
+    ],
+    ids=['nobody', 'one', 'all at the depot', 'a line'],
+)
+def test_odd_worlds_have_plans(points, vehicles):
+    """No customer, one, all in one place, all in a line."""
+    problem = one_depot(points, np.zeros(2), vehicles)
+    found = solve(problem, QUICK)
+    assert tiny_routing.faults(problem, found.routes) == []
+    assert found.value == pytest.approx(tiny_routing.value(problem, found.routes))
+
+
+def test_customers_beyond_a_table_of_legs():
+    """A thousand customers, whose legs are computed on the fly, make a plan of known costs."""
+    rng = np.random.default_rng(2)
+    problem = one_depot(
+        rng.uniform(0, 1000, (1000, 3)),
+        np.array([500.0, 500.0, 0.0]),
+        5,
+        PointLegs(speed_mps=8.0, acceleration_mps2=2.0, stay=3.0),
+    )
+    found = solve(problem, dataclasses.replace(QUICK, proposals=60_000))
+    assert tiny_routing.faults(problem, found.routes) == []
+    assert found.value == pytest.approx(tiny_routing.value(problem, found.routes), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ('change', 'words'),
+    [
+        ({'objective': 'fun'}, "objective is 'fun'"),
+        ({'customers': 9}, 'customers is 9'),
+        ({'vehicles': ()}, 'must not be empty'),
+        ({'vehicles': (Vehicle(start=0, end=0),)}, 'starts or ends at site'),
+        ({'vehicles': (Vehicle(start=2, end=2, legs=4),)}, 'counts legs 4'),
+        ({'points': np.array([[0.0, math.nan]] * 3)}, 'not finite'),
+        ({'points': None}, 'points is missing'),
+        ({'legs': (MatrixLegs(matrix=np.zeros((5, 5))),)}, 'matrix has 5 sites'),
+        ({'allowed': np.zeros((1, 2), bool)}, 'no vehicle may serve customer 0'),
+        ({'allowed': np.ones((2, 2), bool)}, 'allowed has shape'),
+    ],
+)
+def test_a_problem_that_does_not_fit_together_is_refused(change, words):
+    """One line that names what is wrong."""
+    sound = {
+        'customers': 2,
+        'vehicles': (Vehicle(start=2, end=2),),
+        'points': np.zeros((3, 2)),
+    }
+    with pytest.raises(ValueError, match=words):
+        RoutingProblem(**(sound | change))
