@@ -2,7 +2,7 @@
 """Routing methods on worlds small enough to solve by hand."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_planner.routing import METHODS, nearest_to_shortest, paper_greedy
@@ -54,6 +54,7 @@ def test_nearest_to_shortest_leaves_the_far_at_home():
     assert [len(order) for order in nearest_to_shortest(world)] == [7, 1]
 
 
+@settings(max_examples=20, deadline=None)
 @pytest.mark.parametrize('method', METHODS)
 @given(
     points=st.lists(PLACES, min_size=1, max_size=30),

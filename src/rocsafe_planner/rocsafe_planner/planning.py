@@ -5,11 +5,12 @@ import dataclasses
 import math
 from collections.abc import Callable
 
-from rocsafe_planner.bound import lower_bound
+from rocsafe_planner.bound import LowerBound, lower_bound
 from rocsafe_planner.errors import PlanningCancelledError
+from rocsafe_planner.fleet_problem import Order
 from rocsafe_planner.flight_track import FlightTrack
 from rocsafe_planner.plan import Route, SurveyPlan
-from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
 from rocsafe_planner.route_making import routes_of
 from rocsafe_planner.routing import METHODS
 from rocsafe_planner.separation import delays_apart, minimum_separation_m
@@ -38,10 +39,12 @@ def plan_survey(
     _go_on(on_progress)
     site = survey_site(request)
     _go_on(on_progress)
-    orders = METHODS[request.method](site.problem)
+    orders, proven = _orders(site, request, on_progress)
     routes, separation = _kept_apart(site, routes_of(site, orders), request.separation_m)
     makespan = max(route.finish_s for route in routes)
     bound = lower_bound(site.problem, makespan, lambda seconds: on_progress(makespan, seconds))
+    if proven.makespan_s > bound.makespan_s:
+        bound = proven
     return SurveyPlan(
         plan_id=request.identity(),
         request=request,
@@ -56,6 +59,27 @@ def plan_survey(
         largest_hole_m2=site.coverage.largest_hole_m2,
         minimum_separation_m=separation,
     )
+
+
+def _orders(
+    site: SurveySite, request: SurveyRequest, on_progress: Progress
+) -> tuple[list[Order], LowerBound]:
+    """Return the routes of the request's method, and the bound that came with them, if any."""
+    unproven = LowerBound(makespan_s=0.0, method='')
+    if request.method != 'solver':
+        return METHODS[request.method](site.problem), unproven
+    from rocsafe_planner.optimising import Effort, optimised
+
+    is_time = request.objective == DEFAULT_OBJECTIVE
+    found = optimised(
+        site.problem,
+        Effort(objective=request.objective, budget_s=request.budget_s, seed=request.seed),
+        # What is not a time is not told.
+        on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
+    )
+    if not is_time:
+        return found.orders, unproven
+    return found.orders, LowerBound(makespan_s=found.bound, method=found.bound_name)
 
 
 def _go_on(on_progress: Progress) -> None:

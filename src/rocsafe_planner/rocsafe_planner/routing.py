@@ -51,6 +51,17 @@ def nearest_to_shortest(problem: FleetProblem) -> list[Order]:
     return tour.orders
 
 
+def solver(problem: FleetProblem) -> list[Order]:
+    """Search for routes whose longest duration nobody undercuts; always the same ones.
+
+    `optimising.optimised` is the same with a time limit, other objectives and a bound.
+    """
+    # Loaded when it is asked for: compiled code takes a moment that no other method needs.
+    from rocsafe_planner.optimising import Effort, optimised
+
+    return optimised(problem, Effort()).orders
+
+
 METHODS: dict[str, Callable[[FleetProblem], list[Order]]] = {
     'paper_greedy': paper_greedy,
     'nearest_to_shortest': nearest_to_shortest,
@@ -58,6 +69,7 @@ METHODS: dict[str, Callable[[FleetProblem], list[Order]]] = {
     'boustrophedon_minmax': boustrophedon_minmax,
     'strips': strips,
     'christofides': christofides,
+    'solver': solver,
 }
 """Routing methods by the name under which a request asks for them."""
 

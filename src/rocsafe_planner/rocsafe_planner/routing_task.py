@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A fleet's problem and its objective in the terms of the solver.
+
+Sites are numbered alike: points, homes, ends. Time, metres or energy of a leg is what it costs;
+half of what a stay at each of its ends costs goes with it. Endurance limits the time of each
+route, unless batteries are swapped: then routes are cut afterwards.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_planner.fleet_problem import FleetProblem
+from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
+from rocsafe_planner.solver import Vehicle as RoutedVehicle
+from rocsafe_planner.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+Legs = PointLegs | MatrixLegs
+
+PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
+"""Those of the costliest route; the others add up all routes."""
+
+
+def routing_problem(problem: FleetProblem, objective: str) -> RoutingProblem:
+    """Return the problem that the solver is given for an objective of `request.OBJECTIVES`."""
+    table = _LegTable(problem)
+    vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
+    return RoutingProblem(
+        customers=len(problem.points),
+        vehicles=vehicles,
+        legs=tuple(table.legs),
+        points=problem.sites,
+        allowed=problem.may_visit,
+        objective='max' if objective in PEAK_OBJECTIVES else 'sum',
+    )
+
+
+class _LegTable:
+    """The kinds of legs of a problem, each made once."""
+
+    def __init__(self, problem: FleetProblem) -> None:
+        self._problem = problem
+        self._numbers: dict[tuple[object, ...], int] = {}
+        self.legs: list[Legs] = []
+        self._is_plain = problem.detours is None and problem.wind_mps == (0.0, 0.0)
+
+    def time(self, vehicle: int) -> int:
+        """Return the number of the legs that cost a vehicle's time."""
+        spec = self._problem.vehicles[vehicle]
+        return self._of((spec.motion, spec.hover_s), lambda: self._time(vehicle))
+
+    def length(self) -> int:
+        """Return the number of the legs that cost their length."""
+        return self._of(('length',), self._length)
+
+    def energy(self, vehicle: int) -> int:
+        """Return the number of the legs that cost a vehicle's energy, in watt seconds."""
+        spec = self._problem.vehicles[vehicle]
+        powers = (spec.cruise_power_w, spec.hover_power_w)
+        return self._of((spec.motion, spec.hover_s, *powers), lambda: self._energy(vehicle))
+
+    def _of(self, key: tuple[object, ...], make: Callable[[], Legs]) -> int:
+        if key not in self._numbers:
+            self._numbers[key] = len(self.legs)
+            self.legs.append(make())
+        return self._numbers[key]
+
+    def _time(self, vehicle: int) -> Legs:
+        spec = self._problem.vehicles[vehicle]
+        if self._is_plain:
+            return PointLegs(
+                speed_mps=spec.cruise_speed_mps,
+                acceleration_mps2=spec.acceleration_mps2,
+                stay=spec.hover_s,
+            )
+        return MatrixLegs(matrix=self._durations(vehicle) + self._stays(spec.hover_s))
+
+    def _length(self) -> Legs:
+        detours = self._problem.detours
+        return PointLegs() if detours is None else MatrixLegs(matrix=detours.length_m)
+
+    def _energy(self, vehicle: int) -> Legs:
+        spec = self._problem.vehicles[vehicle]
+        moving = spec.cruise_power_w * self._durations(vehicle)
+        return MatrixLegs(matrix=moving + self._stays(spec.hover_power_w * spec.hover_s))
+
+    def _durations(self, vehicle: int) -> FloatArray:
+        every = np.arange(len(self._problem.sites))
+        return self._problem.legs_s(vehicle, every[:, None], every[None, :])
+
+    def _stays(self, cost: float) -> FloatArray:
+        half = np.zeros(len(self._problem.sites))
+        half[: len(self._problem.points)] = 0.5 * cost
+        stays: FloatArray = half[:, None] + half[None, :]
+        return stays
+
+
+def _vehicle(
+    problem: FleetProblem, vehicle: int, table: _LegTable, objective: str
+) -> RoutedVehicle:
+    spec, climb_s = problem.vehicles[vehicle], problem.fixed_s(vehicle)
+    time = table.time(vehicle)
+    # The last leg of an open route is none: of a matrix, half of the last stay is left over.
+    is_cut = spec.is_open and isinstance(table.legs[time], MatrixLegs)
+    rest_s = 0.5 * spec.hover_s if is_cut else 0.0
+    legs, fixed = {
+        'longest_time': lambda: (time, climb_s + rest_s),
+        'total_time': lambda: (time, climb_s + rest_s),
+        'longest_distance': lambda: (table.length(), 0.0),
+        'total_distance': lambda: (table.length(), 0.0),
+        'energy': lambda: (table.energy(vehicle), _fixed_energy_ws(spec, climb_s)),
+    }[objective]()
+    return RoutedVehicle(
+        start=problem.home_site(vehicle),
+        end=problem.end_site(vehicle),
+        legs=legs,
+        fixed_cost=fixed,
+        limit=_limit_s(spec, climb_s + rest_s),
+        limit_legs=time,
+    )
+
+
+def _fixed_energy_ws(spec: Vehicle, climb_s: float) -> float:
+    """Return the energy of climb and descent, and of the half stay that an open route leaves."""
+    rest_s = 0.5 * spec.hover_s if spec.is_open else 0.0
+    return climb_s * spec.cruise_power_w + rest_s * spec.hover_power_w
+
+
+def _limit_s(spec: Vehicle, fixed_s: float) -> float:
+    """Return the time that legs and stays may take; infinite if batteries are swapped."""
+    if spec.battery_swap_s is not None:
+        return math.inf
+    return max(0.0, spec.endurance_s - fixed_s)

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The method `solver`: better than simple methods, always the same, for every objective."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rocsafe_planner.fleet_problem import FleetProblem
+from rocsafe_planner.objective import OBJECTIVE_VALUES
+from rocsafe_planner.optimising import Effort, optimised
+from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.routing import METHODS
+from rocsafe_planner.routing_task import routing_problem
+from rocsafe_planner.solver import route_cost
+from rocsafe_planner.tour_splitting import makespan_s
+
+from .fleets import FLEET, problem, request
+from .surveys import surveys
+
+TOOLS = ('boustrophedon_equal', 'boustrophedon_minmax', 'strips')
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4))
+def test_never_worse_than_survey_tools(seed, vehicles):
+    """On random points, which are no grid at all, and on grids with corners missing."""
+    generator = np.random.default_rng(seed)
+    places = generator.uniform(0.0, 300.0, (25, 2))
+    grid = np.array([(20.0 * x, 20.0 * y) for x in range(7) for y in range(7)])
+    for points in (places, grid[generator.random(49) < 0.8]):
+        world = problem(points, generator.uniform(-100.0, 400.0, (vehicles, 2)))
+        best = makespan_s(world, METHODS['solver'](world))
+        assert best <= min(makespan_s(world, METHODS[tool](world)) for tool in TOOLS) + 1e-3
+
+
+def test_derailment_is_a_fifth_shorter_than_the_papers():
+    """The seed's own mission, by the paper's method and by the solver."""
+    paper, ours = (plan_survey(request(method=m)) for m in ('paper_greedy', 'solver'))
+    assert ours.makespan_s < 0.82 * paper.makespan_s
+    assert check_plan(ours) == []
+
+
+def test_without_a_budget_always_the_same():
+    """The same question has the same answer; another seed may have another."""
+    assert plan_survey(request(method='solver')) == plan_survey(request(method='solver'))
+
+
+@settings(max_examples=10, deadline=None)
+@given(surveys(separation_m=0.0))
+def test_costs_are_those_of_the_time_model(survey):
+    """What the solver counts, for each objective, is what the planner states."""
+    from rocsafe_planner.errors import PlannerError
+    from rocsafe_planner.survey_site import survey_site
+
+    try:
+        world: FleetProblem = survey_site(survey).problem
+    except (PlannerError, ValueError):
+        return
+    order = list(range(len(world.points)))
+    if world.may_visit is not None:
+        order = [i for i in order if world.may_visit[0, i]]
+    for objective, count in (
+        ('longest_time', world.duration_s),
+        ('total_distance', world.length_m),
+    ):
+        routed = route_cost(routing_problem(world, objective), 0, order)
+        assert routed == pytest.approx(count(0, order), rel=1e-6)
+
+
+@pytest.mark.parametrize('objective', OBJECTIVE_VALUES)
+def test_each_objective_is_pursued(objective):
+    """No other objective's plan is much better in it."""
+    plans = {
+        name: plan_survey(request(method='solver', objective=name)) for name in OBJECTIVE_VALUES
+    }
+    value = OBJECTIVE_VALUES[objective]
+    least = min(value(plan) for plan in plans.values())
+    assert value(plans[objective]) <= 1.02 * least
+    assert check_plan(plans[objective]) == []
+
+
+def test_short_batteries_are_kept_to():
+    """A fleet that the simple methods cannot use is used: nobody flies longer than it may."""
+    paper = plan_survey(request(method='boustrophedon_minmax'))
+    limit = 0.985 * paper.makespan_s
+    fleet = tuple(dataclasses.replace(v, endurance_s=limit) for v in FLEET)
+    plan = plan_survey(request(method='solver', vehicles=fleet))
+    assert plan.makespan_s <= limit
+
+
+def test_a_search_stops_when_told():
+    """Long before its budget is spent, with routes that visit everything."""
+    world = problem([(20.0 * x, 20.0 * y) for x in range(9) for y in range(9)], [(0.0, 0.0)] * 3)
+    reports = []
+
+    def watch(value, bound):
+        reports.append((value, bound))
+        return len(reports) < 3
+
+    found = optimised(world, Effort(budget_s=60.0), watch)
+    assert sorted(i for order in found.orders for i in order) == list(range(81))
+    assert all(math.isfinite(value) for value, _ in reports)
