@@ -10,26 +10,46 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.motion import MotionLimits
-from rocsafe_planner.airspace import MAX_SITES, Airspace
+from rocsafe_planner.airspace import MAX_SITES, Air, Airspace
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 from rocsafe_planner.flight_time import FlightTime
 
 from .surveys import star
 
-FLIGHT = FlightTime(MotionLimits(8.0, 2.0))
+
+def flight(wind_mps=(0.0, 0.0)):
+    """Return the times of a vehicle of 8 m/s and 2 m/s^2."""
+    return FlightTime(
+        motion=MotionLimits(8.0, 2.0), climb_rate_mps=3.0, descent_rate_mps=2.0, wind_mps=wind_mps
+    )
+
+
+def level(places):
+    """Return places (n, 2) at one height, (n, 3)."""
+    return np.column_stack([places, np.zeros(len(places))])
+
+
+def air(sites, paths, wind_mps=(0.0, 0.0)):
+    """Return a flight at one height."""
+    return Air(flight=flight(wind_mps), sites=level(sites), corners=level(paths.corners))
 
 
 def test_around_a_square_by_hand():
     """The way past a square 10 m wide bends at two of its corners, 1 mm off."""
     airspace = Airspace([shapely.box(-5, -5, 5, 5)], clearance_m=0.0)
-    paths = airspace.detours(np.array([(-20.0, 0.0), (20.0, 0.0), (-20.0, 30.0)]))
+    sites = np.array([(-20.0, 0.0), (20.0, 0.0), (-20.0, 30.0)])
+    paths = airspace.detours(sites)
     part = math.hypot(14.999, 5.001)
     assert paths.length_m[0, 1] == pytest.approx(2 * part + 10.002)
-    np.testing.assert_allclose(np.abs(paths.bends(0, 1)), np.full((2, 2), 5.001))
+    np.testing.assert_allclose(
+        np.abs(paths.corners[paths.corners_between(0, 1)]), np.full((2, 2), 5.001)
+    )
     assert paths.length_m[0, 2] == 30.0
-    assert len(paths.bends(0, 2)) == 0
-    stops = FLIGHT(np.array([(part, 0.0), (10.002, 0.0), (part, 0.0)])).sum()
-    assert paths.duration_s(np.array(0), np.array(1), FLIGHT) == pytest.approx(stops)
+    assert len(paths.corners_between(0, 2)) == 0
+    ways = level(np.array([(part, 0.0), (10.002, 0.0), (part, 0.0)]))
+    stops = flight()(np.zeros(3), ways).sum()
+    found = paths.duration_s(np.array(0), np.array(1), air(sites, paths))
+    assert found == pytest.approx(stops)
 
 
 def test_clearance_is_kept():
@@ -46,7 +66,7 @@ def test_a_concave_zone_shuts_its_bay():
         [(0, 0), (40, 0), (40, 10), (10, 10), (10, 30), (40, 30), (40, 40), (0, 40)]
     )
     paths = Airspace([bay], 0.0).detours(np.array([(20.0, 20.0), (-10.0, 20.0)]))
-    bends = paths.bends(0, 1)
+    bends = paths.corners[paths.corners_between(0, 1)]
     assert len(bends) == 3
     line = shapely.LineString(np.vstack([(20.0, 20.0), bends, (-10.0, 20.0)]))
     assert line.length == pytest.approx(paths.length_m[0, 1])
@@ -82,17 +102,25 @@ def test_paths_are_metric_and_clear(radii, seed):
     np.testing.assert_allclose(length, length.T, atol=1e-9)
     assert (length[:, None, :] <= length[:, :, None] + length[None, :, :] + 0.02).all()
     for i, j in np.argwhere(length > straight + 1e-9):
-        line = shapely.LineString(np.vstack([places[i], paths.bends(i, j), places[j]]))
+        line = shapely.LineString(
+            np.vstack([places[i], paths.corners[paths.corners_between(i, j)], places[j]])
+        )
         assert line.length == pytest.approx(length[i, j])
         assert shapely.distance(line, zone) >= 1.0 - 1e-6
 
 
 def test_wind_is_felt_both_ways():
     """With the wind 10 m/s over ground, against it 6, across it sqrt(8^2 - 2^2)."""
-    flight = FlightTime(MotionLimits(8.0, 2.0), (2.0, 0.0))
-    times = flight(np.array([(100.0, 0.0), (-100.0, 0.0), (0.0, 100.0)]))
+    windy = flight((2.0, 0.0))
+    times = windy(np.zeros(3), level(np.array([(100.0, 0.0), (-100.0, 0.0), (0.0, 100.0)])))
     across = math.sqrt(60.0)
     np.testing.assert_allclose(
         times, [100 / 10 + 10 / 2, 100 / 6 + 6 / 2, 100 / across + across / 2]
     )
-    assert flight.fastest() == MotionLimits(10.0, 2.0)
+    assert windy.fastest() == MotionLimits(10.0, 2.0)
+
+
+def test_a_climb_takes_its_time():
+    """100 m along and 60 m up at 3 m/s, or down at 2 m/s: the height decides."""
+    times = flight()(np.zeros(3), np.array([(100.0, 0.0, 60.0), (100.0, 0.0, -60.0)]))
+    np.testing.assert_allclose(times, [20.0, 30.0])

@@ -68,7 +68,7 @@ def test_slivers_are_photographed():
     coverage = cover([corner], plan)
     assert not any(corner.contains(shapely.Point(centre)) for centre in coverage.centres)
     assert len(coverage.centres) == 3
-    assert coverage.covered_area_m2 == pytest.approx(corner.area)
+    assert coverage.sight.covered_area_m2 == pytest.approx(corner.area)
 
 
 @pytest.mark.parametrize('sides', [3, 4, 5, 6, 7, 8])
@@ -79,7 +79,7 @@ def test_turned_grids_lose_no_footprint(sides):
         angles = turn + math.tau * np.arange(sides) / sides
         area = shapely.Polygon(np.column_stack([ring * np.cos(angles), ring * np.sin(angles)]))
         coverage = cover([area], spec(overlap=0.0, grid='rotated', height=60.0))
-        assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
+        assert coverage.sight.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
 
 @settings(max_examples=50)
@@ -92,8 +92,8 @@ def test_turned_grids_lose_no_footprint(sides):
 def test_the_whole_area_is_seen(area, grid, rule, overlap):
     """Whatever the shape, every square metre is inside a footprint."""
     coverage = cover([area], spec(overlap, rule, grid, height=64.0))
-    assert coverage.region_area_m2 == pytest.approx(area.area)
-    assert coverage.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
+    assert coverage.sight.region_area_m2 == pytest.approx(area.area)
+    assert coverage.sight.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
 
 @settings(max_examples=50)
@@ -132,7 +132,7 @@ def test_covered_area_is_that_of_the_footprints():
         footprint_m=(5.0, 8.0), spacing_m=(10.0, 10.0), grid='axis_aligned', max_viewpoints=100
     )
     coverage = cover([shapely.box(0, 0, 30, 20)], plan)
-    assert coverage.covered_area_m2 == pytest.approx(6 * 5.0 * 8.0)
+    assert coverage.sight.covered_area_m2 == pytest.approx(6 * 5.0 * 8.0)
 
 
 def test_rotated_grid_follows_a_slanted_rectangle():
@@ -203,8 +203,8 @@ def test_holes_and_several_polygons():
         [west, east], plan, lambda places: ~((places[:, 0] > 100) & (places[:, 0] < 120))
     )
     assert coverage.polygon.tolist() == [0, 0, 0, 1, 1]
-    assert coverage.region_area_m2 == pytest.approx(900.0)
-    assert coverage.covered_area_m2 == pytest.approx(500.0)
-    assert coverage.largest_hole_m2 == pytest.approx(400.0)
+    assert coverage.sight.region_area_m2 == pytest.approx(900.0)
+    assert coverage.sight.covered_area_m2 == pytest.approx(500.0)
+    assert coverage.sight.largest_hole_m2 == pytest.approx(400.0)
     with pytest.raises(NoWayError, match='leave no viewpoint'):
         cover([west], plan, lambda places: places[:, 0] > 50)

@@ -7,6 +7,7 @@ so that no rounding makes a path touch the zone it follows.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,8 +19,8 @@ from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.intp]
 BoolArray = NDArray[np.bool_]
-Flight = Callable[[FloatArray], FloatArray]
-"""Time of straight flights of given displacements (..., 2), in seconds."""
+Flight = Callable[[FloatArray, FloatArray], FloatArray]
+"""Time of flights from places to places (east, north, up), in seconds."""
 
 MAX_SITES = 5000
 """Lengths of detours are kept for all pairs: 5000 sites take 300 MB."""
@@ -27,6 +28,15 @@ MAX_SITES = 5000
 # How much further out than the clearance paths bend.
 _MARGIN_M = 1e-3
 _BLOCK = 256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Air:
+    """How long a vehicle's flights take, and where it passes sites and corners, (k, 3) each."""
+
+    flight: Flight
+    sites: FloatArray
+    corners: FloatArray
 
 
 class Airspace:
@@ -76,10 +86,12 @@ class Detours:
     ----------
     length_m
         From each site to each, shape (s, s).
+    corners
+        At which paths bend, shape (c, 2).
     """
 
     def __init__(self, sites: FloatArray, corners: FloatArray, edges: FloatArray) -> None:
-        self._sites, self._corners = sites, corners
+        self._sites, self.corners = sites, corners
         ways, self._next = _corner_paths(corners, edges)
         reach = _distances(sites, corners)
         reach[_blocked(sites, corners, edges)] = np.inf
@@ -87,7 +99,7 @@ class Detours:
         self.first: NDArray[np.int32] = np.full(self.length_m.shape, -1, dtype=np.int32)
         self.last: NDArray[np.int32] = self.first.copy()
         self._fill(_blocked(sites, sites, edges), reach, ways)
-        self._durations: dict[Flight, FloatArray] = {}
+        self._durations: dict[Air, FloatArray] = {}
 
     def _fill(self, blocked: BoolArray, reach: FloatArray, ways: FloatArray) -> None:
         """Set lengths, and first and last corners, of the blocked pairs, row by row."""
@@ -105,47 +117,49 @@ class Detours:
             self.length_m[i, others] = best
             self.first[i, others], self.last[i, others] = out[last], last
 
-    def bends(self, origin: int, target: int) -> FloatArray:
-        """Return where the path from one site to another bends, shape (k, 2)."""
+    def corners_between(self, origin: int, target: int) -> IndexArray:
+        """Return the numbers of the corners at which a path bends, in its order."""
         corner, last = int(self.first[origin, target]), int(self.last[origin, target])
         if corner < 0:
-            return np.zeros((0, 2))
+            return np.zeros(0, dtype=np.intp)
         path = [corner]
         while corner != last:
             corner = int(self._next[corner, last])
             path.append(corner)
-        return self._corners[path]
+        return np.array(path, dtype=np.intp)
 
-    def duration_s(self, origins: IndexArray, targets: IndexArray, flight: Flight) -> FloatArray:
+    def duration_s(self, origins: IndexArray, targets: IndexArray, air: Air) -> FloatArray:
         """Return the times of paths, broadcast; a vehicle stops where its path bends."""
         origins, targets = np.broadcast_arrays(origins, targets)
         first, last = self.first[origins, targets], self.last[origins, targets]
-        durations = np.asarray(flight(self._sites[targets] - self._sites[origins]), float)
         bent = first >= 0
-        if not bent.any():
-            return durations
-        durations = np.array(durations)
-        begin, end = self._corners[first[bent]], self._corners[last[bent]]
-        durations[bent] = (
-            flight(begin - self._sites[origins[bent]])
-            + self._between_corners_s(flight)[first[bent], last[bent]]
-            + flight(self._sites[targets[bent]] - end)
+        durations = np.empty(origins.shape)
+        straight = ~bent
+        durations[straight] = air.flight(
+            air.sites[origins[straight]], air.sites[targets[straight]]
         )
+        if bent.any():
+            begin, end = air.corners[first[bent]], air.corners[last[bent]]
+            durations[bent] = (
+                air.flight(air.sites[origins[bent]], begin)
+                + self._between_corners_s(air)[first[bent], last[bent]]
+                + air.flight(end, air.sites[targets[bent]])
+            )
         return durations
 
-    def _between_corners_s(self, flight: Flight) -> FloatArray:
+    def _between_corners_s(self, air: Air) -> FloatArray:
         """Return the times of the paths among corners, shape (c, c); computed once a flight."""
-        if flight not in self._durations:
-            self._durations[flight] = self._walked_s(flight)
-        return self._durations[flight]
+        if air not in self._durations:
+            self._durations[air] = self._walked_s(air)
+        return self._durations[air]
 
-    def _walked_s(self, flight: Flight) -> FloatArray:
-        count = len(self._corners)
+    def _walked_s(self, air: Air) -> FloatArray:
+        count = len(self.corners)
         at, target = np.indices((count, count))
         total = np.zeros((count, count))
         for _ in range(count):
             step = np.where(at == target, at, self._next[at, target])
-            total += flight(self._corners[step] - self._corners[at])
+            total += air.flight(air.corners[at], air.corners[step])
             at = step
         return total
 

@@ -8,8 +8,8 @@ the vehicle fastest on them would need, photographs what the quickest one would,
 the two legs; legs from home, climb and descent are each vehicle's own. No routes cost less, so the
 forest bound of these costs holds; so does the time of the farthest point photographed alone by
 the vehicle best placed for it. The better of the two is returned. In wind a vehicle is taken to
-have it in its back on every leg; the end of an open route costs nothing; stops where legs bend,
-battery swaps, delays and, in the forest, sensors are left out. All that only lowers the bound.
+have it in its back on every leg; the end of an open route costs nothing; climbs between points,
+stops where legs bend, battery swaps, delays, layers and, in the forest, sensors are left out. All that only lowers the bound.
 """
 
 from collections.abc import Callable
@@ -70,16 +70,16 @@ def _farthest_trip_s(problem: FleetProblem) -> float:
     trips = []
     for k, vehicle in enumerate(problem.vehicles):
         ways = sum(_ways_s(problem, k), start=np.zeros(len(problem.points)))
-        times = problem.fixed_s(k) + ways + vehicle.hover_s
+        times = problem.first_fixed_s(k) + ways + vehicle.hover_s
         trips.append(np.where(problem.allowed(k), times, np.inf))
     return float(np.min(trips, axis=0).max())
 
 
 def _ways_s(problem: FleetProblem, vehicle: int) -> tuple[FloatArray, FloatArray]:
-    """Return times that no way from home to each point, and from there to the end, undercuts."""
+    """Return times that no way from the start to each point, and from there to the end, undercuts."""
     n = len(problem.points)
     motion = problem.flight(vehicle).fastest()
-    out = leg_duration_s(problem.distances_m(problem.home_site(vehicle))[:n], motion)
+    out = leg_duration_s(problem.distances_m(problem.start_site(vehicle))[:n], motion)
     end = problem.end_site(vehicle)
     back = np.zeros(n) if end is None else leg_duration_s(problem.distances_m(end)[:n], motion)
     return out, back
@@ -95,7 +95,7 @@ def _undercut_costs(problem: FleetProblem) -> FleetCosts:
         return _fastest_legs_s(problem, point) + hover
 
     matrix = np.vstack([row(point) for point in range(n)]) if n <= _DENSE_POINTS else None
-    fixed = np.array([problem.fixed_s(k) for k in range(len(problem.vehicles))])
+    fixed = np.array([problem.first_fixed_s(k) for k in range(len(problem.vehicles))])
     return FleetCosts(
         fixed=fixed,
         # Either way may be the one that joins a point: the shorter one costs no more.

@@ -54,6 +54,15 @@ class CoverageSpec:
     max_viewpoints: int
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sight:
+    """Area of regions, of their part inside at least one footprint, of the largest hole in it."""
+
+    region_area_m2: float
+    covered_area_m2: float
+    largest_hole_m2: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Coverage:
     """Viewpoints in the plane of a local frame, and what their photographs see.
@@ -69,18 +78,15 @@ class Coverage:
         Corners (east, north) of the ground seen from each, shape (n, 4, 2), anticlockwise.
     polygon
         Number of the polygon that each viewpoint was made for, shape (n,).
-    region_area_m2, covered_area_m2, largest_hole_m2
-        Of all polygons, of their part inside at least one footprint, and of the largest connected
-        part inside none.
+    sight
+        What all photographs together show.
     """
 
     centres: FloatArray
     yaw_rad: FloatArray
     footprints: FloatArray
     polygon: NDArray[np.intp]
-    region_area_m2: float
-    covered_area_m2: float
-    largest_hole_m2: float
+    sight: Sight
 
 
 def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:
@@ -151,13 +157,20 @@ def cover(
     kept = np.ones(len(centres), dtype=bool) if may_stand is None else may_stand(centres)
     if not kept.any():
         raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
-    region = shapely.union_all(polygons)
-    hole = _unseen(region, footprints[kept])
     return Coverage(
         centres=centres[kept],
         yaw_rad=yaws[kept],
         footprints=footprints[kept],
         polygon=np.repeat(np.arange(len(polygons)), counts)[kept],
+        sight=sight(polygons, footprints[kept]),
+    )
+
+
+def sight(polygons: Sequence[shapely.Polygon], footprints: FloatArray) -> Sight:
+    """Return how much of polygons the footprints (n, 4, 2) show."""
+    region = shapely.union_all(polygons)
+    hole = _unseen(region, footprints)
+    return Sight(
         region_area_m2=region.area,
         covered_area_m2=region.area - min(region.area, hole.area),
         largest_hole_m2=float(shapely.area(shapely.get_parts(hole)).max(initial=0.0)),

@@ -9,7 +9,9 @@ from rocsafe_geo.area import Ring, SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_planner.terrain import Terrain
 from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.viewpoint import Viewpoint
 
 Document = dict[str, Any]
 
@@ -50,11 +52,32 @@ def camera_document(camera: PinholeCamera) -> Document:
 def vehicle_document(vehicle: Vehicle) -> Document:
     """Return all fields of a vehicle."""
     end = None if vehicle.end is None else position_document(vehicle.end)
+    aloft = vehicle.aloft and {
+        **position_document(vehicle.aloft.position),
+        'used_s': vehicle.aloft.used_s,
+    }
     return {
         **dataclasses.asdict(vehicle),
+        'aloft': aloft,
         'home': position_document(vehicle.home),
         'end': end,
         'sensors': list(vehicle.sensors),
+    }
+
+
+def terrain_document(terrain: Terrain | None) -> Document | None:
+    """Return the name and the SHA-256 digest of an elevation model."""
+    return terrain and {'name': terrain.name, 'sha256': terrain.digest}
+
+
+def viewpoint_document(viewpoint: Viewpoint) -> Document:
+    """Return a viewpoint without its footprint."""
+    return {
+        'id': viewpoint.id,
+        **position_document(viewpoint.position),
+        'height_agl_m': number(viewpoint.height_agl_m),
+        'yaw_rad': viewpoint.yaw_rad,
+        'sensors': list(viewpoint.sensors),
     }
 
 

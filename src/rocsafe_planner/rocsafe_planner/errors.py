@@ -24,3 +24,7 @@ class NoWayError(PlannerError):
 
 class MissingSensorError(PlannerError):
     """No vehicle carries what a viewpoint requires."""
+
+
+class TerrainError(PlannerError):
+    """The elevation model lacks the ground that is to be flown over."""

@@ -3,19 +3,24 @@
 
 A vehicle climbs to the survey height at home, flies legs from standstill to standstill, hovers at
 each viewpoint, returns at the survey height and descends. It stops wherever a leg bends around an
-exclusion. A vehicle without viewpoints stays on the ground.
+exclusion or over a hill. A vehicle without viewpoints stays on the ground; one that is in the air
+already begins where it is, and lands in any case.
 
-Sites are numbered: the n points, then the homes of the m vehicles, then their ends.
+Sites are numbered: the n points, then the starts of the m vehicles, their ends, their homes.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_planner.airspace import Detours
+from rocsafe_planner.airspace import Air, Detours
 from rocsafe_planner.flight_time import FlightTime
+from rocsafe_planner.relief import Relief
+from rocsafe_planner.terrain import LocalGround
 from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -25,19 +30,26 @@ Order = list[int]
 """Indices of points in flying order."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FleetProblem:
     """Points to visit by a fleet; places are (east, north) in metres.
 
     Attributes
     ----------
-    homes, ends
-        Where each vehicle starts and lands, shape (m, 2); without `ends` it lands at home. Where
-        a vehicle `is_open`, its end means nothing: it lands at its last viewpoint.
+    homes, ends, starts
+        Where each vehicle stands, lands and begins, shape (m, 2); without `ends` it lands at
+        home, without `starts` it begins there. Where a vehicle `is_open`, its end means nothing:
+        it lands at its last viewpoint.
     points
         Shape (n, 2).
     height_m
-        To climb to and to descend from.
+        Above the ground, to climb to and to descend from.
+    start_ups_m
+        Height of each start above the frame's origin, shape (m,), NaN: that of the legs.
+    layers_m
+        How much higher than `height_m` each vehicle flies; empty: none does.
+    ground, relief
+        What the legs follow, and what they keep above; None: level ground.
     wind_mps
         (east, north) that the air moves towards.
     detours
@@ -53,19 +65,58 @@ class FleetProblem:
     points: FloatArray
     height_m: float
     ends: FloatArray | None = None
+    starts: FloatArray | None = None
+    start_ups_m: FloatArray | None = None
+    layers_m: tuple[float, ...] = ()
+    ground: LocalGround | None = None
+    relief: Relief | None = None
     wind_mps: tuple[float, float] = (0.0, 0.0)
     detours: Detours | None = None
     may_visit: BoolArray | None = None
     grid_rad: float = 0.0
+    _airs: dict[tuple[FlightTime, float], Air] = field(default_factory=dict, repr=False)
 
-    @property
+    @cached_property
     def sites(self) -> FloatArray:
-        """Places of all sites, shape (n + 2 m, 2)."""
-        return np.vstack([self.points, self.homes, self.homes if self.ends is None else self.ends])
+        """Places of all sites, shape (n + 3 m, 2)."""
+        starts = self.homes if self.starts is None else self.starts
+        ends = self.homes if self.ends is None else self.ends
+        return np.vstack([self.points, starts, ends, self.homes])
+
+    @cached_property
+    def ups_m(self) -> FloatArray:
+        """Height at which sites are flown over, above the frame's origin, shape (n + 3 m,)."""
+        ups = self._over(self.sites)
+        if self.start_ups_m is not None:
+            starts = slice(len(self.points), len(self.points) + len(self.vehicles))
+            known = np.isfinite(self.start_ups_m)
+            ups[starts] = np.where(known, self.start_ups_m, ups[starts])
+        return ups
 
     def flight(self, vehicle: int) -> FlightTime:
-        """Return the times of a vehicle's straight flights."""
-        return FlightTime(self.vehicles[vehicle].motion, self.wind_mps)
+        """Return the times of a vehicle's flights."""
+        spec = self.vehicles[vehicle]
+        return FlightTime(
+            motion=spec.motion,
+            climb_rate_mps=spec.climb_rate_mps,
+            descent_rate_mps=spec.descent_rate_mps,
+            wind_mps=self.wind_mps,
+            relief=self.relief,
+        )
+
+    @property
+    def legs_are_plain(self) -> bool:
+        """Whether a leg's time follows from its length alone."""
+        is_level = self.ground is None and self.start_ups_m is None
+        return is_level and self.detours is None and self.wind_mps == (0.0, 0.0)
+
+    def layer_m(self, vehicle: int) -> float:
+        """Return how much higher than the others a vehicle flies."""
+        return self.layers_m[vehicle] if self.layers_m else 0.0
+
+    def flight_height_m(self, vehicle: int) -> float:
+        """Return the height above the ground at which a vehicle flies."""
+        return self.height_m + self.layer_m(vehicle)
 
     def allowed(self, vehicle: int) -> BoolArray:
         """Return which points a vehicle has the sensors for, shape (n,)."""
@@ -73,8 +124,8 @@ class FleetProblem:
             return np.ones(len(self.points), dtype=bool)
         return self.may_visit[vehicle]
 
-    def home_site(self, vehicle: int) -> int:
-        """Return the site where a vehicle starts."""
+    def start_site(self, vehicle: int) -> int:
+        """Return the site where a vehicle begins."""
         return len(self.points) + vehicle
 
     def end_site(self, vehicle: int) -> int | None:
@@ -83,56 +134,97 @@ class FleetProblem:
             return None
         return len(self.points) + len(self.vehicles) + vehicle
 
+    def home_site(self, vehicle: int) -> int:
+        """Return the site where a vehicle changes its battery."""
+        return len(self.points) + 2 * len(self.vehicles) + vehicle
+
     def distances_m(self, site: int) -> FloatArray:
-        """Return the lengths of the legs from one site to all, shape (n + 2 m,)."""
+        """Return the lengths of the legs from one site to all, shape (n + 3 m,)."""
         if self.detours is not None:
             return self.detours.length_m[site]
-        sites = self.sites
-        return distances_m(sites, sites[site])
+        return distances_m(self.sites, self.sites[site])
 
     def legs_m(self, origins: IndexArray, targets: IndexArray) -> FloatArray:
-        """Return the lengths of legs between sites."""
+        """Return the horizontal lengths of legs between sites."""
         if self.detours is not None:
             lengths: FloatArray = self.detours.length_m[origins, targets]
             return lengths
-        sites = self.sites
-        return distances_m(sites[targets], sites[origins])
+        return distances_m(self.sites[targets], self.sites[origins])
 
     def legs_s(self, vehicle: int, origins: IndexArray, targets: IndexArray) -> FloatArray:
         """Return the times that a vehicle needs for legs between sites, without hovering."""
+        air = self._air(vehicle)
         if self.detours is not None:
-            return self.detours.duration_s(origins, targets, self.flight(vehicle))
-        sites = self.sites
-        return self.flight(vehicle)(sites[targets] - sites[origins])
+            return self.detours.duration_s(origins, targets, air)
+        return air.flight(air.sites[origins], air.sites[targets])
 
     def fixed_s(self, vehicle: int) -> float:
-        """Return the time of climb and descent of a vehicle that flies."""
-        return self.vehicles[vehicle].vertical_s(self.height_m)
+        """Return the time of climb and descent of a flight from home."""
+        return self.vehicles[vehicle].vertical_s(self.flight_height_m(vehicle))
+
+    def first_fixed_s(self, vehicle: int) -> float:
+        """Return the time of climb and descent of a vehicle's first flight."""
+        return self.vehicles[vehicle].first_vertical_s(self.flight_height_m(vehicle))
 
     def stops(self, vehicle: int, order: Sequence[int]) -> IndexArray:
-        """Return the sites of a flight that visits points in order, from home to its end."""
+        """Return the sites of a flight that visits points in order, from start to end."""
         end = self.end_site(vehicle)
         last = [] if end is None else [end]
-        return np.array([self.home_site(vehicle), *order, *last], dtype=np.intp)
+        return np.array([self.start_site(vehicle), *order, *last], dtype=np.intp)
 
     def length_m(self, vehicle: int, order: Sequence[int]) -> float:
-        """Return the horizontal length of a flight from home to its end; 0 for an empty one."""
-        if not len(order):
+        """Return the horizontal length of a flight from start to end; 0 for one on the ground."""
+        if not self.flies(vehicle, order):
             return 0.0
         stops = self.stops(vehicle, order)
         return float(self.legs_m(stops[:-1], stops[1:]).sum())
 
     def duration_s(self, vehicle: int, order: Sequence[int]) -> float:
-        """Return the time from take-off to touch-down; 0 for an empty flight."""
-        if not len(order):
+        """Return the time from the start to touch-down; 0 for a vehicle on the ground."""
+        if not self.flies(vehicle, order):
             return 0.0
         stops = self.stops(vehicle, order)
         flying = float(self.legs_s(vehicle, stops[:-1], stops[1:]).sum())
-        return self.fixed_s(vehicle) + flying + len(order) * self.vehicles[vehicle].hover_s
+        return self.first_fixed_s(vehicle) + flying + len(order) * self.vehicles[vehicle].hover_s
 
-    def bends(self, origin: int, target: int) -> FloatArray:
-        """Return where the leg between two sites bends, shape (k, 2)."""
-        return np.zeros((0, 2)) if self.detours is None else self.detours.bends(origin, target)
+    def flies(self, vehicle: int, order: Sequence[int]) -> bool:
+        """Return whether a vehicle with such an order is, or will be, in the air."""
+        return len(order) > 0 or self.vehicles[vehicle].aloft is not None
+
+    def way(self, vehicle: int, origin: int, target: int) -> FloatArray:
+        """Return the places (east, north, up) of a leg: origin, bends, target; shape (k, 3)."""
+        air = self._air(vehicle)
+        corners: IndexArray = np.zeros(0, dtype=np.intp)
+        if self.detours is not None:
+            corners = self.detours.corners_between(origin, target)
+        places = [air.sites[origin], *air.corners[corners], air.sites[target]]
+        if self.relief is None:
+            return np.array(places)
+        way = [places[0]]
+        for a, b in pairwise(places):
+            for bend in self.relief.bends(a, b):
+                is_new = np.abs(bend - way[-1]).max() > 1e-6 and np.abs(bend - b).max() > 1e-6
+                way.extend([bend] if is_new else [])
+            way.append(b)
+        return np.array(way)
+
+    def _air(self, vehicle: int) -> Air:
+        """Return where and how fast a vehicle flies, made once for those that fly alike."""
+        key = (self.flight(vehicle), self.layer_m(vehicle))
+        if key not in self._airs:
+            corners = np.zeros((0, 2)) if self.detours is None else self.detours.corners
+            self._airs[key] = Air(
+                flight=key[0],
+                sites=np.column_stack([self.sites, self.ups_m + key[1]]),
+                corners=np.column_stack([corners, self._over(corners) + key[1]]),
+            )
+        return self._airs[key]
+
+    def _over(self, places: FloatArray) -> FloatArray:
+        """Return the flying height over places (k, 2), above the frame's origin."""
+        if self.ground is None or not len(places):
+            return np.full(len(places), float(self.height_m))
+        return self.ground.ups_m(places) + self.height_m
 
 
 def distances_m(a: FloatArray, b: FloatArray) -> FloatArray:

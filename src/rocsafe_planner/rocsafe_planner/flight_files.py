@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flights for other autopilots and apps: MAVLink way-point list, GPX track, DJI's KMZ.
 
-Heights are metres above the place of take-off, which stands on level ground.
+Heights are metres above the place of take-off.
 """
 
 import math
@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from rocsafe_geo.angle import heading_of_yaw_rad
-from rocsafe_planner.flight_path import Stop, flight_path, landing_place
+from rocsafe_planner.flight_path import Stop, begins_aloft, flight_path, landing_place
 from rocsafe_planner.plan import Route
 
 # MAVLink common message set.
@@ -37,18 +37,15 @@ def flight_waypoints(route: Route, number: int) -> str:
     altitude, autocontinue.
     """
     home = route.vehicle.home
-    height = route.viewpoints[0].height_agl_m
+    height = route.flight_height_m
     rows = [
         (_FRAME_GLOBAL, _NAV_WAYPOINT, (0.0,) * 4, _place(home.latitude_deg, home.longitude_deg)),
-        (
-            _FRAME_RELATIVE_ALTITUDE,
-            _NAV_TAKEOFF,
-            (0.0,) * 4,
-            _place(home.latitude_deg, home.longitude_deg, height),
-        ),
     ]
+    if not begins_aloft(route, number):
+        above = _place(home.latitude_deg, home.longitude_deg, height)
+        rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_TAKEOFF, (0.0,) * 4, above))
     for stop in _between(route, number):
-        place = _place(stop.position.latitude_deg, stop.position.longitude_deg, height)
+        place = _place(stop.position.latitude_deg, stop.position.longitude_deg, stop.height_m)
         hold = route.vehicle.hover_s if stop.viewpoint else 0.0
         parameters = (hold, 0.0, 0.0, _heading_deg(stop))
         rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_WAYPOINT, parameters, place))
@@ -153,13 +150,12 @@ def _dji_document(route: Route, number: int, *, is_template: bool) -> Element:
         _wpml(folder, 'waylineId', '0')
     _wpml(folder, 'templateId', '0')
     _wpml(folder, 'autoFlightSpeed', f'{route.vehicle.cruise_speed_mps:g}')
-    height = route.viewpoints[0].height_agl_m
     for index, stop in enumerate(_between(route, number)):
         placemark = SubElement(folder, 'Placemark')
         place = f'{stop.position.longitude_deg:.9f},{stop.position.latitude_deg:.9f}'
         SubElement(SubElement(placemark, 'Point'), 'coordinates').text = place
         _wpml(placemark, 'index', str(index))
-        _wpml(placemark, 'height' if is_template else 'executeHeight', f'{height:g}')
+        _wpml(placemark, 'height' if is_template else 'executeHeight', f'{stop.height_m:g}')
         _dji_turn(placemark, stop, route.vehicle.cruise_speed_mps)
         if stop.viewpoint is not None:
             _dji_photograph(placemark, index, route.vehicle.hover_s)
@@ -173,7 +169,7 @@ def _dji_settings(document: Element, route: Route) -> None:
         ('finishAction', 'noAction' if route.vehicle.is_open else 'goHome'),
         ('exitOnRCLost', 'executeLostAction'),
         ('executeRCLostAction', 'goBack'),
-        ('takeOffSecurityHeight', f'{route.viewpoints[0].height_agl_m:g}'),
+        ('takeOffSecurityHeight', f'{route.flight_height_m:g}'),
         ('globalTransitionalSpeed', f'{route.vehicle.cruise_speed_mps:g}'),
     ):
         _wpml(settings, name, text)

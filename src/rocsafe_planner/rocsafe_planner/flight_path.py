@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The places of a flight in order, for whoever draws, exports or checks it."""
 
+import math
 from dataclasses import dataclass
 
 from rocsafe_geo.position import GeoPosition
@@ -9,9 +10,13 @@ from rocsafe_planner.plan import Route, Viewpoint
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stop:
-    """A place where a vehicle stands still; `viewpoint` is None at homes, bends and ends."""
+    """A place where a vehicle stands still; `viewpoint` is None at homes, bends and ends.
+
+    `height_m` counts from the ground where the vehicle took off.
+    """
 
     position: GeoPosition
+    height_m: float
     viewpoint: Viewpoint | None = None
 
 
@@ -25,16 +30,34 @@ def landing_place(route: Route, number: int) -> GeoPosition | None:
     return vehicle.end or vehicle.home
 
 
+def begins_aloft(route: Route, number: int) -> bool:
+    """Return whether flight `number` of a route begins in the air."""
+    return number == 0 and route.vehicle.aloft is not None
+
+
 def flight_path(route: Route, number: int) -> tuple[Stop, ...]:
-    """Return the stops of flight `number` of a route, from home to where it lands."""
+    """Return the stops of flight `number` of a route, from where it begins to where it lands."""
     sortie = route.sorties[number]
-    stops = [Stop(position=route.vehicle.home)]
+    if begins_aloft(route, number):
+        stops = [_stop(route, route.vehicle.start)]
+    else:
+        stops = [Stop(position=route.vehicle.home, height_m=route.flight_height_m)]
     # Legs to viewpoints; a last leg, if there is one, has no viewpoint at its end.
     for bends, viewpoint in zip(sortie.bends, sortie.viewpoints, strict=False):
-        stops.extend(Stop(position=bend) for bend in bends)
-        stops.append(Stop(position=viewpoint.position, viewpoint=viewpoint))
+        stops.extend(_stop(route, bend) for bend in bends)
+        stops.append(_stop(route, viewpoint.position, viewpoint))
     landing = landing_place(route, number)
     if landing is not None:
-        stops.extend(Stop(position=bend) for bend in sortie.bends[-1])
-        stops.append(Stop(position=landing))
+        stops.extend(_stop(route, bend) for bend in sortie.bends[-1])
+        is_elsewhere = landing == route.vehicle.end
+        height = route.landing_height_m if is_elsewhere else math.nan
+        height = route.flight_height_m if math.isnan(height) else height
+        stops.append(Stop(position=landing, height_m=height))
     return tuple(stops)
+
+
+def _stop(route: Route, position: GeoPosition, viewpoint: Viewpoint | None = None) -> Stop:
+    height = position.altitude_m - route.ground_altitude_m
+    if math.isnan(height):
+        height = route.flight_height_m
+    return Stop(position=position, height_m=height, viewpoint=viewpoint)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a vehicle is at any time of its route, in the planner's time model."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_planner.fleet_problem import FleetProblem, Order
-from rocsafe_planner.flight_time import FlightTime
-from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
@@ -18,6 +18,8 @@ class FlightTrack:
     ----------
     windows
         (begin, end) of the times in the air, shape (flights, 2), seconds since first take-off.
+    is_aloft
+        Whether it begins in the air.
     top_speed_mps
         That it never exceeds, climb and descent included.
     low, high
@@ -26,14 +28,18 @@ class FlightTrack:
 
     def __init__(self, problem: FleetProblem, vehicle: int, flights: list[Order]) -> None:
         self._spec = problem.vehicles[vehicle]
-        self._flight = problem.flight(vehicle)
-        pieces = _Pieces(self._spec, self._flight, problem.height_m)
+        flight = problem.flight(vehicle)
+        pieces = _Pieces(problem, vehicle)
         self.windows = np.array(
             [
-                pieces.fly(_path(problem, vehicle, order, is_last=order is flights[-1]))
-                for order in flights
+                pieces.fly(
+                    _path(problem, vehicle, order, (number == 0, number == len(flights) - 1)),
+                    in_air=number == 0 and self._spec.aloft is not None,
+                )
+                for number, order in enumerate(flights)
             ]
         ).reshape(-1, 2)
+        self.is_aloft = self._spec.aloft is not None
         self._begin_s = np.array(pieces.begin_s)
         self._duration_s = np.array(pieces.duration_s)
         self._from = np.array(pieces.origins).reshape(-1, 3)
@@ -42,7 +48,12 @@ class FlightTrack:
         ends = np.vstack([self._from, self._to])
         self.low, self.high = ends.min(axis=0), ends.max(axis=0)
         rates = (self._spec.climb_rate_mps, self._spec.descent_rate_mps)
-        self.top_speed_mps = max(self._flight.fastest().cruise_speed_mps, *rates)
+        self.top_speed_mps = float(np.hypot(flight.fastest().cruise_speed_mps, max(rates)))
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first take-off to the last touch-down."""
+        return float(self.windows[-1, 1])
 
     def places(self, times_s: FloatArray) -> FloatArray:
         """Return (east, north, up) at times in the air, shape (n, 3)."""
@@ -81,8 +92,9 @@ class FlightTrack:
 class _Pieces:
     """Collects the pieces of flights one after the other."""
 
-    def __init__(self, spec: Vehicle, flight: FlightTime, height_m: float) -> None:
-        self._spec, self._flight, self._height = spec, flight, height_m
+    def __init__(self, problem: FleetProblem, vehicle: int) -> None:
+        self._spec, self._flight = problem.vehicles[vehicle], problem.flight(vehicle)
+        self._height = problem.flight_height_m(vehicle)
         self._now = 0.0
         self.begin_s: list[float] = []
         self.duration_s: list[float] = []
@@ -90,49 +102,48 @@ class _Pieces:
         self.targets: list[FloatArray] = []
         self.is_leg: list[bool] = []
 
-    def fly(self, path: list[tuple[FloatArray, bool]]) -> tuple[float, float]:
+    def fly(self, path: list[tuple[FloatArray, bool]], *, in_air: bool) -> tuple[float, float]:
         """Add a flight along places, hovering at those marked; return its begin and end."""
         if self.begin_s:
             self._now += self._spec.battery_swap_s or 0.0
-        begin = self._now
-        here = path[0][0]
-        self._add(here, here, self._height / self._spec.climb_rate_mps, (0.0, self._height))
+        begin, spec = self._now, self._spec
+        here, down = path[0][0], np.array([0.0, 0.0, self._height])
+        if not in_air:
+            self._add(here - down, here, self._height / spec.climb_rate_mps, is_leg=False)
         for place, is_viewpoint in path[1:]:
-            self._add(here, place, float(self._flight(place - here)), None)
+            leg_s = float(self._flight.straight(here, place))
+            self._add(here, place, leg_s, is_leg=True)
             here = place
             if is_viewpoint:
-                self._add(here, here, self._spec.hover_s, (self._height, self._height))
-        self._add(here, here, self._height / self._spec.descent_rate_mps, (self._height, 0.0))
+                self._add(here, here, spec.hover_s, is_leg=False)
+        self._add(here, here - down, self._height / spec.descent_rate_mps, is_leg=False)
         return begin, self._now
 
     def _add(
-        self,
-        origin: FloatArray,
-        target: FloatArray,
-        duration_s: float,
-        heights: tuple[float, float] | None,
+        self, origin: FloatArray, target: FloatArray, duration_s: float, *, is_leg: bool
     ) -> None:
-        """Add a piece: a leg at the survey height if no heights are given."""
-        self.is_leg.append(heights is None)
-        low, high = heights or (self._height, self._height)
+        is_vertical = bool(np.hypot(*(target - origin)[:2]) < 1e-9)
+        self.is_leg.append(is_leg and not is_vertical)
         self.begin_s.append(self._now)
         self.duration_s.append(duration_s)
-        self.origins.append(np.array([*origin, low]))
-        self.targets.append(np.array([*target, high]))
+        self.origins.append(origin)
+        self.targets.append(target)
         self._now += duration_s
 
 
 def _path(
-    problem: FleetProblem, vehicle: int, order: Order, *, is_last: bool
+    problem: FleetProblem, vehicle: int, order: Order, is_first_last: tuple[bool, bool]
 ) -> list[tuple[FloatArray, bool]]:
     """Return the places of a flight, bends included, and whether each is a viewpoint."""
-    sites = problem.sites
     home = problem.home_site(vehicle)
-    end = problem.end_site(vehicle) if is_last else home
-    path = [(sites[home], False)]
-    here = home
-    for site in [*order, *([] if end is None else [end])]:
-        path.extend((bend, False) for bend in problem.bends(here, site))
-        path.append((sites[site], site < len(problem.points)))
-        here = site
+    start = problem.start_site(vehicle) if is_first_last[0] else home
+    end = problem.end_site(vehicle) if is_first_last[1] else home
+    stops = [start, *order, *([] if end is None else [end])]
+    if len(stops) == 1:
+        return [(problem.way(vehicle, start, start)[0], False)]
+    path = [(problem.way(vehicle, start, stops[1])[0], False)]
+    for here, site in pairwise(stops):
+        *bends, place = problem.way(vehicle, here, site)[1:]
+        path.extend((bend, False) for bend in bends)
+        path.append((place, site < len(problem.points)))
     return path

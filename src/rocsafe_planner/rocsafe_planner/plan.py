@@ -1,31 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The answer of the planner, as values."""
 
+import math
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.request import SurveyRequest
 from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.viewpoint import Viewpoint
+
+__all__ = ['Bends', 'Route', 'Sortie', 'SurveyPlan', 'Viewpoint']
 
 Bends = tuple[GeoPosition, ...]
 """Places at which a leg changes its direction, in flying order."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Viewpoint:
-    """A place at which a photograph is taken.
-
-    `position` is the camera's, its altitude NaN if no home's altitude is known; `yaw_rad` is 0
-    for a nose that points east, anticlockwise positive; `footprint` are the corners of the ground
-    that the photograph shows, anticlockwise; `sensors` are what the vehicle must carry.
-    """
-
-    id: int
-    position: GeoPosition
-    height_agl_m: float
-    yaw_rad: float
-    footprint: tuple[GeoPosition, ...]
-    sensors: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,12 +34,25 @@ class Sortie:
 class Route:
     """What one vehicle flies, in one flight or more with battery swaps at home; empty: nothing.
 
-    `delay_s` is how long it waits on the ground before it takes off first.
+    Attributes
+    ----------
+    delay_s
+        How long it waits on the ground before it takes off first.
+    flight_height_m
+        Above the ground, of all that it flies.
+    ground_altitude_m
+        Of the ground at home where the ground is not level, against which the altitudes of
+        viewpoints and bends count; NaN: level.
+    landing_height_m
+        Above home, of the flight over where it lands; NaN: `flight_height_m`.
     """
 
     vehicle: Vehicle
     sorties: tuple[Sortie, ...]
     delay_s: float = 0.0
+    flight_height_m: float = math.nan
+    ground_altitude_m: float = math.nan
+    landing_height_m: float = math.nan
 
     @property
     def viewpoints(self) -> tuple[Viewpoint, ...]:

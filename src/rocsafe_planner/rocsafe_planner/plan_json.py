@@ -12,10 +12,12 @@ from rocsafe_planner.document import (
     number,
     position_document,
     region_document,
+    terrain_document,
     vehicle_document,
+    viewpoint_document,
 )
 from rocsafe_planner.objective import OBJECTIVE_VALUES
-from rocsafe_planner.plan import Route, Sortie, SurveyPlan, Viewpoint
+from rocsafe_planner.plan import Route, Sortie, SurveyPlan
 
 FORMAT_VERSION = 1
 
@@ -39,6 +41,9 @@ def plan_document(plan: SurveyPlan) -> Document:
         'max_viewpoints': request.max_viewpoints,
         'clearance_m': request.clearance_m,
         'separation_m': request.separation_m,
+        'separation_by': request.separation_by,
+        'terrain': terrain_document(request.terrain),
+        'terrain_clearance_m': request.terrain_clearance_m,
         'wind_mps': list(request.wind_mps),
         'region': region_document(request.regions[0]),
         'other_regions': [region_document(region) for region in request.regions[1:]],
@@ -80,7 +85,8 @@ def _route(route: Route) -> Document:
         'length_m': route.length_m,
         'duration_s': route.duration_s,
         'delay_s': route.delay_s,
-        'viewpoints': [_viewpoint(viewpoint) for viewpoint in route.viewpoints],
+        'flight_height_m': route.flight_height_m,
+        'viewpoints': [viewpoint_document(viewpoint) for viewpoint in route.viewpoints],
         'sorties': [_sortie(sortie) for sortie in route.sorties],
     }
 
@@ -93,14 +99,4 @@ def _sortie(sortie: Sortie) -> Document:
         'length_m': sortie.length_m,
         'duration_s': sortie.duration_s,
         'energy_wh': sortie.energy_wh,
-    }
-
-
-def _viewpoint(viewpoint: Viewpoint) -> Document:
-    return {
-        'id': viewpoint.id,
-        **position_document(viewpoint.position),
-        'height_agl_m': number(viewpoint.height_agl_m),
-        'yaw_rad': viewpoint.yaw_rad,
-        'sensors': list(viewpoint.sensors),
     }

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from rocsafe_geo.area import SurveyArea
-from rocsafe_planner.flight_path import flight_path
+from rocsafe_planner.flight_path import begins_aloft, flight_path
 from rocsafe_planner.plan import Route, SurveyPlan
 from rocsafe_planner.plan_geojson import area_rings
 from rocsafe_planner.route_colors import kml_color
@@ -107,12 +107,13 @@ def _vehicle(document: Element, route: Route, index: int) -> None:
 
 def _line(route: Route, number: int) -> list[tuple[float, float, float]]:
     """Return the places of a flight, from the ground at home to the ground where it lands."""
-    height = route.viewpoints[0].height_agl_m
+    height = route.flight_height_m
     places = [
         (stop.position.longitude_deg, stop.position.latitude_deg)
         for stop in flight_path(route, number)
     ]
-    return [(*places[0], 0.0), *((*place, height) for place in places), (*places[-1], 0.0)]
+    start = [] if begins_aloft(route, number) else [(*places[0], 0.0)]
+    return [*start, *((*place, height) for place in places), (*places[-1], 0.0)]
 
 
 def _folder(parent: Element, name: str) -> Element:

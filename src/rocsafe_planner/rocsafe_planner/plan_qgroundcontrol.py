@@ -17,7 +17,7 @@ from rocsafe_geo.angle import heading_of_yaw_rad
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.document import Document
-from rocsafe_planner.flight_path import Stop, flight_path, landing_place
+from rocsafe_planner.flight_path import Stop, begins_aloft, flight_path, landing_place
 from rocsafe_planner.plan import Route, Viewpoint
 
 # MAVLink common message set.
@@ -71,12 +71,13 @@ def _fence(zone: SurveyArea) -> Document:
 def _items(route: Route, number: int) -> list[Document]:
     if number >= len(route.sorties):
         return []
-    home, height = route.vehicle.home, route.viewpoints[0].height_agl_m
-    items = [_place(_NAV_TAKEOFF, [0, 0, 0, None], home.latitude_deg, home.longitude_deg, height)]
+    home, height = route.vehicle.home, route.flight_height_m
+    takeoff = _place(_NAV_TAKEOFF, [0, 0, 0, None], home.latitude_deg, home.longitude_deg, height)
+    items = [] if begins_aloft(route, number) else [takeoff]
     way = flight_path(route, number)[1:]
     landing = landing_place(route, number)
     for stop in way if landing is None else way[:-1]:
-        items.extend(_stop(stop, route.vehicle.hover_s, height))
+        items.extend(_stop(stop, route.vehicle.hover_s))
     items.append(_landing(home, landing or way[-1].position))
     return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]
 
@@ -87,16 +88,18 @@ def _landing(home: GeoPosition, place: GeoPosition) -> Document:
     return _place(_NAV_LAND, [0, 0, 0, None], place.latitude_deg, place.longitude_deg, 0.0)
 
 
-def _stop(stop: Stop, hold_s: float, height_m: float) -> list[Document]:
+def _stop(stop: Stop, hold_s: float) -> list[Document]:
     if stop.viewpoint is None:
         place = stop.position
         passing = [0, 0, 0, None]
-        return [_place(_NAV_WAYPOINT, passing, place.latitude_deg, place.longitude_deg, height_m)]
+        return [
+            _place(_NAV_WAYPOINT, passing, place.latitude_deg, place.longitude_deg, stop.height_m)
+        ]
     shot = _item(_IMAGE_START_CAPTURE, _FRAME_MISSION, [0, 0, 1, *[None] * 4])
-    return [_waypoint(stop.viewpoint, hold_s), shot]
+    return [_waypoint(stop.viewpoint, hold_s, stop.height_m), shot]
 
 
-def _waypoint(viewpoint: Viewpoint, hold_s: float) -> Document:
+def _waypoint(viewpoint: Viewpoint, hold_s: float, height_m: float) -> Document:
     heading_deg = round(math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)), 6) % 360.0
     place = viewpoint.position
     return _place(
@@ -104,7 +107,7 @@ def _waypoint(viewpoint: Viewpoint, hold_s: float) -> Document:
         [hold_s, 0, 0, heading_deg],
         place.latitude_deg,
         place.longitude_deg,
-        viewpoint.height_agl_m,
+        height_m,
     )
 
 

@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a request to a plan: cover the regions, share out the viewpoints, bound the makespan."""
 
-import dataclasses
 import math
 from collections.abc import Callable
 
 from rocsafe_planner.bound import LowerBound, lower_bound
+from rocsafe_planner.coverage import Sight, sight
 from rocsafe_planner.errors import PlanningCancelledError
 from rocsafe_planner.fleet_problem import Order
-from rocsafe_planner.flight_track import FlightTrack
-from rocsafe_planner.plan import Route, SurveyPlan
+from rocsafe_planner.given_viewpoints import footprints_of
+from rocsafe_planner.keeping_apart import KeptApart, kept_apart
+from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
-from rocsafe_planner.route_making import routes_of
 from rocsafe_planner.routing import METHODS
-from rocsafe_planner.separation import delays_apart, minimum_separation_m
 from rocsafe_planner.survey_site import SurveySite, survey_site
 
 Progress = Callable[[float, float], bool]
@@ -40,25 +39,35 @@ def plan_survey(
     site = survey_site(request)
     _go_on(on_progress)
     orders, proven = _orders(site, request, on_progress)
-    routes, separation = _kept_apart(site, routes_of(site, orders), request.separation_m)
-    makespan = max(route.finish_s for route in routes)
+    apart = kept_apart(site, orders)
+    makespan = max(route.finish_s for route in apart.routes)
     bound = lower_bound(site.problem, makespan, lambda seconds: on_progress(makespan, seconds))
     if proven.makespan_s > bound.makespan_s:
         bound = proven
+    sight = _sight(site, apart)
     return SurveyPlan(
         plan_id=request.identity(),
         request=request,
-        routes=routes,
+        routes=apart.routes,
         spacing_m=site.spec.spacing_m[0],
         spacing_along_m=site.spec.spacing_m[1],
         # A bound that equals the makespan may exceed it by rounding.
         lower_bound_s=min(bound.makespan_s, makespan),
         lower_bound_method=bound.method,
-        region_area_m2=site.coverage.region_area_m2,
-        covered_area_m2=site.coverage.covered_area_m2,
-        largest_hole_m2=site.coverage.largest_hole_m2,
-        minimum_separation_m=separation,
+        region_area_m2=sight.region_area_m2,
+        covered_area_m2=sight.covered_area_m2,
+        largest_hole_m2=sight.largest_hole_m2,
+        minimum_separation_m=apart.separation_m,
     )
+
+
+def _sight(site: SurveySite, apart: KeptApart) -> Sight:
+    """Return what the photographs show: from higher layers they show more."""
+    if not any(apart.layers_m):
+        return site.coverage.sight
+    views = [view for route in apart.routes for view in route.viewpoints]
+    seen = footprints_of(site.frame, (*views, *site.request.visited))
+    return sight(site.polygons, seen)
 
 
 def _orders(
@@ -86,22 +95,3 @@ def _go_on(on_progress: Progress) -> None:
     """Report that there is no plan yet; raise PlanningCancelledError if there is to be none."""
     if not on_progress(math.nan, math.nan):
         raise PlanningCancelledError('planning was cancelled')
-
-
-def _kept_apart(
-    site: SurveySite, routes: tuple[Route, ...], separation_m: float
-) -> tuple[tuple[Route, ...], float]:
-    """Return the routes, delayed if need be, and the least distance of two vehicles."""
-    flying = [k for k, route in enumerate(routes) if route.sorties]
-    tracks = [
-        FlightTrack(
-            site.problem, k, [[v.id for v in sortie.viewpoints] for sortie in routes[k].sorties]
-        )
-        for k in flying
-    ]
-    delays = delays_apart(tracks, separation_m) if separation_m > 0.0 else [0.0] * len(tracks)
-    late = dict(zip(flying, delays, strict=True))
-    delayed = tuple(
-        dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
-    )
-    return delayed, minimum_separation_m(tracks, delays)

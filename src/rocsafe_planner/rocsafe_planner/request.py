@@ -16,16 +16,22 @@ from rocsafe_geo.limits import (
     require_positive,
 )
 from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.coverage import GRIDS, spacing_m
 from rocsafe_planner.document import (
     area_document,
     camera_document,
+    position_document,
     region_document,
+    terrain_document,
     vehicle_document,
+    viewpoint_document,
 )
 from rocsafe_planner.routing import METHODS
 from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_planner.terrain import Terrain
 from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.viewpoint import Viewpoint
 
 DEFAULT_METHOD = 'paper_greedy'
 DEFAULT_MAX_VIEWPOINTS = 5000
@@ -35,7 +41,8 @@ MAX_HEIGHT_AGL_M = 20_000.0
 MAX_CLEARANCE_M = 1000.0
 OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
 DEFAULT_OBJECTIVE = OBJECTIVES[0]
-_IDENTITY_VERSION = 2
+SEPARATIONS = ('delay', 'layers')
+_IDENTITY_VERSION = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,13 +75,24 @@ class SurveyRequest:
     wind_mps
         (east, north) that the air moves towards, slower than any vehicle.
     separation_m
-        Vehicles take off so late that no two in the air come nearer; 0: they all take off at once.
+        Least distance of any two in the air; 0: they all take off at once, at one height.
+    separation_by
+        ``'delay'`` (vehicles take off so late that none comes nearer) or ``'layers'`` (they fly
+        higher too where that lets them land earlier).
+    terrain, terrain_clearance_m
+        Ground whose height the flights follow, `height_agl_m` above it; None: it is level. No leg
+        comes nearer to it than the clearance.
     budget_s
         Wall-clock time that may be used to improve the plan.
     seed
         Of methods that draw random numbers.
     max_viewpoints
         A survey that needs more is refused.
+    viewpoints, visited
+        Places to visit instead of those of a grid, and places photographed before, which count
+        as seen; for plans that go on with a survey.
+    ground_reference
+        Places whose altitudes say how high the ground lies; empty: the homes.
     """
 
     regions: tuple[SurveyRegion, ...]
@@ -91,9 +109,15 @@ class SurveyRequest:
     clearance_m: float = 2.0
     wind_mps: tuple[float, float] = (0.0, 0.0)
     separation_m: float = 0.0
+    separation_by: str = SEPARATIONS[0]
+    terrain: Terrain | None = None
+    terrain_clearance_m: float = 10.0
     budget_s: float = 0.0
     seed: int = 0
     max_viewpoints: int = DEFAULT_MAX_VIEWPOINTS
+    viewpoints: tuple[Viewpoint, ...] = ()
+    visited: tuple[Viewpoint, ...] = ()
+    ground_reference: tuple[GeoPosition, ...] = ()
 
     def __post_init__(self) -> None:
         require_count('number of regions', len(self.regions), 1, MAX_REGIONS)
@@ -113,6 +137,8 @@ class SurveyRequest:
         require_one_of('objective', self.objective, OBJECTIVES)
         require_between('clearance_m', self.clearance_m, 0.0, MAX_CLEARANCE_M, 'm')
         require_not_negative('separation_m', self.separation_m, 'm')
+        require_one_of('separation_by', self.separation_by, SEPARATIONS)
+        _check_terrain(self)
         require_not_negative('budget_s', self.budget_s, 's')
         require_count('seed', self.seed, 0, 2**64 - 1)
         require_count('max_viewpoints', self.max_viewpoints, 1, 2**32 - 1)
@@ -141,6 +167,12 @@ class SurveyRequest:
             'clearance_m': float(self.clearance_m),
             'wind_mps': [float(part) for part in self.wind_mps],
             'separation_m': float(self.separation_m),
+            'separation_by': self.separation_by,
+            'terrain': terrain_document(self.terrain),
+            'terrain_clearance_m': float(self.terrain_clearance_m),
+            'viewpoints': [viewpoint_document(view) for view in self.viewpoints],
+            'visited': [viewpoint_document(view) for view in self.visited],
+            'ground_reference': [position_document(place) for place in self.ground_reference],
             'budget_s': float(self.budget_s),
             'seed': self.seed,
             'max_viewpoints': self.max_viewpoints,
@@ -160,6 +192,15 @@ def _check_vehicles(vehicles: tuple[Vehicle, ...]) -> None:
     name, count = Counter(vehicle.name for vehicle in vehicles).most_common(1)[0]
     if count > 1:
         raise ValueError(f'vehicle name {name!r} is given {count} times: names must differ')
+
+
+def _check_terrain(request: SurveyRequest) -> None:
+    clearance = require_positive('terrain_clearance_m', request.terrain_clearance_m, 'm')
+    if request.terrain is not None and clearance >= request.height_agl_m:
+        raise ValueError(
+            f'terrain_clearance_m is {clearance:g} m: must be below height_agl_m, '
+            f'{request.height_agl_m:g} m'
+        )
 
 
 def _check_front_overlap(overlap: float) -> None:

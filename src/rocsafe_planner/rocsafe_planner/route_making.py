@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.fleet_problem import FleetProblem, Order
+from rocsafe_planner.fleet_problem import Order
 from rocsafe_planner.plan import Bends, Route, Sortie
 from rocsafe_planner.sorties import sorties
 from rocsafe_planner.survey_site import SurveySite
@@ -22,9 +21,17 @@ def routes_of(site: SurveySite, orders: list[Order]) -> tuple[Route, ...]:
     BeyondEnduranceError
         If a battery does not last and cannot be swapped in between.
     """
-    return tuple(
-        Route(vehicle=vehicle, sorties=_sorties(site, k, order))
-        for k, (vehicle, order) in enumerate(zip(site.problem.vehicles, orders, strict=True))
+    return tuple(route_of(site, k, order) for k, order in enumerate(orders))
+
+
+def route_of(site: SurveySite, vehicle: int, order: Order) -> Route:
+    """Return the route of one vehicle."""
+    return Route(
+        vehicle=site.problem.vehicles[vehicle],
+        sorties=_sorties(site, vehicle, order),
+        flight_height_m=site.problem.flight_height_m(vehicle),
+        ground_altitude_m=site.ground_altitude_m(vehicle),
+        landing_height_m=site.landing_height_m(vehicle),
     )
 
 
@@ -35,7 +42,8 @@ def _sorties(site: SurveySite, vehicle: int, order: Order) -> tuple[Sortie, ...]
     for number, flight in enumerate(flights, start=1):
         # All flights but the last come home, whatever the vehicle's end.
         end = problem.end_site(vehicle) if number == len(flights) else problem.home_site(vehicle)
-        stops = [problem.home_site(vehicle), *flight, *([] if end is None else [end])]
+        start = problem.start_site(vehicle) if number == 1 else problem.home_site(vehicle)
+        stops = [start, *flight, *([] if end is None else [end])]
         made.append(_sortie(site, vehicle, flight, stops))
     return tuple(made)
 
@@ -44,25 +52,18 @@ def _sortie(site: SurveySite, vehicle: int, flight: Order, stops: list[int]) -> 
     problem, spec = site.problem, site.problem.vehicles[vehicle]
     origins, targets = np.array(stops[:-1]), np.array(stops[1:])
     hovering = len(flight) * spec.hover_s
-    moving = problem.fixed_s(vehicle) + float(problem.legs_s(vehicle, origins, targets).sum())
+    is_first = stops[0] == problem.start_site(vehicle)
+    vertical = problem.first_fixed_s(vehicle) if is_first else problem.fixed_s(vehicle)
+    moving = vertical + float(problem.legs_s(vehicle, origins, targets).sum())
     energy = moving * spec.cruise_power_w + hovering * spec.hover_power_w
     return Sortie(
-        viewpoints=tuple(site.viewpoints[point] for point in flight),
-        bends=tuple(_bends(site, problem, a, b) for a, b in pairwise(stops)),
+        viewpoints=tuple(site.viewpoint(vehicle, point) for point in flight),
+        bends=tuple(_bends(site, vehicle, a, b) for a, b in pairwise(stops)),
         length_m=float(problem.legs_m(origins, targets).sum()),
         duration_s=moving + hovering,
         energy_wh=energy / SECONDS_PER_HOUR,
     )
 
 
-def _bends(site: SurveySite, problem: FleetProblem, origin: int, target: int) -> Bends:
-    places = problem.bends(origin, target)
-    if not len(places):
-        return ()
-    height = site.viewpoints[0].height_agl_m
-    geodetic = site.frame.to_geodetic(np.column_stack([places, np.full(len(places), height)]))
-    altitude = site.viewpoints[0].position.altitude_m
-    return tuple(
-        GeoPosition(latitude, longitude, altitude if altitude != altitude else up)
-        for latitude, longitude, up in geodetic.tolist()
-    )
+def _bends(site: SurveySite, vehicle: int, origin: int, target: int) -> Bends:
+    return site.positions(site.problem.way(vehicle, origin, target)[1:-1])

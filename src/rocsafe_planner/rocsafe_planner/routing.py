@@ -81,7 +81,7 @@ class _GrowingRoutes:
         self.problem = problem
         self.orders: list[Order] = [[] for _ in problem.vehicles]
         self.home_s = np.zeros(len(problem.vehicles))
-        self._at = [problem.home_site(k) for k in range(len(problem.vehicles))]
+        self._at = [problem.start_site(k) for k in range(len(problem.vehicles))]
         self._elapsed_s = np.zeros(len(problem.vehicles))
         self._is_open = np.ones(len(problem.points), dtype=bool)
 
@@ -97,7 +97,7 @@ class _GrowingRoutes:
         is_candidate = self._is_open & problem.allowed(vehicle)
         chosen = int(np.argmin(np.where(is_candidate, distances, np.inf)))
         if not self.orders[vehicle]:
-            self._elapsed_s[vehicle] = problem.fixed_s(vehicle)
+            self._elapsed_s[vehicle] = problem.first_fixed_s(vehicle)
         self._elapsed_s[vehicle] += self._leg_s(vehicle, here, chosen) + spec.hover_s
         self._at[vehicle] = chosen
         self._is_open[chosen] = False

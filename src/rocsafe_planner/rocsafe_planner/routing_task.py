@@ -45,7 +45,7 @@ class _LegTable:
         self._problem = problem
         self._numbers: dict[tuple[object, ...], int] = {}
         self.legs: list[Legs] = []
-        self._is_plain = problem.detours is None and problem.wind_mps == (0.0, 0.0)
+        self._is_plain = problem.legs_are_plain
 
     def time(self, vehicle: int) -> int:
         """Return the number of the legs that cost a vehicle's time."""
@@ -101,7 +101,7 @@ class _LegTable:
 def _vehicle(
     problem: FleetProblem, vehicle: int, table: _LegTable, objective: str
 ) -> RoutedVehicle:
-    spec, climb_s = problem.vehicles[vehicle], problem.fixed_s(vehicle)
+    spec, climb_s = problem.vehicles[vehicle], problem.first_fixed_s(vehicle)
     time = table.time(vehicle)
     # The last leg of an open route is none: of a matrix, half of the last stay is left over.
     is_cut = spec.is_open and isinstance(table.legs[time], MatrixLegs)
@@ -114,13 +114,22 @@ def _vehicle(
         'energy': lambda: (table.energy(vehicle), _fixed_energy_ws(spec, climb_s)),
     }[objective]()
     return RoutedVehicle(
-        start=problem.home_site(vehicle),
+        start=problem.start_site(vehicle),
         end=problem.end_site(vehicle),
         legs=legs,
         fixed_cost=fixed,
+        idle_cost=_idle_cost(problem, vehicle, objective),
         limit=_limit_s(spec, climb_s + rest_s),
         limit_legs=time,
     )
+
+
+def _idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:
+    """Return what a vehicle in the air costs that is to serve nobody: its way down."""
+    if objective.endswith('distance'):
+        return problem.length_m(vehicle, [])
+    power_w = problem.vehicles[vehicle].cruise_power_w if objective == 'energy' else 1.0
+    return problem.duration_s(vehicle, []) * power_w
 
 
 def _fixed_energy_ws(spec: Vehicle, climb_s: float) -> float:
@@ -133,4 +142,4 @@ def _limit_s(spec: Vehicle, fixed_s: float) -> float:
     """Return the time that legs and stays may take; infinite if batteries are swapped."""
     if spec.battery_swap_s is not None:
         return math.inf
-    return max(0.0, spec.endurance_s - fixed_s)
+    return max(0.0, spec.first_endurance_s - fixed_s)

@@ -37,29 +37,56 @@ def delays_apart(tracks: Sequence[FlightTrack], separation_m: float) -> list[flo
     """Return how long each vehicle waits so that no two come nearer than `separation_m`.
 
     The one that flies longest goes first; each next one as soon as it stays apart from those
-    before. There is always a way: to wait until they have landed.
+    before. There is always a way: to wait until they have landed. A vehicle in the air cannot
+    wait: it goes first, whoever it meets.
     """
+    placed = Placed(separation_m)
     delays = [0.0] * len(tracks)
-    placed: list[int] = []
-    for k in sorted(range(len(tracks)), key=lambda k: -float(tracks[k].windows[-1, 1])):
-        near = [p for p in placed if _box_distance_m(tracks[k], tracks[p]) < separation_m]
-        while not _is_apart(tracks, delays, k, near, separation_m):
-            delays[k] += _DELAY_STEP_S
-        placed.append(k)
+    for k in flying_order(tracks):
+        delays[k] = placed.delay_s(tracks[k])
+        placed.add(tracks[k], delays[k])
     return delays
 
 
-def _is_apart(
-    tracks: Sequence[FlightTrack],
-    delays: list[float],
-    k: int,
-    others: list[int],
-    separation_m: float,
-) -> bool:
-    return all(
-        _Pair(tracks[k], tracks[other], delays[other] - delays[k]).stays_apart(separation_m)
-        for other in others
+def flying_order(tracks: Sequence[FlightTrack]) -> list[int]:
+    """Return who is given its place first: who is in the air, then who flies longest."""
+    return sorted(
+        range(len(tracks)), key=lambda k: (not tracks[k].is_aloft, -tracks[k].duration_s)
     )
+
+
+class Placed:
+    """Tracks with their delays, which others are to keep away from."""
+
+    def __init__(self, separation_m: float) -> None:
+        self._separation = separation_m
+        self._flights: list[tuple[FlightTrack, float]] = []
+
+    def add(self, track: FlightTrack, delay_s: float) -> None:
+        """Keep a place for a track."""
+        self._flights.append((track, delay_s))
+
+    def delay_s(self, track: FlightTrack, limit_s: float = np.inf) -> float:
+        """Return the least delay with which a track keeps away; infinite if above a limit."""
+        near = [
+            (other, delay)
+            for other, delay in self._flights
+            if _box_distance_m(track, other) < self._separation
+        ]
+        delay = 0.0
+        while not track.is_aloft and not self._is_apart(track, delay, near):
+            delay += _DELAY_STEP_S
+            if delay > limit_s:
+                return np.inf
+        return delay
+
+    def _is_apart(
+        self, track: FlightTrack, delay_s: float, near: list[tuple[FlightTrack, float]]
+    ) -> bool:
+        return all(
+            _Pair(track, other, delay - delay_s).stays_apart(self._separation)
+            for other, delay in near
+        )
 
 
 def _pairs_by_distance(tracks: Sequence[FlightTrack]) -> list[tuple[int, int]]:

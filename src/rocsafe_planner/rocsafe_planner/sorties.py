@@ -24,14 +24,34 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     """
     spec = problem.vehicles[vehicle]
     needed = problem.duration_s(vehicle, order)
-    if needed <= spec.endurance_s:
-        return [order] if order else []
-    if spec.battery_swap_s is None:
+    if needed <= spec.first_endurance_s:
+        return [order] if problem.flies(vehicle, order) else []
+    if spec.battery_swap_s is None or not order:
+        left = '' if spec.aloft is None else f', {spec.first_endurance_s:.0f} s of it left'
         raise BeyondEnduranceError(
             f'{spec.name} needs {needed:.0f} s for its {len(order)} viewpoints: its endurance_s '
-            f'is {spec.endurance_s:.0f} s'
+            f'is {spec.endurance_s:.0f} s{left}'
         )
-    return _cut(order, _Flights(problem, vehicle, order), spec.battery_swap_s)
+    flights = _Flights(problem, vehicle, order)
+    if spec.aloft is None:
+        return _cut(order, flights, spec.battery_swap_s)[1]
+    return _from_the_air(order, flights, spec.battery_swap_s)
+
+
+def _from_the_air(order: Order, flights: '_Flights', swap_s: float) -> list[Order]:
+    """Return the better of going on from where the vehicle is, and of a new battery first."""
+    try:
+        onward = _cut(order, flights, swap_s)
+    except BeyondEnduranceError:
+        onward = (np.inf, [])
+    flights.land_first()
+    home_s = flights.home_s
+    if home_s > flights.first_endurance_s:
+        return onward[1] or _cut(order, flights, swap_s)[1]
+    afresh = _cut(order, flights, swap_s)
+    if afresh[0] + home_s + swap_s < onward[0]:
+        return [[], *afresh[1]]
+    return onward[1]
 
 
 class _Flights:
@@ -40,9 +60,14 @@ class _Flights:
     def __init__(self, problem: FleetProblem, vehicle: int, order: Order) -> None:
         stops = np.array(order, dtype=np.intp)
         home = np.array([problem.home_site(vehicle)])
+        start = np.array([problem.start_site(vehicle)])
         self._spec = problem.vehicles[vehicle]
         self._fixed = problem.fixed_s(vehicle)
         self._out = problem.legs_s(vehicle, home, stops)
+        first_fixed = problem.first_fixed_s(vehicle)
+        self._first_out = first_fixed + problem.legs_s(vehicle, start, stops)
+        self.home_s = first_fixed + float(problem.legs_s(vehicle, start, home)[0])
+        self.first_endurance_s = self._spec.first_endurance_s
         self._back = problem.legs_s(vehicle, stops, home)
         end = problem.end_site(vehicle)
         self._to_end = (
@@ -54,20 +79,27 @@ class _Flights:
         self._elapsed = np.concatenate([[0.0], np.cumsum(legs)])
         self.endurance_s = self._spec.endurance_s
 
+    def land_first(self) -> None:
+        """Let also the first flight begin at home with a full battery."""
+        self._first_out = self._fixed + self._out
+        self.first_endurance_s = self.endurance_s
+
+    def within(self, times: FloatArray) -> FloatArray:
+        """Return times of flights from each position 0.., infinite where a battery is too weak."""
+        limits = np.full(len(times), self.endurance_s)
+        limits[0] = self.first_endurance_s
+        fitting: FloatArray = np.where(times <= limits, times, np.inf)
+        return fitting
+
     def ending_at(self, last: int) -> FloatArray:
         """Return the times of flights from each position 0..last to position `last`."""
         is_final = last == len(self._out) - 1
         back = self._to_end[last] if is_final else self._back[last]
         first = np.arange(last + 1)
         hover = (last - first + 1) * self._spec.hover_s
-        times: FloatArray = (
-            self._fixed
-            + self._out[first]
-            + self._elapsed[last]
-            - self._elapsed[first]
-            + hover
-            + back
-        )
+        out = self._fixed + self._out[first]
+        out[0] = self._first_out[0]
+        times: FloatArray = out + self._elapsed[last] - self._elapsed[first] + hover + back
         return times
 
     def refusal(self, position: int, point: int) -> BeyondEnduranceError:
@@ -79,19 +111,18 @@ class _Flights:
         )
 
 
-def _cut(order: Order, flights: _Flights, swap_s: float) -> list[Order]:
-    """Return the parts of the order whose flights and swaps take least time."""
+def _cut(order: Order, flights: _Flights, swap_s: float) -> tuple[float, list[Order]]:
+    """Return the parts of the order whose flights and swaps take least time, and that time."""
     best = np.zeros(len(order) + 1)
     begin = np.zeros(len(order), dtype=np.intp)
     for last in range(len(order)):
         times = flights.ending_at(last)
         swaps = np.where(np.arange(last + 1) > 0, swap_s, 0.0)
-        totals = np.where(times <= flights.endurance_s, best[: last + 1] + swaps + times, np.inf)
+        totals = best[: last + 1] + swaps + flights.within(times)
         begin[last] = int(totals.argmin())
         best[last + 1] = totals[begin[last]]
         if np.isinf(best[last + 1]) and last < len(order) - 1:
-            alone = flights.ending_at(last)[last]
-            if alone > flights.endurance_s:
+            if np.isinf(flights.within(times)[last]):
                 raise flights.refusal(last, order[last])
     if np.isinf(best[-1]):
         raise flights.refusal(len(order) - 1, order[-1])
@@ -101,4 +132,4 @@ def _cut(order: Order, flights: _Flights, swap_s: float) -> list[Order]:
         first = int(begin[end - 1])
         parts.append(order[first:end])
         end = first
-    return parts[::-1]
+    return float(best[-1]), parts[::-1]

@@ -1,37 +1,76 @@
 # SPDX-License-Identifier: Apache-2.0
 """A request in the plane of a local frame: viewpoints, exclusions, and the routing problem."""
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.airspace import Airspace
 from rocsafe_planner.coverage import Coverage, CoverageSpec, cover, coverage_spec
-from rocsafe_planner.errors import MissingSensorError
+from rocsafe_planner.errors import MissingSensorError, TooManyViewpointsError
 from rocsafe_planner.fleet_problem import FleetProblem
+from rocsafe_planner.given_viewpoints import given_coverage, places_of
 from rocsafe_planner.plan import Viewpoint
 from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.site_checks import check_distances, check_stands
+from rocsafe_planner.terrain import LocalGround
 
 FloatArray = NDArray[np.float64]
 
-MAX_HOME_DISTANCE_M = 100_000.0
-"""Homes further from the first region's centre than this are a slip of the pen."""
+MAX_TERRAIN_SITES = 2500
+"""Legs over a terrain are looked at one by one: 6 million of them take some seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SurveySite:
-    """What a request means in the plane; index and id of viewpoints are the same."""
+    """What a request means in the plane; `viewpoints` are those of the problem's points."""
 
+    request: SurveyRequest
     frame: LocalFrame
     spec: CoverageSpec
     coverage: Coverage
+    polygons: tuple[shapely.Polygon, ...]
     viewpoints: tuple[Viewpoint, ...]
     problem: FleetProblem
+
+    def viewpoint(self, vehicle: int, point: int) -> Viewpoint:
+        """Return a viewpoint as a vehicle sees it: from its own layer."""
+        view, layer = self.viewpoints[point], self.problem.layer_m(vehicle)
+        if not layer:
+            return view
+        height = view.height_agl_m + layer
+        place = view.position
+        raised = GeoPosition(place.latitude_deg, place.longitude_deg, place.altitude_m + layer)
+        corners = (_scaled(place, c, height / view.height_agl_m) for c in view.footprint)
+        return dataclasses.replace(
+            view, position=raised, height_agl_m=height, footprint=tuple(corners)
+        )
+
+    def positions(self, places: FloatArray) -> tuple[GeoPosition, ...]:
+        """Return places (n, 3) of the problem; their altitude is NaN if the ground's is."""
+        geodetic = _geodetic(self.request, self.frame, places)
+        return tuple(GeoPosition(*place) for place in geodetic.tolist())
+
+    def ground_altitude_m(self, vehicle: int) -> float:
+        """Return the ground's altitude at a vehicle's home, NaN if it is level."""
+        ground = self.problem.ground
+        if ground is None:
+            return math.nan
+        return float(ground.altitudes_m(self.problem.homes[vehicle : vehicle + 1])[0])
+
+    def landing_height_m(self, vehicle: int) -> float:
+        """Return the height above home of the flight over a vehicle's end, NaN if level."""
+        end, ground = self.problem.end_site(vehicle), self.problem.ground
+        if ground is None or end is None:
+            return math.nan
+        up = self.problem.ups_m[end] - ground.ups_m(self.problem.homes[vehicle : vehicle + 1])[0]
+        return float(up) + self.problem.layer_m(vehicle)
 
 
 def survey_site(request: SurveyRequest) -> SurveySite:
@@ -42,38 +81,30 @@ def survey_site(request: SurveyRequest) -> SurveySite:
     ValueError
         If a home or end lies too far away or in an exclusion.
     PlannerError
-        If the request has no viewpoints within its limits, or no vehicle for one of them.
+        If the request has no viewpoints within its limits, or no vehicle for one of them, or its
+        terrain lacks their ground.
     """
-    _check_distances(request)
+    check_distances(request)
     frame = _frame_of(request)
-    polygons = [region.area.polygon(frame) for region in request.regions]
+    polygons = tuple(region.area.polygon(frame) for region in request.regions)
     zones = [zone.polygon(frame) for zone in request.exclusions]
     airspace = Airspace(zones, request.clearance_m) if zones else None
     spec = _spec_of(request)
-    coverage = cover(polygons, spec, airspace.holds if airspace else None)
+    may_stand = airspace.holds if airspace else None
+    if request.viewpoints:
+        coverage = given_coverage(request, frame, polygons, may_stand)
+    else:
+        coverage = cover(polygons, spec, may_stand)
+    problem = _problem_of(request, coverage, frame, airspace)
     return SurveySite(
+        request=request,
         frame=frame,
         spec=spec,
         coverage=coverage,
-        viewpoints=_viewpoints(request, coverage, frame),
-        problem=_problem_of(request, coverage, frame, airspace),
+        polygons=polygons,
+        viewpoints=_viewpoints(request, coverage, frame, problem),
+        problem=problem,
     )
-
-
-def _check_distances(request: SurveyRequest) -> None:
-    centre = request.regions[0].area.centroid()
-    places = [(f'region {r.area.name!r}', r.area.centroid()) for r in request.regions[1:]]
-    for vehicle in request.vehicles:
-        places.append((f'{vehicle.name} home', vehicle.home))
-        if vehicle.end is not None:
-            places.append((f'{vehicle.name} end', vehicle.end))
-    for what, place in places:
-        distance = distance_m(centre, place)
-        if distance > MAX_HOME_DISTANCE_M:
-            raise ValueError(
-                f'{what} is {distance / 1000.0:.0f} km from the region: must be '
-                f'within {MAX_HOME_DISTANCE_M / 1000.0:.0f} km'
-            )
 
 
 def _frame_of(request: SurveyRequest) -> LocalFrame:
@@ -84,9 +115,14 @@ def _frame_of(request: SurveyRequest) -> LocalFrame:
     return LocalFrame(GeoPosition(centre.latitude_deg, centre.longitude_deg, altitude))
 
 
+def _references(request: SurveyRequest) -> list[GeoPosition]:
+    return list(request.ground_reference) or [vehicle.home for vehicle in request.vehicles]
+
+
 def _ground_altitude_m(request: SurveyRequest) -> float:
     """Return the mean altitude of the homes whose altitude is known, NaN if none is."""
-    known = [v.home.altitude_m for v in request.vehicles if not math.isnan(v.home.altitude_m)]
+    altitudes = [place.altitude_m for place in _references(request)]
+    known = [altitude for altitude in altitudes if not math.isnan(altitude)]
     return sum(known) / len(known) if known else math.nan
 
 
@@ -104,18 +140,35 @@ def _spec_of(request: SurveyRequest) -> CoverageSpec:
 def _problem_of(
     request: SurveyRequest, coverage: Coverage, frame: LocalFrame, airspace: Airspace | None
 ) -> FleetProblem:
-    homes = _places(frame, [vehicle.home for vehicle in request.vehicles])
-    ends = _places(frame, [vehicle.end or vehicle.home for vehicle in request.vehicles])
+    vehicles = request.vehicles
+    starts = places_of(frame, [vehicle.start for vehicle in vehicles])
+    homes = places_of(frame, [vehicle.home for vehicle in vehicles])
+    ends = places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles])
+    sites = np.vstack([coverage.centres, starts, ends, homes])
     detours = None
     if airspace is not None:
-        _check_stands(request.vehicles, airspace, homes, ends)
-        detours = airspace.detours(np.vstack([coverage.centres, homes, ends]))
+        check_stands(vehicles, airspace, (starts, homes, ends))
+        detours = airspace.detours(sites)
+    ground = relief = None
+    if request.terrain is not None:
+        if len(sites) > MAX_TERRAIN_SITES:
+            raise TooManyViewpointsError(
+                f'{len(sites)} viewpoints and homes are to be joined over a terrain: must be at '
+                f'most {MAX_TERRAIN_SITES}'
+            )
+        ground = LocalGround(request.terrain, frame, _references(request))
+        corners = sites if detours is None else np.vstack([sites, detours.corners])
+        relief = ground.relief(corners, request.terrain_clearance_m)
     return FleetProblem(
-        vehicles=request.vehicles,
+        vehicles=vehicles,
         homes=homes,
         ends=ends,
+        starts=starts,
+        start_ups_m=_start_ups_m(request, frame),
         points=coverage.centres,
         height_m=request.height_agl_m,
+        ground=ground,
+        relief=relief,
         wind_mps=request.wind_mps,
         detours=None if detours is None or detours.is_straight else detours,
         may_visit=_may_visit(request, coverage),
@@ -123,70 +176,89 @@ def _problem_of(
     )
 
 
-def _places(frame: LocalFrame, positions: list[GeoPosition]) -> FloatArray:
-    """Return (east, north) of positions, shape (n, 2)."""
-    return frame.to_enu(
-        [position.latitude_deg for position in positions],
-        [position.longitude_deg for position in positions],
-        math.nan,
-    )[:, :2]
-
-
-def _check_stands(
-    vehicles: tuple[Vehicle, ...], airspace: Airspace, homes: FloatArray, ends: FloatArray
-) -> None:
-    for what, places in (('home', homes), ('end', ends)):
-        for vehicle, is_free in zip(vehicles, airspace.holds(places).tolist(), strict=True):
-            if not is_free:
-                raise ValueError(
-                    f'{vehicle.name} {what} lies in an exclusion, or nearer to it than '
-                    'clearance_m: must be outside'
-                )
+def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray | None:
+    """Return how high vehicles in the air are above the frame's origin, NaN where unknown."""
+    if math.isnan(_ground_altitude_m(request)):
+        return None
+    ups = [
+        math.nan if v.aloft is None else v.aloft.position.altitude_m - frame.origin.altitude_m
+        for v in request.vehicles
+    ]
+    return None if all(math.isnan(up) for up in ups) else np.array(ups)
 
 
 def _may_visit(request: SurveyRequest, coverage: Coverage) -> NDArray[np.bool_] | None:
     """Return which vehicle may visit which point; None if all may."""
-    if not any(region.sensors for region in request.regions):
+    needs = needed_sensors(request)
+    if not any(needs):
         return None
+    carried = [set(vehicle.sensors) for vehicle in request.vehicles]
     able: NDArray[np.bool_] = np.array(
-        [
-            [set(region.sensors) <= set(vehicle.sensors) for region in request.regions]
-            for vehicle in request.vehicles
-        ]
+        [[set(sensors) <= carries for sensors in needs] for carries in carried]
     )
-    for number, region in enumerate(request.regions):
-        if not able[:, number].any():
-            raise MissingSensorError(
-                f'region {region.area.name!r} requires {", ".join(region.sensors)}: no vehicle '
-                'carries all of them'
-            )
+    for number in np.flatnonzero(~able.any(axis=0)):
+        raise MissingSensorError(
+            f'{_owner(request, int(number))} requires {", ".join(needs[number])}: no vehicle '
+            'carries all of them'
+        )
     allowed: NDArray[np.bool_] = able[:, coverage.polygon]
     return allowed
 
 
+def needed_sensors(request: SurveyRequest) -> list[tuple[str, ...]]:
+    """Return what must be carried, by region, or by viewpoint if those are given."""
+    if request.viewpoints:
+        return [view.sensors for view in request.viewpoints]
+    return [region.sensors for region in request.regions]
+
+
+def _owner(request: SurveyRequest, number: int) -> str:
+    if request.viewpoints:
+        return f'viewpoint {request.viewpoints[number].id}'
+    return f'region {request.regions[number].area.name!r}'
+
+
 def _viewpoints(
-    request: SurveyRequest, coverage: Coverage, frame: LocalFrame
+    request: SurveyRequest, coverage: Coverage, frame: LocalFrame, problem: FleetProblem
 ) -> tuple[Viewpoint, ...]:
-    """Return all viewpoints; the index is the id."""
-    height = request.height_agl_m
+    """Return the viewpoint of every point."""
     count = len(coverage.centres)
-    geodetic = frame.to_geodetic(np.column_stack([coverage.centres, np.full(count, height)]))
-    if math.isnan(_ground_altitude_m(request)):
-        geodetic[:, 2] = math.nan
+    places = np.column_stack([coverage.centres, problem.ups_m[:count]])
+    geodetic = _geodetic(request, frame, places)
     corners = coverage.footprints.reshape(-1, 2)
     ground = frame.to_geodetic(np.column_stack([corners, np.full(len(corners), math.nan)]))
     footprints = ground.reshape(count, 4, 3).tolist()
-    yaws, regions = coverage.yaw_rad.tolist(), coverage.polygon.tolist()
+    yaws, owners = coverage.yaw_rad.tolist(), coverage.polygon.tolist()
+    needs = needed_sensors(request)
+    ids = [view.id for view in request.viewpoints]
     return tuple(
         Viewpoint(
-            id=number,
+            id=ids[owners[point]] if ids else point,
             position=GeoPosition(*place),
-            height_agl_m=height,
-            yaw_rad=yaws[number],
+            height_agl_m=request.height_agl_m,
+            yaw_rad=yaws[point],
             footprint=tuple(GeoPosition(*corner) for corner in footprint),
-            sensors=request.regions[regions[number]].sensors,
+            sensors=needs[owners[point]],
         )
-        for number, (place, footprint) in enumerate(
-            zip(geodetic.tolist(), footprints, strict=True)
-        )
+        for point, (place, footprint) in enumerate(zip(geodetic.tolist(), footprints, strict=True))
+    )
+
+
+def _geodetic(request: SurveyRequest, frame: LocalFrame, places: FloatArray) -> FloatArray:
+    """Return latitude, longitude and altitude of places (n, 3)."""
+    geodetic = frame.to_geodetic(places)
+    if request.terrain is not None:
+        # Heights over a terrain count from the ellipsoid, which is curved, not from the plane.
+        geodetic[:, 2] = frame.origin.altitude_m + places[:, 2]
+    elif math.isnan(_ground_altitude_m(request)):
+        geodetic[:, 2] = math.nan
+    return geodetic
+
+
+def _scaled(centre: GeoPosition, corner: GeoPosition, factor: float) -> GeoPosition:
+    """Return a corner so much further from the centre."""
+    return GeoPosition(
+        centre.latitude_deg + factor * (corner.latitude_deg - centre.latitude_deg),
+        centre.longitude_deg + factor * (corner.longitude_deg - centre.longitude_deg),
+        corner.altitude_m,
     )

@@ -27,7 +27,7 @@ def equal_parts(problem: FleetProblem, tour: Order) -> list[Order]:
 def min_max_parts(problem: FleetProblem, tour: Order) -> list[Order]:
     """Cut a tour so that the longest route is as short as consecutive parts allow.
 
-    The vehicles take their parts in the order in which the tour passes their homes. For a given
+    The vehicles take their parts in the order in which the tour passes their starts. For a given
     time each takes as much as it can fly; the least time that leaves nothing is found by halving.
     """
     sequence = _vehicles_along(problem, tour)
@@ -55,7 +55,7 @@ class _PartFlights:
     def _of_vehicle(self, vehicle: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ways out, ways back and time elapsed along the tour, shape (n,) each."""
         problem, stops = self._problem, self._stops
-        out = problem.legs_s(vehicle, np.array([problem.home_site(vehicle)]), stops)
+        out = problem.legs_s(vehicle, np.array([problem.start_site(vehicle)]), stops)
         end = problem.end_site(vehicle)
         back = (
             np.zeros(len(stops))
@@ -65,7 +65,7 @@ class _PartFlights:
         legs = problem.legs_s(vehicle, stops[:-1], stops[1:])
         hover = problem.vehicles[vehicle].hover_s
         elapsed = np.concatenate([[0.0], np.cumsum(legs + hover)])
-        return out + hover + problem.fixed_s(vehicle), back, elapsed
+        return out + hover + problem.first_fixed_s(vehicle), back, elapsed
 
     def cuts_within(self, time_s: float, sequence: list[int]) -> list[int] | None:
         """Return where parts end if each flight may take `time_s`; None if points are left."""
@@ -81,11 +81,11 @@ class _PartFlights:
 
 
 def _vehicles_along(problem: FleetProblem, tour: Order) -> list[int]:
-    """Return the vehicles in the order in which the tour comes nearest to their homes."""
+    """Return the vehicles in the order in which the tour comes nearest to their starts."""
     n = len(problem.points)
     stops = np.array(tour, dtype=np.intp)
     passed = [
-        int(np.argmin(np.round(problem.distances_m(problem.home_site(k))[:n][stops], 6)))
+        int(np.argmin(np.round(problem.distances_m(problem.start_site(k))[:n][stops], 6)))
         for k in range(len(problem.vehicles))
     ]
     return sorted(range(len(passed)), key=lambda k: (passed[k], k))

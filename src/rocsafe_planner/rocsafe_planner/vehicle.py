@@ -12,6 +12,17 @@ _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Aloft:
+    """Where a vehicle is in the air, and for how long its battery has been used."""
+
+    position: GeoPosition
+    used_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'used_s', require_not_negative('used_s', self.used_s, 's'))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Vehicle:
     """A vehicle that flies stop to stop, climbs and descends vertically at its home.
 
@@ -37,6 +48,8 @@ class Vehicle:
         Names of what it carries besides the camera.
     cruise_power_w, hover_power_w
         Electric power on legs, climb and descent, and at viewpoints: for the objective `energy`.
+    aloft
+        Where it is in the air and begins its route; None: it takes off at home.
     """
 
     name: str
@@ -53,6 +66,7 @@ class Vehicle:
     sensors: tuple[str, ...] = ()
     cruise_power_w: float = 200.0
     hover_power_w: float = 220.0
+    aloft: Aloft | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
@@ -78,9 +92,24 @@ class Vehicle:
         """Limits of its horizontal legs."""
         return MotionLimits(self.cruise_speed_mps, self.acceleration_mps2)
 
+    @property
+    def start(self) -> GeoPosition:
+        """Where its route begins."""
+        return self.home if self.aloft is None else self.aloft.position
+
+    @property
+    def first_endurance_s(self) -> float:
+        """Flight time that is left on the battery that it has."""
+        return self.endurance_s - (0.0 if self.aloft is None else self.aloft.used_s)
+
     def vertical_s(self, height_m: float) -> float:
         """Return the time to climb to `height_m` above home and to descend from it."""
         return height_m / self.climb_rate_mps + height_m / self.descent_rate_mps
+
+    def first_vertical_s(self, height_m: float) -> float:
+        """Return the same of its first flight: no climb if it is in the air."""
+        climb = height_m / self.climb_rate_mps if self.aloft is None else 0.0
+        return climb + height_m / self.descent_rate_mps
 
 
 def require_sensors(owner: str, sensors: tuple[str, ...]) -> tuple[str, ...]:

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The track of a flight as the checker sees it, from the plan's places alone."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.motion import MotionLimits, leg_duration_s
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_planner.plan import Route, SurveyPlan
+from rocsafe_planner.vehicle import Vehicle
+
+FloatArray = NDArray[np.float64]
+
+
+def way(route: Route, number: int) -> tuple[GeoPosition, ...]:
+    """Return the corners of a flight's track."""
+    sortie, vehicle = route.sorties[number], route.vehicle
+    is_last = number == len(route.sorties) - 1
+    begins_aloft = number == 0 and vehicle.aloft is not None
+    way = [vehicle.start if begins_aloft else vehicle.home]
+    for view, bends in zip(sortie.viewpoints, sortie.bends, strict=False):
+        way += [*bends, view.position]
+    if not (is_last and vehicle.is_open):
+        way += [*sortie.bends[-1], (vehicle.end or vehicle.home) if is_last else vehicle.home]
+    return tuple(way)
+
+
+def ups_m(plan: SurveyPlan, route: Route, number: int) -> FloatArray:
+    """Return the altitude over each corner of a flight's track; over level ground 0.
+
+    There only a vehicle that begins in the air may begin at another height.
+    """
+    track, request = way(route, number), plan.request
+    is_level = request.terrain is None
+    ups = np.array([0.0 if is_level else place.altitude_m for place in track])
+    from_air = number == 0 and route.vehicle.aloft is not None
+    if is_level:
+        start, known = track[0].altitude_m, [v.position.altitude_m for v in route.viewpoints]
+        if from_air and known and not math.isnan(start - known[0]):
+            ups[0] = start - known[0]
+        return ups
+    assert request.terrain is not None
+    is_last = number == len(route.sorties) - 1
+    ends = [] if from_air and not math.isnan(ups[0]) else [0]
+    ends += [] if is_last and route.vehicle.is_open else [len(track) - 1]
+    for end in ends:
+        place = track[end]
+        ground = request.terrain.altitudes_m([place.latitude_deg], [place.longitude_deg])[0]
+        ups[end] = ground + terrain_shift_m(plan) + route.flight_height_m
+    return ups
+
+
+def terrain_shift_m(plan: SurveyPlan) -> float:
+    """Return by how much the homes lie higher than the terrain says, on average."""
+    request, terrain = plan.request, plan.request.terrain
+    homes = request.ground_reference or tuple(v.home for v in request.vehicles)
+    known = [home for home in homes if not math.isnan(home.altitude_m)]
+    if terrain is None or not known:
+        return 0.0
+    said = terrain.altitudes_m([h.latitude_deg for h in known], [h.longitude_deg for h in known])
+    return float(np.mean([h.altitude_m for h in known] - said))
+
+
+def leg_s(
+    vehicle: Vehicle, wind_mps: tuple[float, float], a: GeoPosition, b: GeoPosition
+) -> float:
+    """Return the time of a leg at one height."""
+    frame = LocalFrame(GeoPosition(a.latitude_deg, a.longitude_deg, 0.0))
+    track = plane_of(frame, (a, b))
+    return leg_duration_s(distance_m(a, b), limits_along(vehicle, wind_mps, track[1] - track[0]))
+
+
+def limits_along(
+    vehicle: Vehicle, wind_mps: tuple[float, float], track: FloatArray
+) -> MotionLimits:
+    """Return the motion over ground along a track: by the triangle of velocities."""
+    length = math.hypot(*track)
+    if length == 0.0 or wind_mps == (0.0, 0.0):
+        return vehicle.motion
+    heading = math.atan2(track[1], track[0])
+    angle = math.atan2(wind_mps[1], wind_mps[0]) - heading
+    wind = math.hypot(*wind_mps)
+    crab = math.asin(wind * math.sin(angle) / vehicle.cruise_speed_mps)
+    speed = vehicle.cruise_speed_mps * math.cos(crab) + wind * math.cos(angle)
+    return MotionLimits(speed, vehicle.acceleration_mps2)
+
+
+def vertical_s(vehicle: Vehicle, up: float) -> float:
+    """Return the time of a climb of `up` metres, or of a descent if it is negative."""
+    return up / vehicle.climb_rate_mps if up > 0.0 else -up / vehicle.descent_rate_mps
+
+
+def frame_of(plan: SurveyPlan) -> LocalFrame:
+    """Return a frame about a corner of the first region."""
+    first = plan.request.regions[0].area.boundary[0]
+    return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, 0.0))
+
+
+def plane_of(frame: LocalFrame, positions: tuple[GeoPosition, ...]) -> FloatArray:
+    """Return (east, north) of positions, shape (n, 2)."""
+    return frame.to_enu(
+        [position.latitude_deg for position in positions],
+        [position.longitude_deg for position in positions],
+        math.nan,
+    )[:, :2]

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The checker's look at each flight: what it visits, how long it takes, how high it is."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from rocsafe_geo.position import distance_m
+from rocsafe_planner.checked_track import (
+    FloatArray,
+    frame_of,
+    leg_s,
+    plane_of,
+    terrain_shift_m,
+    ups_m,
+    vertical_s,
+    way,
+)
+from rocsafe_planner.plan import Route, SurveyPlan
+
+Fault = str
+
+# The planner measures in a tangent plane, this module on the ellipsoid: 1e-4 apart at 150 km.
+RELATIVE = 2e-4
+ABSOLUTE_M = 0.05
+_ABSOLUTE_S = 0.05
+
+
+def route_faults(plan: SurveyPlan, route: Route) -> Iterator[Fault]:
+    """Yield what is wrong with a route."""
+    vehicle = route.vehicle
+    for view in route.viewpoints:
+        if not set(view.sensors) <= set(vehicle.sensors):
+            yield f'lacks {view.sensors} for viewpoint {view.id}'
+    if len(route.sorties) > 1 and vehicle.battery_swap_s is None:
+        yield f'{len(route.sorties)} flights without a battery swap'
+    for number, sortie in enumerate(route.sorties):
+        yield from (f'flight {number + 1} {fault}' for fault in _sortie(plan, route, number))
+        used = vehicle.aloft.used_s if vehicle.aloft is not None and number == 0 else 0.0
+        if used + sortie.duration_s > vehicle.endurance_s * (1.0 + 1e-9):
+            yield f'flight {number + 1} takes {sortie.duration_s} s: too long for its battery'
+
+
+def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
+    sortie, vehicle = route.sorties[number], route.vehicle
+    from_air = number == 0 and vehicle.aloft is not None
+    if not sortie.viewpoints and not from_air:
+        yield 'has no viewpoint'
+    is_open = vehicle.is_open and number == len(route.sorties) - 1
+    legs = len(sortie.viewpoints) + (0 if is_open else 1)
+    if len(sortie.bends) != legs:
+        yield f'has bends for {len(sortie.bends)} legs: it has {legs}'
+    track = way(route, number)
+    ups = ups_m(plan, route, number)
+    length = sum(distance_m(a, b) for a, b in pairwise(track))
+    if abs(length - sortie.length_m) > RELATIVE * length + ABSOLUTE_M:
+        yield f'states {sortie.length_m} m: it is {length} m long'
+    flying = sum(
+        max(leg_s(vehicle, plan.request.wind_mps, a, b), vertical_s(vehicle, up))
+        for (a, b), up in zip(pairwise(track), np.diff(ups).tolist(), strict=True)
+    )
+    height = route.flight_height_m
+    duration = (
+        (0.0 if from_air else height / vehicle.climb_rate_mps)
+        + flying
+        + len(sortie.viewpoints) * vehicle.hover_s
+        + height / vehicle.descent_rate_mps
+    )
+    # A stop-to-stop time grows with the root of a very short leg: millimetres there take longer.
+    slack = RELATIVE * duration + _ABSOLUTE_S * len(track)
+    if abs(duration - sortie.duration_s) > slack:
+        yield f'states {sortie.duration_s} s: it takes {duration} s'
+    yield from _heights(plan, route, number, ups)
+
+
+def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> Iterator[Fault]:
+    """Yield viewpoints at the wrong height, and legs too near to the terrain."""
+    layer = route.flight_height_m - plan.request.height_agl_m
+    if layer < -1e-9 or (layer > 1e-9 and plan.request.separation_by != 'layers'):
+        yield f'flies {route.flight_height_m} m high: height_agl_m is {plan.request.height_agl_m}'
+    for view in route.sorties[number].viewpoints:
+        if abs(view.height_agl_m - route.flight_height_m) > 1e-6:
+            yield f'photographs viewpoint {view.id} from {view.height_agl_m} m'
+    if plan.request.terrain is None:
+        return
+    terrain, frame = plan.request.terrain, frame_of(plan)
+    track = plane_of(frame, way(route, number))
+    share = np.linspace(0.0, 1.0, 41)[:, None]
+    for (a, b), (low, high) in zip(pairwise(track), pairwise(ups), strict=True):
+        geodetic = frame.to_geodetic(np.column_stack([a + share * (b - a), np.zeros(len(share))]))
+        ground = terrain.altitudes_m(geodetic[:, 0], geodetic[:, 1]) + terrain_shift_m(plan)
+        free = float((low + share[:, 0] * (high - low) - ground).min())
+        if free < plan.request.terrain_clearance_m - ABSOLUTE_M:
+            yield f'comes within {free} m of the terrain'
+            return

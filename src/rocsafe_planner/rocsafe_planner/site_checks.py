@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where vehicles may stand: not far from the regions, and in no exclusion."""
+
+from rocsafe_geo.position import distance_m
+from rocsafe_planner.airspace import Airspace, FloatArray
+from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.vehicle import Vehicle
+
+MAX_HOME_DISTANCE_M = 100_000.0
+"""Homes further from the first region's centre than this are a slip of the pen."""
+
+
+def check_distances(request: SurveyRequest) -> None:
+    """Raise ValueError if a region, home, end or vehicle is too far from the first region."""
+    centre = request.regions[0].area.centroid()
+    places = [(f'region {r.area.name!r}', r.area.centroid()) for r in request.regions[1:]]
+    places.extend((f'viewpoint {view.id}', view.position) for view in request.viewpoints)
+    for vehicle in request.vehicles:
+        places.append((f'{vehicle.name} home', vehicle.home))
+        if vehicle.aloft is not None:
+            places.append((vehicle.name, vehicle.aloft.position))
+        if vehicle.end is not None:
+            places.append((f'{vehicle.name} end', vehicle.end))
+    for what, place in places:
+        distance = distance_m(centre, place)
+        if distance > MAX_HOME_DISTANCE_M:
+            raise ValueError(
+                f'{what} is {distance / 1000.0:.0f} km from the region: must be '
+                f'within {MAX_HOME_DISTANCE_M / 1000.0:.0f} km'
+            )
+
+
+def check_stands(
+    vehicles: tuple[Vehicle, ...],
+    airspace: Airspace,
+    places: tuple[FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Raise ValueError if a start, home or end, (m, 2) each, lies in an exclusion."""
+    for what, stands in zip(('start', 'home', 'end'), places, strict=True):
+        for vehicle, is_free in zip(vehicles, airspace.holds(stands).tolist(), strict=True):
+            if not is_free:
+                where = 'home' if what == 'start' and vehicle.aloft is None else what
+                raise ValueError(
+                    f'{vehicle.name} {where} lies in an exclusion, or nearer to it than '
+                    'clearance_m: must be outside'
+                )
