@@ -25,7 +25,7 @@ from .surveys import surveys
 TOOLS = ('boustrophedon_equal', 'boustrophedon_minmax', 'strips')
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
 def test_never_worse_than_survey_tools(seed, vehicles):
     """On random points, which are no grid at all, and on grids with corners missing."""

@@ -9,7 +9,8 @@ the two legs; legs from home, climb and descent are each vehicle's own. No route
 forest bound of these costs holds; so does the time of the farthest point photographed alone by
 the vehicle best placed for it. The better of the two is returned. In wind a vehicle is taken to
 have it in its back on every leg; the end of an open route costs nothing; climbs between points,
-stops where legs bend, battery swaps, delays, layers and, in the forest, sensors are left out. All that only lowers the bound.
+stops where legs bend, battery swaps, delays, layers and, in the forest, sensors are left out. All
+that only lowers the bound.
 """
 
 from collections.abc import Callable
@@ -76,7 +77,7 @@ def _farthest_trip_s(problem: FleetProblem) -> float:
 
 
 def _ways_s(problem: FleetProblem, vehicle: int) -> tuple[FloatArray, FloatArray]:
-    """Return times that no way from the start to each point, and from there to the end, undercuts."""
+    """Return times that no way from start to each point, and from there to the end, undercuts."""
     n = len(problem.points)
     motion = problem.flight(vehicle).fastest()
     out = leg_duration_s(problem.distances_m(problem.start_site(vehicle))[:n], motion)

@@ -42,15 +42,21 @@ def ups_m(plan: SurveyPlan, route: Route, number: int) -> FloatArray:
         if from_air and known and not math.isnan(start - known[0]):
             ups[0] = start - known[0]
         return ups
-    assert request.terrain is not None
     is_last = number == len(route.sorties) - 1
     ends = [] if from_air and not math.isnan(ups[0]) else [0]
     ends += [] if is_last and route.vehicle.is_open else [len(track) - 1]
     for end in ends:
         place = track[end]
-        ground = request.terrain.altitudes_m([place.latitude_deg], [place.longitude_deg])[0]
-        ups[end] = ground + terrain_shift_m(plan) + route.flight_height_m
+        ups[end] = _ground_m(plan, place) + route.flight_height_m
     return ups
+
+
+def _ground_m(plan: SurveyPlan, place: GeoPosition) -> float:
+    terrain = plan.request.terrain
+    if terrain is None:
+        return 0.0
+    height = terrain.altitudes_m([place.latitude_deg], [place.longitude_deg])[0]
+    return float(height) + terrain_shift_m(plan)
 
 
 def terrain_shift_m(plan: SurveyPlan) -> float:

@@ -67,7 +67,7 @@ def vehicle_document(vehicle: Vehicle) -> Document:
 
 def terrain_document(terrain: Terrain | None) -> Document | None:
     """Return the name and the SHA-256 digest of an elevation model."""
-    return terrain and {'name': terrain.name, 'sha256': terrain.digest}
+    return None if terrain is None else {'name': terrain.name, 'sha256': terrain.digest}
 
 
 def viewpoint_document(viewpoint: Viewpoint) -> Document:

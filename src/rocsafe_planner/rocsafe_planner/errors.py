@@ -28,3 +28,7 @@ class MissingSensorError(PlannerError):
 
 class TerrainError(PlannerError):
     """The elevation model lacks the ground that is to be flown over."""
+
+
+class NothingLeftError(PlannerError):
+    """Every viewpoint is photographed."""

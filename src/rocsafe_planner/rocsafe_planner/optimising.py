@@ -47,12 +47,15 @@ class Effort:
     budget_s
         Wall-clock time. 0: a number of proposals that only the number of points decides, so that
         the same problem has the same routes on every machine.
+    proposals
+        Without a budget: so many a lane instead of that number.
     seed
         Of all that is drawn.
     """
 
     objective: str = 'longest_time'
     budget_s: float = 0.0
+    proposals: int = 0
     seed: int = 0
 
 
@@ -94,7 +97,7 @@ def _options(points: int, effort: Effort, reporter: '_Reporter') -> SearchOption
         # Lanes look at the clock every few milliseconds: at the watch too.
         clock = reporter.watched(SearchOptions().clock)
         return SearchOptions(budget_s=effort.budget_s, seed=seed, clock=clock)
-    proposals = min(_PROPOSALS_A_POINT * points, _MOST_PROPOSALS)
+    proposals = effort.proposals or min(_PROPOSALS_A_POINT * points, _MOST_PROPOSALS)
     return SearchOptions(proposals=proposals, seed=seed, bound_share=0.0)
 
 

@@ -82,7 +82,12 @@ def _orders(
     is_time = request.objective == DEFAULT_OBJECTIVE
     found = optimised(
         site.problem,
-        Effort(objective=request.objective, budget_s=request.budget_s, seed=request.seed),
+        Effort(
+            objective=request.objective,
+            budget_s=request.budget_s,
+            proposals=request.proposals,
+            seed=request.seed,
+        ),
         # What is not a time is not told.
         on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
     )

@@ -84,6 +84,9 @@ class SurveyRequest:
         comes nearer to it than the clearance.
     budget_s
         Wall-clock time that may be used to improve the plan.
+    proposals
+        Without a budget: changes that each of the search's lanes tries; 0: as many as the number
+        of points suggests. The same number gives the same plan on every machine.
     seed
         Of methods that draw random numbers.
     max_viewpoints
@@ -113,6 +116,7 @@ class SurveyRequest:
     terrain: Terrain | None = None
     terrain_clearance_m: float = 10.0
     budget_s: float = 0.0
+    proposals: int = 0
     seed: int = 0
     max_viewpoints: int = DEFAULT_MAX_VIEWPOINTS
     viewpoints: tuple[Viewpoint, ...] = ()
@@ -140,6 +144,7 @@ class SurveyRequest:
         require_one_of('separation_by', self.separation_by, SEPARATIONS)
         _check_terrain(self)
         require_not_negative('budget_s', self.budget_s, 's')
+        require_count('proposals', self.proposals, 0, 2**40)
         require_count('seed', self.seed, 0, 2**64 - 1)
         require_count('max_viewpoints', self.max_viewpoints, 1, 2**32 - 1)
 
@@ -174,6 +179,7 @@ class SurveyRequest:
             'visited': [viewpoint_document(view) for view in self.visited],
             'ground_reference': [position_document(place) for place in self.ground_reference],
             'budget_s': float(self.budget_s),
+            'proposals': self.proposals,
             'seed': self.seed,
             'max_viewpoints': self.max_viewpoints,
         }

@@ -121,9 +121,9 @@ def _cut(order: Order, flights: _Flights, swap_s: float) -> tuple[float, list[Or
         totals = best[: last + 1] + swaps + flights.within(times)
         begin[last] = int(totals.argmin())
         best[last + 1] = totals[begin[last]]
-        if np.isinf(best[last + 1]) and last < len(order) - 1:
-            if np.isinf(flights.within(times)[last]):
-                raise flights.refusal(last, order[last])
+        is_last = last == len(order) - 1
+        if not is_last and np.isinf(best[last + 1]) and np.isinf(flights.within(times)[last]):
+            raise flights.refusal(last, order[last])
     if np.isinf(best[-1]):
         raise flights.refusal(len(order) - 1, order[-1])
     parts: list[Order] = []

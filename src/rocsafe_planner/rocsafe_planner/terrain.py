@@ -136,9 +136,9 @@ class LocalGround:
         self._raise(tops, low, cell, geodetic)
         if np.isnan(tops).all():
             raise self._unknown(geodetic[0])
-        # What is not known between the places is no wall, and no hole either.
-        tops = np.where(np.isnan(tops), np.nanmax(tops), tops)
-        ups = tops + self._shift - self._frame.origin.altitude_m
+        # What is not known may be as high as anything that is.
+        known: FloatArray = np.where(np.isnan(tops), np.nanmax(tops), tops)
+        ups = known + self._shift - self._frame.origin.altitude_m
         return Relief(low, cell, ups, clearance_m)
 
     def _raise(self, tops: FloatArray, low: FloatArray, cell: float, geodetic: FloatArray) -> None:

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Going on with a survey after something changed: a vehicle is lost, there is more to photograph.
+
+What is left of a plan is a request like any other, whose vehicles begin where they are: the same
+solver plans it, and the same checker looks at the result. The search counts proposals instead of
+seconds, so that all who know the same situation find the same plan, each for itself.
+"""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_planner.errors import NothingLeftError, PlannerError
+from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.planning import Progress, plan_survey
+from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.vehicle import Aloft, Vehicle
+from rocsafe_planner.viewpoint import Viewpoint
+
+_PROPOSALS_A_POINT = 2500
+_LEAST_PROPOSALS = 200_000
+_MOST_PROPOSALS = 2_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """What became of a plan.
+
+    Attributes
+    ----------
+    alive
+        Names of the vehicles that can go on: in the air with their places and the time used on
+        their batteries, None for those that stand at home with full ones.
+    visited
+        Ids of the viewpoints that are photographed.
+    new_places
+        More places to photograph from, given on the ground below; their ids follow on those of
+        the plan.
+    new_exclusions
+        More zones that no leg crosses. Viewpoints inside cannot be visited any more.
+    """
+
+    alive: Mapping[str, Aloft | None]
+    visited: frozenset[int] = frozenset()
+    new_places: tuple[GeoPosition, ...] = ()
+    new_exclusions: tuple[SurveyArea, ...] = field(default=())
+
+
+def replan(
+    plan: SurveyPlan,
+    situation: Situation,
+    on_progress: Progress = lambda _makespan, _bound: True,
+) -> SurveyPlan:
+    """Return the plan for the rest of a survey; times count from now.
+
+    Raises
+    ------
+    ValueError
+        If the situation names vehicles or viewpoints that the plan has not.
+    PlannerError
+        If there is no plan for the rest; NothingLeftError if all is photographed.
+    """
+    return plan_survey(remaining_request(plan, situation), on_progress)
+
+
+def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
+    """Return what is left of a plan as a request: with the solver, without a time limit."""
+    request = plan.request
+    known = _all_viewpoints(plan)
+    _check(situation, known, request)
+    left = [view for view in known.values() if view.id not in situation.visited]
+    left += _new_viewpoints(request, situation, first_id=max(known, default=-1) + 1)
+    if not left:
+        raise NothingLeftError('no viewpoint is left: all are photographed')
+    done = [view for view in known.values() if view.id in situation.visited]
+    return dataclasses.replace(
+        request,
+        vehicles=tuple(
+            _now(vehicle, situation.alive[vehicle.name])
+            for vehicle in request.vehicles
+            if vehicle.name in situation.alive
+        ),
+        method='solver',
+        budget_s=0.0,
+        proposals=_proposals(len(left)),
+        exclusions=(*request.exclusions, *situation.new_exclusions),
+        max_viewpoints=max(request.max_viewpoints, len(left)),
+        viewpoints=tuple(sorted(left, key=lambda view: view.id)),
+        visited=(*request.visited, *done),
+        ground_reference=request.ground_reference or tuple(v.home for v in request.vehicles),
+    )
+
+
+def _proposals(points: int) -> int:
+    """Return how hard to search: 400 points take a good half of a second."""
+    return min(max(_PROPOSALS_A_POINT * points, _LEAST_PROPOSALS), _MOST_PROPOSALS)
+
+
+def unreachable(plan: SurveyPlan) -> tuple[int, ...]:
+    """Return the ids of viewpoints that exclusions shut off: a plan for the rest leaves them."""
+    flown = {view.id for route in plan.routes for view in route.viewpoints}
+    return tuple(view.id for view in plan.request.viewpoints if view.id not in flown)
+
+
+def _all_viewpoints(plan: SurveyPlan) -> dict[int, Viewpoint]:
+    """Return the viewpoints of the routes, and those that a new plan may reach again."""
+    flown = {view.id: view for route in plan.routes for view in route.viewpoints}
+    return {**{view.id: view for view in plan.request.viewpoints}, **flown}
+
+
+def _check(situation: Situation, known: Mapping[int, Viewpoint], request: SurveyRequest) -> None:
+    names = {vehicle.name for vehicle in request.vehicles}
+    strangers = sorted(set(situation.alive) - names)
+    if strangers:
+        raise ValueError(f'alive has {strangers[0]!r}: must be of {", ".join(sorted(names))}')
+    before = {view.id for view in request.visited}
+    unknown = sorted(set(situation.visited) - set(known) - before)
+    if unknown:
+        raise ValueError(f'visited has viewpoint {unknown[0]}: the plan has no such one')
+    if not situation.alive:
+        raise PlannerError('no vehicle is left to go on with the survey')
+
+
+def _now(vehicle: Vehicle, aloft: Aloft | None) -> Vehicle:
+    return dataclasses.replace(vehicle, aloft=aloft)
+
+
+def _new_viewpoints(
+    request: SurveyRequest, situation: Situation, first_id: int
+) -> list[Viewpoint]:
+    """Return viewpoints over new places, the image's top to the north as the grid's usually is."""
+    across, along = request.camera.footprint_m(request.height_agl_m)
+    corners = [(-across, -along), (across, -along), (across, along), (-across, along)]
+    return [
+        Viewpoint(
+            id=first_id + number,
+            position=place,
+            height_agl_m=request.height_agl_m,
+            yaw_rad=0.5 * math.pi,
+            footprint=tuple(offset(place, 0.5 * east, 0.5 * north) for east, north in corners),
+        )
+        for number, place in enumerate(situation.new_places)
+    ]

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rest of a survey, planned anew by those who are left."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
+from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.replanning import Situation, replan, unreachable
+from rocsafe_planner.vehicle import Aloft
+
+from .fleets import FIELD, FLEET, request, vehicle
+
+PLAN = plan_survey(request(area=FIELD, method='boustrophedon_minmax'))
+
+
+def midway(plan, share, lost):
+    """Return the situation after each vehicle flew `share` of its viewpoints; one is lost."""
+    visited, alive = set(), {}
+    for route in plan.routes:
+        done = route.viewpoints[: int(share * len(route.viewpoints))]
+        visited |= {view.id for view in done}
+        if route.vehicle.name != lost:
+            place = done[-1].position if done else route.vehicle.home
+            alive[route.vehicle.name] = Aloft(position=place, used_s=share * route.duration_s)
+    return Situation(alive=alive, visited=frozenset(visited))
+
+
+def ids(plan):
+    """Return the ids of a plan's viewpoints in flying order."""
+    return [view.id for route in plan.routes for view in route.viewpoints]
+
+
+@pytest.mark.parametrize('lost', ['rav1', 'rav2', 'rav3'])
+def test_nothing_is_lost_and_nothing_flown_twice(lost):
+    """Two thirds of a field are left when one of three is lost: the others share it."""
+    situation = midway(PLAN, 0.33, lost)
+    rest = replan(PLAN, situation)
+    assert sorted(ids(rest)) == sorted(set(ids(PLAN)) - situation.visited)
+    assert check_plan(rest) == []
+    assert rest.covered_fraction == pytest.approx(PLAN.covered_fraction)
+    assert rest.lower_bound_s <= rest.makespan_s
+    assert replan(PLAN, situation) == rest
+
+
+def test_an_idle_vehicle_comes_home():
+    """One viewpoint is left beside the first vehicle: the others fly home, and that is counted."""
+    last = PLAN.routes[0].viewpoints[-1]
+    alive = {
+        name: Aloft(position=offset(last.position, 20.0 + 100.0 * k, 0.0))
+        for k, name in enumerate(('rav1', 'rav2', 'rav3'))
+    }
+    situation = Situation(alive=alive, visited=frozenset(set(ids(PLAN)) - {last.id}))
+    rest = replan(PLAN, situation)
+    assert ids(rest) == [last.id]
+    assert all(route.duration_s > 0.0 and len(route.sorties) == 1 for route in rest.routes)
+    assert check_plan(rest) == []
+
+
+def test_new_places_and_exclusions():
+    """A place outside is added, another one shut off: that is left out and named."""
+    situation = midway(PLAN, 0.5, 'rav2')
+    target = offset(PLAN.routes[0].viewpoints[-1].position, 15.0, 200.0)
+    shut = PLAN.routes[1].viewpoints[-1]
+    ring = tuple(
+        offset(shut.position, e, n)
+        for e, n in ((-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0))
+    )
+    changed = Situation(
+        alive=situation.alive,
+        visited=situation.visited,
+        new_places=(GeoPosition(target.latitude_deg, target.longitude_deg),),
+        new_exclusions=(SurveyArea(ring),),
+    )
+    rest = replan(PLAN, changed)
+    new = max(ids(PLAN)) + 1
+    left = set(ids(PLAN)) - situation.visited
+    assert sorted(ids(rest)) == sorted((left | {new}) - {shut.id})
+    assert unreachable(rest) == (shut.id,)
+    assert check_plan(rest) == []
+
+
+def test_who_stands_at_home_takes_off_again():
+    """A vehicle that landed with a fresh battery is one of the fleet; its climb is counted."""
+    situation = midway(PLAN, 0.5, 'rav3')
+    alive = {**situation.alive, 'rav1': None}
+    rest = replan(PLAN, Situation(alive=alive, visited=situation.visited))
+    assert rest.routes[0].vehicle.aloft is None
+    assert check_plan(rest) == []
+
+
+def test_a_plan_for_the_rest_can_be_planned_anew_too():
+    """Two losses, one after the other: what was visited before each counts."""
+    once = replan(PLAN, midway(PLAN, 0.3, 'rav1'))
+    twice = replan(once, midway(once, 0.3, 'rav2'))
+    done = {view.id for view in twice.request.visited}
+    assert sorted(done | set(ids(twice))) == sorted(ids(PLAN))
+    assert not done & set(ids(twice))
+    assert check_plan(twice) == []
+
+
+def test_a_spent_battery_is_changed_on_the_way():
+    """A vehicle with 60 s left flies home, takes a new battery, and does the rest."""
+    fleet = tuple(
+        vehicle(v.name, (v.home.latitude_deg, v.home.longitude_deg), battery_swap_s=60.0)
+        for v in FLEET
+    )
+    plan = plan_survey(request(vehicles=fleet, method='boustrophedon_minmax'))
+    home = fleet[0].home
+    alive = {'rav1': Aloft(position=offset(home, 30.0, 0.0), used_s=10_000.0 - 60.0)}
+    rest = replan(plan, Situation(alive=alive))
+    assert [len(s.viewpoints) > 0 for s in rest.routes[0].sorties] == [False, True]
+    assert check_plan(rest) == []
+
+
+@pytest.mark.parametrize(
+    ('situation', 'error', 'message'),
+    [
+        (Situation(alive={}), PlannerError, 'no vehicle is left'),
+        (Situation(alive={'x': None}), ValueError, "alive has 'x': must be of rav1, rav2, rav3"),
+        (
+            Situation(alive={'rav1': None}, visited=frozenset({9999})),
+            ValueError,
+            'visited has viewpoint 9999: the plan has no such one',
+        ),
+        (
+            Situation(alive={'rav1': None}, visited=frozenset(ids(PLAN))),
+            NothingLeftError,
+            'all are photographed',
+        ),
+        (
+            Situation(alive={'rav1': Aloft(position=FLEET[0].home, used_s=9_999.0)}),
+            BeyondEnduranceError,
+            'rav1 needs .* its endurance_s is 10000 s, 1 s of it left',
+        ),
+    ],
+)
+def test_impossible_situations_are_refused(situation, error, message):
+    """Thing, value and limit are named in one line."""
+    with pytest.raises(error, match=message):
+        replan(PLAN, situation)
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.data())
+def test_whatever_happens_the_checker_accepts(data):
+    """Any survivors, any share of the work done, in the air or at home."""
+    share = data.draw(st.floats(0.0, 0.95))
+    lost = data.draw(st.sampled_from(['', 'rav1', 'rav2', 'rav3']))
+    situation = midway(PLAN, share, lost)
+    rest = replan(PLAN, situation)
+    assert sorted(ids(rest)) == sorted(set(ids(PLAN)) - situation.visited)
+    assert check_plan(rest) == []
