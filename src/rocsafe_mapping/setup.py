@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'collector = rocsafe_mapping.collector_node:main',
+            'map = rocsafe_mapping.map_command:main',
             'mosaic = rocsafe_mapping.mosaic_node:main',
         ],
     },

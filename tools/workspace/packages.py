@@ -30,6 +30,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'pyproj': ('pyproj', (3, 6)),
     'rasterio': ('rasterio', (1, 3, 9)),
     'rich': ('rich', (13, 7)),
+    'scipy': ('scipy', (1, 11)),
     'setuptools': ('setuptools', (68, 0)),
     'shapely': ('shapely', (2, 0, 3)),
     'yaml': ('PyYAML', (6, 0)),

@@ -24,6 +24,7 @@ class Intrinsics:
     cx_px, cy_px: principal point.
     distortion_model: of sensor_msgs/CameraInfo, e.g. ``plumb_bob``; empty for none.
     distortion: its coefficients; empty for none.
+    focal_std_share: uncertainty of the focal length over itself, 0 for a calibrated camera.
     """
 
     width_px: int
@@ -34,6 +35,7 @@ class Intrinsics:
     cy_px: float
     distortion_model: str = ''
     distortion: tuple[float, ...] = ()
+    focal_std_share: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ('width_px', 'height_px', 'fx_px', 'fy_px'):
@@ -59,6 +61,7 @@ class ShotRecord:
     orientation_xyzw: quaternion from the optical frame (x right, y down, z forward) to ENU.
     orientation_covariance_rad2: about east, north, up; row major.
     sha256: of the image as the vehicle took it, lower-case hexadecimal.
+    lens: names the camera, where the vehicle may change it; else empty.
     """
 
     shot_id: str
@@ -75,6 +78,7 @@ class ShotRecord:
     orientation_covariance_rad2: tuple[float, ...]
     camera: Intrinsics
     sha256: str
+    lens: str = ''
 
     def __post_init__(self) -> None:
         if not _VEHICLE.fullmatch(self.vehicle):
@@ -113,7 +117,11 @@ def record_of_plain(plain: Mapping[str, Any]) -> ShotRecord:
     ValueError: if a key is missing or a value is wrong.
     """
     try:
-        values = {field.name: plain[field.name] for field in dataclasses.fields(ShotRecord)}
+        values = {
+            field.name: plain[field.name]
+            for field in dataclasses.fields(ShotRecord)
+            if field.name in plain or field.default is dataclasses.MISSING
+        }
         values['camera'] = Intrinsics(
             **{name: _restored(value) for name, value in plain['camera'].items()}
         )

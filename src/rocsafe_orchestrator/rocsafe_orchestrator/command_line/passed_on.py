@@ -34,6 +34,12 @@ PASSED_ON = (
         executable='localize',
         summary='find sources in readings',
     ),
+    PassedOn(
+        word='map',
+        package='rocsafe_mapping',
+        executable='map',
+        summary='map a folder of photographs',
+    ),
 )
 
 

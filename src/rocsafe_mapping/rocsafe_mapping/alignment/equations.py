@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The equations of the adjustment: which unknowns, residuals over their noise, derivatives."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from rocsafe_mapping.alignment.matching import Pair
+from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.projection import LENS_SIZE, POSE_SIZE, Transfer, Views, transfer
+from rocsafe_mapping.alignment.state import RADIAL_STD, Lens, State
+
+# Residuals beyond so many standard deviations count ever less.
+TIE_KNEE = 2.0
+FIX_KNEE = 2.0
+# A yaw that is this far off is wrong, not inexact.
+YAW_KNEE_RAD = math.radians(25.0)
+PRIOR_ROWS = 6
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ties:
+    """All ties of a set of pairs.
+
+    Attributes
+    ----------
+    names: photographs, sorted; `first` and `second` count in them, shape (n,).
+    lenses: of each photograph.
+    first_offsets_px, second_offsets_px: pixels less the principal point, shape (n, 2).
+    focal_px: believed focal length of each photograph.
+    """
+
+    names: tuple[str, ...]
+    lenses: tuple[str, ...]
+    focal_px: FloatArray
+    first: Index
+    second: Index
+    first_offsets_px: FloatArray
+    second_offsets_px: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def transferred(self, state: State) -> Transfer:
+        """Return residuals and derivatives on the ground of `state`."""
+        poses = [state.poses[name] for name in self.names]
+        lenses = [state.lenses.get(lens, Lens()) for lens in self.lenses]
+        focal = self.focal_px * np.exp([lens.log_focal for lens in lenses])
+        radial = np.array([(lens.k1, lens.k2) for lens in lenses])
+        centres = np.array([pose.centre for pose in poses])
+        rotations = np.array([pose.rotation for pose in poses])
+        first, second = (
+            Views(
+                offsets_px=offsets,
+                focal_px=focal[index],
+                radial=radial[index],
+                centres=centres[index],
+                rotations=rotations[index],
+            )
+            for index, offsets in (
+                (self.first, self.first_offsets_px),
+                (self.second, self.second_offsets_px),
+            )
+        )
+        heights: FloatArray = np.zeros(len(self))
+        moved = transfer(first, second, heights)
+        if not state.surface.is_level:
+            for _ in range(2):
+                heights = state.surface.at(moved.ground_m)
+                moved = transfer(first, second, heights)
+        return moved
+
+
+def ties_of(pairs: Sequence[Pair], photos: Mapping[str, Photo], *, held_out: bool) -> Ties:
+    """Return the ties of `pairs` that were held out, or those that were not."""
+    names = tuple(sorted({pair.first for pair in pairs} | {pair.second for pair in pairs}))
+    index = {name: number for number, name in enumerate(names)}
+    chosen = [pair.is_held_out == held_out for pair in pairs]
+    counts = [int(mask.sum()) for mask in chosen]
+    cameras = [photos[name].camera for name in names]
+    middles = np.array([(camera.cx_px, camera.cy_px) for camera in cameras]).reshape(-1, 2)
+    # Square pixels from here on: rows are brought to the scale of columns.
+    aspect = np.array([(1.0, camera.fx_px / camera.fy_px) for camera in cameras]).reshape(-1, 2)
+    first = np.repeat([index[pair.first] for pair in pairs], counts).astype(np.int64)
+    second = np.repeat([index[pair.second] for pair in pairs], counts).astype(np.int64)
+    return Ties(
+        names=names,
+        lenses=tuple(photos[name].lens for name in names),
+        focal_px=np.array([camera.fx_px for camera in cameras]),
+        first=first,
+        second=second,
+        first_offsets_px=_offsets([p.first_px for p in pairs], chosen, middles, aspect, first),
+        second_offsets_px=_offsets([p.second_px for p in pairs], chosen, middles, aspect, second),
+    )
+
+
+def _offsets(
+    pixels: Sequence[FloatArray],
+    chosen: Sequence[NDArray[np.bool_]],
+    middles: FloatArray,
+    aspect: FloatArray,
+    index: Index,
+) -> FloatArray:
+    parts = [points[mask] for points, mask in zip(pixels, chosen, strict=True)]
+    together = np.concatenate(parts) if parts else np.zeros((0, 2))
+    return (together - middles[index]) * aspect[index]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unknowns:
+    """Which column of the equations belongs to what.
+
+    Attributes
+    ----------
+    names: photographs whose pose is unknown, six columns each.
+    lenses: lenses to be found, three columns each, after the poses; with the uncertainty of each
+        focal length over itself.
+    """
+
+    names: tuple[str, ...]
+    lenses: tuple[tuple[str, float], ...]
+
+    @staticmethod
+    def of(
+        photos: Mapping[str, Photo], names: tuple[str, ...], *, with_lenses: bool
+    ) -> 'Unknowns':
+        """Return the unknowns of some photographs."""
+        stds = {photos[name].lens: photos[name].focal_std_share for name in names}
+        lenses = [(lens, std) for lens, std in sorted(stds.items()) if with_lenses and std > 0.0]
+        return Unknowns(names=names, lenses=tuple(lenses))
+
+    def __len__(self) -> int:
+        return POSE_SIZE * len(self.names) + LENS_SIZE * len(self.lenses)
+
+    def pose_columns(self, names: Sequence[str]) -> Index:
+        """Return the first column of each name, -1 where its pose is known."""
+        column = {name: POSE_SIZE * number for number, name in enumerate(self.names)}
+        return np.array([column.get(name, -1) for name in names], np.int64)
+
+    def lens_columns(self, lenses: Sequence[str]) -> Index:
+        """Return the first column of each lens, -1 where it is known."""
+        start = POSE_SIZE * len(self.names)
+        column = {lens: start + LENS_SIZE * at for at, (lens, _) in enumerate(self.lenses)}
+        return np.array([column.get(lens, -1) for lens in lenses], np.int64)
+
+    def moved(self, state: State, step: FloatArray) -> State:
+        """Return `state` changed by `step`."""
+        poses, lenses = dict(state.poses), dict(state.lenses)
+        for number, name in enumerate(self.names):
+            change = step[POSE_SIZE * number : POSE_SIZE * (number + 1)]
+            pose = poses[name]
+            poses[name] = Pose(
+                centre=pose.centre + change[:3], rotation=turned(change[3:]) @ pose.rotation
+            )
+        start = POSE_SIZE * len(self.names)
+        for number, (name, _) in enumerate(self.lenses):
+            change = step[start + LENS_SIZE * number : start + LENS_SIZE * (number + 1)]
+            lens = lenses.get(name, Lens())
+            lenses[name] = Lens(
+                log_focal=lens.log_focal + change[0],
+                k1=lens.k1 + change[1],
+                k2=lens.k2 + change[2],
+            )
+        return replace(state, poses=poses, lenses=lenses)
+
+
+class Equations:
+    """Residuals over their standard deviations, and their derivatives.
+
+    Parameters
+    ----------
+    photos: with the priors.
+    ties: between photographs that all have a pose.
+    unknowns: what may change.
+    """
+
+    def __init__(self, photos: Mapping[str, Photo], ties: Ties, unknowns: Unknowns) -> None:
+        self.photos = photos
+        self.ties = ties
+        self.unknowns = unknowns
+        self._tie_columns = _columns(ties, unknowns)
+
+    def cost(self, state: State) -> float:
+        """Return what the adjustment makes least."""
+        moved = self.ties.transferred(state)
+        white = _whitened(moved, state)[0]
+        square = np.sum(white**2, axis=1)
+        knee = TIE_KNEE**2
+        ties = float(np.sum(2.0 * knee * (np.sqrt(1.0 + square / knee) - 1.0)))
+        plain, fixes = self._prior_residuals(state)
+        fix_knee = FIX_KNEE**2
+        fix_cost = float(np.sum(fix_knee * np.log1p(np.sum(fixes**2, axis=1) / fix_knee)))
+        return ties + fix_cost + float(np.sum(plain**2)) + self._lens_cost(state)
+
+    def rows(self, state: State) -> tuple[csr_matrix, FloatArray]:
+        """Return Jacobian and residuals, weighted so that plain least squares is right."""
+        moved = self.ties.transferred(state)
+        white, whiten = _whitened(moved, state)
+        square = np.sum(white**2, axis=1)
+        trust = (1.0 + square / TIE_KNEE**2) ** -0.25
+        whiten = whiten * trust[:, np.newaxis, np.newaxis]
+        parts = (moved.first_pose, moved.second_pose, moved.first_lens, moved.second_lens)
+        values = np.concatenate([whiten @ part for part in parts], axis=2)
+        residuals = (white * trust[:, np.newaxis]).ravel()
+        count = len(self.ties)
+        lines = np.broadcast_to(np.arange(2 * count).reshape(count, 2, 1), values.shape)
+        columns = np.broadcast_to(self._tie_columns[:, np.newaxis, :], values.shape)
+        used = columns >= 0
+        prior_values, prior_lines, prior_columns, prior_residuals = self._prior_rows(state)
+        jacobian = csr_matrix(
+            (
+                np.concatenate([values[used], prior_values]),
+                (
+                    np.concatenate([lines[used], 2 * count + prior_lines]),
+                    np.concatenate([columns[used], prior_columns]),
+                ),
+            ),
+            shape=(2 * count + len(prior_residuals), len(self.unknowns)),
+        )
+        return jacobian, np.concatenate([residuals, prior_residuals])
+
+    def _prior_residuals(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return the plain residuals (n, 4) - up, tilt, tilt, yaw - and those of fixes (n, 2)."""
+        plain = np.zeros((len(self.unknowns.names), 4))
+        fixes = np.zeros((len(self.unknowns.names), 2))
+        for number, name in enumerate(self.unknowns.names):
+            photo, pose = self.photos[name], state.poses[name]
+            off = pose.centre - photo.prior.centre
+            fixes[number] = off[:2] / (photo.horizontal_std_m * state.noise.fix_factor)
+            tilt, yaw = tilt_and_yaw(pose, photo.prior)
+            weight = float(abs(yaw) < YAW_KNEE_RAD)
+            plain[number] = (
+                off[2] / photo.vertical_std_m,
+                *(tilt / photo.tilt_std_rad),
+                weight * yaw / photo.yaw_std_rad,
+            )
+        return plain, fixes
+
+    def _prior_rows(self, state: State) -> tuple[FloatArray, Index, Index, FloatArray]:
+        """Return values, lines, columns and residuals of the priors."""
+        plain, fixes = self._prior_residuals(state)
+        trust = 1.0 / np.sqrt(1.0 + np.sum(fixes**2, axis=1) / FIX_KNEE**2)
+        stds = np.array(
+            [
+                (
+                    photo.horizontal_std_m,
+                    photo.vertical_std_m,
+                    photo.tilt_std_rad,
+                    photo.yaw_std_rad,
+                )
+                for photo in (self.photos[name] for name in self.unknowns.names)
+            ]
+        ).reshape(-1, 4)
+        by_fix = trust / (stds[:, 0] * state.noise.fix_factor)
+        yaw_weight = np.array(
+            [
+                abs(tilt_and_yaw(state.poses[name], self.photos[name].prior)[1]) < YAW_KNEE_RAD
+                for name in self.unknowns.names
+            ]
+        )
+        values = np.column_stack(
+            [
+                by_fix,
+                by_fix,
+                1.0 / stds[:, 1],
+                1.0 / stds[:, 2],
+                1.0 / stds[:, 2],
+                yaw_weight / stds[:, 3],
+            ]
+        ).ravel()
+        residuals = np.column_stack([fixes * trust[:, np.newaxis], plain]).ravel()
+        lens_values, lens_residuals = self._lens_rows(state)
+        values = np.concatenate([values, lens_values])
+        residuals = np.concatenate([residuals, lens_residuals])
+        # Each prior row has one entry; poses and lenses follow in the order of their columns.
+        places = np.arange(len(values), dtype=np.int64)
+        return values, places, places, residuals
+
+    def _lens_rows(self, state: State) -> tuple[FloatArray, FloatArray]:
+        values, residuals = [], []
+        for name, focal_std in self.unknowns.lenses:
+            lens = state.lenses.get(name, Lens())
+            stds = np.array([focal_std, *RADIAL_STD])
+            values.append(1.0 / stds)
+            residuals.append(np.array([lens.log_focal, lens.k1, lens.k2]) / stds)
+        if not values:
+            return np.zeros(0), np.zeros(0)
+        return np.concatenate(values), np.concatenate(residuals)
+
+    def _lens_cost(self, state: State) -> float:
+        return float(np.sum(self._lens_rows(state)[1] ** 2))
+
+
+def tilt_and_yaw(pose: Pose, prior: Pose) -> tuple[FloatArray, float]:
+    """Return how far `pose` is tilted (about east and north) and turned from `prior`, radians.
+
+    The tilt is that from the prior turned by the yaw: a wrong yaw leaves the gimbal's tilt true.
+    """
+    change = pose.rotation @ prior.rotation.T
+    yaw = math.atan2(change[1, 0] - change[0, 1], change[0, 0] + change[1, 1])
+    rest = change @ turned(np.array([0.0, 0.0, -yaw]))
+    # For small tilts the rotation vector is half the antisymmetric part.
+    tilt = 0.5 * np.array([rest[2, 1] - rest[1, 2], rest[0, 2] - rest[2, 0]])
+    return tilt, yaw
+
+
+def turned(vector: FloatArray) -> FloatArray:
+    """Return the rotation (3, 3) by a rotation vector (Rodrigues)."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if angle < 1e-9:
+        return np.eye(3) + cross
+    matrix: FloatArray = (
+        np.eye(3)
+        + math.sin(angle) / angle * cross
+        + (1.0 - math.cos(angle)) / angle**2 * (cross @ cross)
+    )
+    return matrix
+
+
+def _whitened(moved: Transfer, state: State) -> tuple[FloatArray, FloatArray]:
+    """Return the residuals over their noise (n, 2), and the matrices (n, 2, 2) that do it.
+
+    The covariance s^2 I + z^2 b b^T, b the derivative to the height, has the inverse root
+    (I - (1 - 1 / sqrt(1 + z^2 b^2 / s^2)) b b^T / b^2) / s.
+    """
+    noise = state.noise
+    sway = np.linalg.norm(moved.height, axis=1)
+    along = moved.height / np.maximum(sway, 1e-9)[:, np.newaxis]
+    ratio = noise.clutter_std_m * sway / noise.tie_std_px
+    share = 1.0 - 1.0 / np.sqrt(1.0 + ratio**2)
+    outer = along[:, :, np.newaxis] * along[:, np.newaxis, :]
+    whiten = (np.eye(2) - share[:, np.newaxis, np.newaxis] * outer) / noise.tie_std_px
+    return np.einsum('nij,nj->ni', whiten, moved.residuals_px), whiten
+
+
+def _columns(ties: Ties, unknowns: Unknowns) -> Index:
+    """Return the columns of a tie's derivatives, -1 where they do not count, shape (n, 18)."""
+    poses, lenses = unknowns.pose_columns(ties.names), unknowns.lens_columns(ties.lenses)
+    parts = []
+    for starts, index, size in (
+        (poses, ties.first, POSE_SIZE),
+        (poses, ties.second, POSE_SIZE),
+        (lenses, ties.first, LENS_SIZE),
+        (lenses, ties.second, LENS_SIZE),
+    ):
+        begin = starts[index][:, np.newaxis]
+        parts.append(np.where(begin < 0, -1, begin + np.arange(size)))
+    return np.concatenate(parts, axis=1)

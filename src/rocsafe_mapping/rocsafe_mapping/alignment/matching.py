@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether two photographs show the same ground, and which of their pixels are the same point."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_mapping.alignment.features import Features, Gray
+from rocsafe_mapping.alignment.photo import FloatArray, Photo, camera_matrix
+from rocsafe_mapping.alignment.refinement import refined
+
+RATIO = 0.82
+COARSE_COUNT = 800
+COARSE_INLIERS, COARSE_SHARE = 9, 0.1
+GUIDED_MARGIN_PX = 30.0
+INLIER_PX = 4.0
+LEAST_INLIERS = 15
+LEAST_INLIER_SHARE = 0.2
+# Fewer inliers than this must also agree with the fixes.
+STRONG_INLIERS = 45
+LEAST_CELLS, CELL_SHARE = 3, 0.2
+SMALLEST_SCALE, LARGEST_SCALE = 0.6, 1.6
+# The ratio of the two scales of a view is 1 / cos(tilt): 20 degrees each way, and some noise.
+LARGEST_STRETCH = 1.25
+LARGEST_BEND = 1.9
+MOST_TIES = 90
+TIE_CELLS = 10
+HELD_OUT_EVERY = 5
+BASELINE_STDS = 4.0
+BASELINE_SHARE = 0.3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """Two photographs of the same ground.
+
+    Attributes
+    ----------
+    first, second: their names.
+    first_px, second_px: the same points in each, shape (n, 2).
+    is_held_out: shape (n,): ties that only judge the adjustment and never enter it.
+    method: descriptor by which they were found: orb or sift.
+    """
+
+    first: str
+    second: str
+    first_px: FloatArray
+    second_px: FloatArray
+    is_held_out: NDArray[np.bool_]
+    method: str
+
+    def __len__(self) -> int:
+        return len(self.first_px)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """A photograph, its features, and its grey picture when they are to be refined."""
+
+    photo: Photo
+    features: Features
+    gray: Callable[[], Gray]
+
+
+def match(first: View, second: View, method: str) -> Pair | None:
+    """Return the ties of two photographs, None if they do not certainly show the same ground."""
+    near_first, near_second = _nearby(first, second), _nearby(second, first)
+    # Few are enough to see whether the photographs fit, and then where to look for the others.
+    coarse = _coarse(near_first, near_second)
+    if coarse is None:
+        # The fixes or the yaw are wrong: anything may match anything.
+        coarse = _coarse(first.features, second.features)
+    found = None if coarse is None else _guided(first, second, coarse)
+    if found is None:
+        return None
+    homography, first_px, second_px = found
+    chosen = _spread(first_px, first.photo)
+    first_px, second_px = refined(
+        first.gray(), second.gray(), homography, first_px[chosen], second_px[chosen]
+    )
+    held_out = np.arange(len(first_px)) % HELD_OUT_EVERY == HELD_OUT_EVERY - 1
+    return Pair(
+        first=first.photo.name,
+        second=second.photo.name,
+        first_px=first_px,
+        second_px=second_px,
+        is_held_out=held_out,
+        method=method,
+    )
+
+
+def _coarse(features: Features, others: Features) -> FloatArray | None:
+    """Return the homography that the strongest features suggest."""
+    matches = _mutual(features.strongest(COARSE_COUNT), others.strongest(COARSE_COUNT))
+    found = _homography(features, others, matches, COARSE_INLIERS, COARSE_SHARE)
+    if found is None or not _is_plausible(found[0], found[1]):
+        return None
+    return found[0]
+
+
+def _guided(
+    first: View, second: View, homography: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Return homography and inliers of all features where a first homography sees an overlap."""
+    features = _seen_by(first.features, homography, second.photo, GUIDED_MARGIN_PX)
+    back = np.asarray(np.linalg.inv(homography), float)
+    others = _seen_by(second.features, back, first.photo, GUIDED_MARGIN_PX)
+    return _verified(first, second, features, others)
+
+
+def _nearby(view: View, other: View) -> Features:
+    """Return the features of `view` that `other` should see too, by the priors, generously."""
+    photo, partner = view.photo, other.photo
+    if not (photo.has_yaw and partner.has_yaw):
+        return view.features
+    back = np.asarray(np.linalg.inv(_ground_to_pixel(photo)), float)
+    matrix = _ground_to_pixel(partner) @ back
+    std_m = np.hypot(photo.horizontal_std_m, partner.horizontal_std_m)
+    std_rad = np.hypot(photo.tilt_std_rad, partner.tilt_std_rad)
+    margin_px = 2.5 * std_m / partner.ground_resolution_m + 2.0 * std_rad * partner.camera.fx_px
+    return _seen_by(view.features, matrix, partner, float(margin_px))
+
+
+def _seen_by(features: Features, matrix: FloatArray, other: Photo, margin_px: float) -> Features:
+    """Return the features that `matrix` brings into the image of `other`, or near it."""
+    points = features.points_px.astype(float)
+    there = np.column_stack([points, np.ones(len(points))]) @ matrix.T
+    with np.errstate(divide='ignore', invalid='ignore'):
+        seen = there[:, :2] / there[:, 2:]
+    size = np.array([other.camera.width_px, other.camera.height_px])
+    inside = np.all((seen > -margin_px) & (seen < size + margin_px), axis=1)
+    return features.subset(inside & (there[:, 2] > 0.0))
+
+
+def _ground_to_pixel(photo: Photo) -> FloatArray:
+    centre = photo.prior.centre
+    ground = np.eye(3)
+    ground[:, 2] = -centre
+    matrix: FloatArray = camera_matrix(photo.camera) @ photo.prior.rotation.T @ ground
+    return matrix
+
+
+def _verified(
+    first: View, second: View, features: Features, others: Features
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Return homography and inliers of two sets of features, None if they do not fit."""
+    matches = _mutual(features, others)
+    found = _homography(features, others, matches, LEAST_INLIERS, LEAST_INLIER_SHARE)
+    if found is None:
+        return None
+    homography, first_px, second_px = found
+    is_good = _is_spread(first_px, first.photo) and _is_plausible(homography, first_px)
+    if is_good and len(first_px) < STRONG_INLIERS:
+        is_good = _fits_fixes(homography, first.photo, second.photo)
+    return (homography, first_px, second_px) if is_good else None
+
+
+def _homography(
+    features: Features, others: Features, matches: NDArray[np.int64], least: int, share: float
+) -> tuple[FloatArray, FloatArray, FloatArray] | None:
+    """Return a homography with its inliers, None with fewer than `least` or that share."""
+    if len(matches) < least:
+        return None
+    first_px = features.points_px[matches[:, 0]].astype(float)
+    second_px = others.points_px[matches[:, 1]].astype(float)
+    homography, mask = cv2.findHomography(
+        first_px, second_px, cv2.USAC_MAGSAC, INLIER_PX, maxIters=2000, confidence=0.999
+    )
+    if homography is None:
+        return None
+    inside = mask.ravel().astype(bool)
+    if inside.sum() < least or inside.mean() < share:
+        return None
+    return homography, first_px[inside], second_px[inside]
+
+
+def _mutual(features: Features, others: Features) -> NDArray[np.int64]:
+    """Return index pairs (n, 2): clearly better than the next, and each feature once."""
+    if len(features) < 2 or len(others) < 2:
+        return np.zeros((0, 2), np.int64)
+    matcher = cv2.BFMatcher(features.norm)
+    best: dict[int, tuple[float, int]] = {}
+    for found in matcher.knnMatch(features.descriptors, others.descriptors, 2):
+        nearest, other = found
+        if nearest.distance >= RATIO * other.distance:
+            continue
+        rival = best.get(nearest.trainIdx)
+        if rival is None or nearest.distance < rival[0]:
+            best[nearest.trainIdx] = (nearest.distance, nearest.queryIdx)
+    kept = sorted((index, there) for there, (_, index) in best.items())
+    return np.array(kept, np.int64).reshape(-1, 2)
+
+
+def _is_spread(points: FloatArray, photo: Photo) -> bool:
+    cell = CELL_SHARE * photo.camera.height_px
+    return len(np.unique((points // cell).astype(int), axis=0)) >= LEAST_CELLS
+
+
+def _is_plausible(homography: FloatArray, points: FloatArray) -> bool:
+    """Return whether two cameras that look down can see the same level ground like this."""
+    areas = []
+    for place in (points.mean(axis=0), points.min(axis=0), points.max(axis=0)):
+        jacobian = _jacobian(homography, place)
+        large, small = np.linalg.svd(jacobian, compute_uv=False)
+        areas.append(float(np.linalg.det(jacobian)))
+        if small <= 0.0 or areas[-1] <= 0.0 or large / small > LARGEST_STRETCH:
+            return False
+    scale = areas[0] ** 0.5
+    bend = max(areas) / min(areas)
+    return SMALLEST_SCALE < scale < LARGEST_SCALE and bend < LARGEST_BEND
+
+
+def _jacobian(homography: FloatArray, place: FloatArray) -> FloatArray:
+    x, y, w = homography @ np.array([*place, 1.0])
+    jacobian: FloatArray = (homography[:2, :2] * w - np.outer([x, y], homography[2, :2])) / w**2
+    return jacobian
+
+
+def _fits_fixes(homography: FloatArray, first: Photo, second: Photo) -> bool:
+    """Return whether the cameras are as far apart as their fixes say, whatever their yaw."""
+    middle = np.array([first.camera.cx_px, first.camera.cy_px, 1.0])
+    x, y, w = homography @ middle
+    shift_px = np.hypot(x / w - second.camera.cx_px, y / w - second.camera.cy_px)
+    seen_m = shift_px * second.ground_resolution_m
+    flown_m = float(np.linalg.norm(first.prior.centre[:2] - second.prior.centre[:2]))
+    std_m = np.hypot(first.horizontal_std_m, second.horizontal_std_m)
+    tilt_m = np.hypot(first.tilt_std_rad, second.tilt_std_rad) * first.prior.centre[2]
+    slack_m = BASELINE_STDS * np.hypot(std_m, tilt_m) + BASELINE_SHARE * flown_m
+    return bool(abs(seen_m - flown_m) < slack_m)
+
+
+def _spread(points: FloatArray, photo: Photo) -> NDArray[Any]:
+    """Return which of the points to keep, at most `MOST_TIES`, taken in turn from a grid."""
+    if len(points) <= MOST_TIES:
+        return np.arange(len(points))
+    size = np.array([photo.camera.width_px, photo.camera.height_px]) / TIE_CELLS
+    cells = (points // size).astype(int) @ np.array([1, TIE_CELLS])
+    order = np.argsort(cells, kind='stable')
+    rank = np.arange(len(order)) - np.searchsorted(cells[order], cells[order])
+    return np.sort(order[np.argsort(rank, kind='stable')[:MOST_TIES]])

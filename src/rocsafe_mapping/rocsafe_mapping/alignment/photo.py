@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A photograph as the alignment sees it: its camera and what the vehicle believed of its pose.
+
+Local frame: east and north in metres about an origin on the ground, up in metres above the
+ground. The curvature of the earth is left out of `up`, so that level ground is level everywhere.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import rotation_of_quaternion
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mapping.errors import PlacementError
+from rocsafe_mapping.shot import Intrinsics, ShotRecord
+
+FloatArray = NDArray[np.float64]
+# What a fix, a barometer and an attitude are worth where the record does not say.
+DEFAULT_HORIZONTAL_STD_M = 2.5
+DEFAULT_VERTICAL_STD_M = 1.5
+DEFAULT_TILT_STD_RAD = math.radians(3.0)
+DEFAULT_YAW_STD_RAD = math.radians(10.0)
+# Nobody knows better than this where a lens is, whatever a receiver claims.
+LEAST_POSITION_STD_M = 0.02
+LEAST_ANGLE_STD_RAD = math.radians(0.1)
+# Above this a yaw says nothing.
+UNKNOWN_YAW_STD_RAD = math.radians(60.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """Where a camera is and how it looks.
+
+    Attributes
+    ----------
+    centre: east, north, up in metres, shape (3,).
+    rotation: from the optical frame to east-north-up, shape (3, 3).
+    """
+
+    centre: FloatArray
+    rotation: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Photo:
+    """A photograph to be aligned.
+
+    Attributes
+    ----------
+    name: unique among the photographs of a map.
+    vehicle: that took it.
+    lens: names the camera; photographs of one lens share its calibration.
+    camera: without distortion: points are straightened before they come here.
+    focal_std_share: uncertainty of the focal length over itself; 0 for a calibrated camera.
+    prior: pose as measured on board.
+    horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad: its uncertainty.
+    time_ns: of exposure.
+    """
+
+    name: str
+    vehicle: str
+    lens: str
+    camera: Intrinsics
+    focal_std_share: float
+    prior: Pose
+    horizontal_std_m: float
+    vertical_std_m: float
+    tilt_std_rad: float
+    yaw_std_rad: float
+    time_ns: int = 0
+
+    @property
+    def has_yaw(self) -> bool:
+        """Whether the prior tells where the top of the image points."""
+        return self.yaw_std_rad < UNKNOWN_YAW_STD_RAD
+
+    @property
+    def ground_resolution_m(self) -> float:
+        """Side of the ground that a pixel shows straight below, by the prior."""
+        return float(self.prior.centre[2]) / self.camera.fx_px
+
+
+@dataclass(frozen=True, slots=True)
+class GroundFrame:
+    """Ties local metres to the earth.
+
+    Attributes
+    ----------
+    frame: east-north-up about the origin, which lies on the ground.
+    """
+
+    frame: LocalFrame
+
+    def local(self, latitude_deg: float, longitude_deg: float) -> FloatArray:
+        """Return (east, north) in metres of a position, shape (2,)."""
+        ground = self.frame.origin.altitude_m
+        return self.frame.to_enu([latitude_deg], [longitude_deg], [ground])[0, :2]
+
+    def geodetic(self, ground_m: FloatArray) -> FloatArray:
+        """Return latitude and longitude in degrees of points (n, 2) on the ground."""
+        enu = np.column_stack([ground_m, np.zeros(len(ground_m))])
+        return self.frame.to_geodetic(enu)[:, :2]
+
+
+def ground_frame_of(records: Iterable[ShotRecord]) -> GroundFrame:
+    """Return the frame about the first record that has a position.
+
+    Raises
+    ------
+    PlacementError: if none has one.
+    """
+    for record in records:
+        if math.isfinite(record.latitude_deg + record.longitude_deg):
+            altitude_m = record.altitude_m - record.height_agl_m
+            ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
+            return GroundFrame(
+                LocalFrame(GeoPosition(record.latitude_deg, record.longitude_deg, ground_m))
+            )
+    raise PlacementError('no photograph has a position')
+
+
+def photo_of_record(record: ShotRecord, frame: GroundFrame) -> Photo:
+    """Return the photograph of `record` in `frame`.
+
+    Raises
+    ------
+    PlacementError: if its position, height or attitude is unknown.
+    """
+    height_m = record.height_agl_m
+    if not math.isfinite(record.latitude_deg + record.longitude_deg):
+        raise PlacementError(f'{record.shot_id} was taken without a fix')
+    if not 0.0 < height_m < math.inf:
+        raise PlacementError(f'{record.shot_id}: height_agl_m = {height_m} is no height')
+    try:
+        rotation = rotation_of_quaternion(record.orientation_xyzw)
+    except ValueError as error:
+        raise PlacementError(f'{record.shot_id} has no orientation: {error}') from error
+    east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    turn = record.orientation_covariance_rad2
+    fix = record.position_covariance_m2
+    lens = f'{record.lens or record.vehicle}/{record.camera.width_px}x{record.camera.height_px}'
+    return Photo(
+        name=record.shot_id,
+        vehicle=record.vehicle,
+        lens=lens,
+        camera=record.camera,
+        focal_std_share=record.camera.focal_std_share,
+        prior=Pose(centre=np.array([east, north, height_m]), rotation=rotation),
+        horizontal_std_m=_std(
+            0.5 * (fix[0] + fix[4]), DEFAULT_HORIZONTAL_STD_M, LEAST_POSITION_STD_M
+        ),
+        vertical_std_m=_std(fix[8], DEFAULT_VERTICAL_STD_M, LEAST_POSITION_STD_M),
+        tilt_std_rad=_std(0.5 * (turn[0] + turn[4]), DEFAULT_TILT_STD_RAD, LEAST_ANGLE_STD_RAD),
+        yaw_std_rad=_std(turn[8], DEFAULT_YAW_STD_RAD, LEAST_ANGLE_STD_RAD),
+        time_ns=record.time_ns,
+    )
+
+
+def camera_matrix(camera: Intrinsics) -> FloatArray:
+    """Return the intrinsic matrix (3, 3): optical coordinates to homogeneous pixels."""
+    return np.array(
+        [
+            [camera.fx_px, 0.0, camera.cx_px],
+            [0.0, camera.fy_px, camera.cy_px],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def rays_of_pixels(camera: Intrinsics, pixels: FloatArray) -> FloatArray:
+    """Return the optical directions (n, 3), third part 1, of pixels (n, 2)."""
+    x = (pixels[:, 0] - camera.cx_px) / camera.fx_px
+    y = (pixels[:, 1] - camera.cy_px) / camera.fy_px
+    return np.column_stack([x, y, np.ones(len(pixels))])
+
+
+def footprint(photo: Photo, pose: Pose) -> FloatArray:
+    """Return (east, north) of the image's corners on level ground, metres, shape (4, 2).
+
+    Order: top left, top right, bottom right, bottom left. Rays near the horizon end at five
+    heights from the camera.
+    """
+    right, bottom = photo.camera.width_px - 0.5, photo.camera.height_px - 0.5
+    corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
+    rays = rays_of_pixels(photo.camera, corners) @ pose.rotation.T
+    steepness = np.maximum(-rays[:, 2], 0.2 * np.hypot(rays[:, 0], rays[:, 1]))
+    reach: FloatArray = rays[:, :2] / np.maximum(steepness, 1e-9)[:, np.newaxis] * pose.centre[2]
+    return pose.centre[:2] + reach
+
+
+def _std(variance: float, default: float, least: float) -> float:
+    """Return the standard deviation of `variance`; 0 or NaN mean unknown (NavSatFix)."""
+    if not 0.0 < variance < math.inf:
+        return default
+    return max(math.sqrt(variance), least)

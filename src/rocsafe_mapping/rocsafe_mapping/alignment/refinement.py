@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ties between two photographs made exact to a fraction of a pixel."""
+
+import cv2
+import numpy as np
+
+from rocsafe_mapping.alignment.features import Gray
+from rocsafe_mapping.alignment.photo import FloatArray
+
+WINDOW_PX = 21
+# A descriptor is wrong by less than this; farther off the pictures agreed by chance.
+LARGEST_MOVE_PX = 6.0
+LARGEST_ERROR = 18.0
+# If fewer than this share can be refined, the picture is at fault: keep the ties as they were.
+LEAST_SHARE = 0.5
+CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 20, 0.01)
+
+
+def refined(
+    first: Gray, second: Gray, homography: FloatArray, first_px: FloatArray, second_px: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the ties (n, 2) moved to where the pictures agree best (Lucas, Kanade 1981).
+
+    The second picture is brought into the view of the first by `homography`, first to second, so
+    that the pictures differ by small shifts only. Where that fails the ties stay as they are.
+    """
+    margin = 2 * WINDOW_PX
+    low = np.maximum(first_px.min(axis=0).astype(int) - margin, 0)
+    high = np.minimum(first_px.max(axis=0).astype(int) + margin, first.shape[::-1])
+    to_crop = np.eye(3)
+    to_crop[:2, 2] = -low
+    size = tuple(int(side) for side in high - low)
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    inverse = homography @ np.linalg.inv(to_crop)
+    warped = cv2.warpPerspective(second, inverse, size, flags=flags)
+    piece = np.ascontiguousarray(first[low[1] : high[1], low[0] : high[0]])
+    start = (first_px - low).astype(np.float32)
+    moved, status, error = cv2.calcOpticalFlowPyrLK(
+        piece,
+        warped,
+        start,
+        start.copy(),
+        winSize=(WINDOW_PX, WINDOW_PX),
+        maxLevel=1,
+        criteria=CRITERIA,
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+    )
+    move = np.linalg.norm(moved - start, axis=1)
+    is_good = (status.ravel() == 1) & (move < LARGEST_MOVE_PX) & (error.ravel() < LARGEST_ERROR)
+    if is_good.mean() < LEAST_SHARE:
+        return first_px, second_px
+    there = np.column_stack([moved[is_good].astype(float), np.ones(is_good.sum())]) @ inverse.T
+    return first_px[is_good], there[:, :2] / there[:, 2:]

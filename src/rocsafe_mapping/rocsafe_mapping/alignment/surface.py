@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ground's height as a coarse grid, where photographs show that it is not level."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags, identity, kron, vstack
+from scipy.sparse.linalg import splu
+
+from rocsafe_mapping.alignment.photo import FloatArray
+
+# How far the ground is believed to leave its plane, and to bend from cell to cell, metres.
+RELIEF_STD_M = 6.0
+BEND_STD_M = 0.5
+# Things that stand on the ground: height of a tie within its cell.
+CLUTTER_STD_M = 0.4
+ROUNDS = 4
+MOST_NODES = 40_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """Heights at the nodes of a grid, bilinear between them, level beyond its edge.
+
+    Attributes
+    ----------
+    west_m, south_m: local place of node (0, 0).
+    cell_m: distance of nodes.
+    heights_m: shape (rows northwards, columns eastwards); a single 0 for level ground.
+    """
+
+    west_m: float = 0.0
+    south_m: float = 0.0
+    cell_m: float = 1.0
+    heights_m: FloatArray = field(default_factory=lambda: np.zeros((1, 1)))
+
+    @property
+    def is_level(self) -> bool:
+        """Whether all ground is at height 0."""
+        return self.heights_m.size == 1
+
+    def at(self, ground_m: FloatArray) -> FloatArray:
+        """Return the heights (n,) at points (n, 2)."""
+        if self.is_level:
+            return np.full(len(ground_m), self.heights_m[0, 0])
+        nodes, weights = self._weights(ground_m)
+        return np.sum(self.heights_m.ravel()[nodes] * weights, axis=1)
+
+    def _weights(self, ground_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the four nodes about each point (n, 4) and their weights (n, 4)."""
+        rows, columns = self.heights_m.shape
+        x = np.clip((ground_m[:, 0] - self.west_m) / self.cell_m, 0.0, columns - 1.001)
+        y = np.clip((ground_m[:, 1] - self.south_m) / self.cell_m, 0.0, rows - 1.001)
+        column, row = x.astype(int), y.astype(int)
+        x, y = x - column, y - row
+        node = row * columns + column
+        nodes = np.stack([node, node + 1, node + columns, node + columns + 1], axis=1)
+        weights = np.stack([(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y], axis=1)
+        return nodes, weights
+
+    def fitted(self, ground_m: FloatArray, heights_m: FloatArray, std_m: FloatArray) -> 'Surface':
+        """Return this grid laid through points of the ground, smoothly and robustly.
+
+        Parameters
+        ----------
+        ground_m: (east, north), shape (n, 2).
+        heights_m, std_m: measured there and how well, shape (n,).
+        """
+        rows, columns = self.heights_m.shape
+        nodes, weights = self._weights(ground_m)
+        size = rows * columns
+        line = np.repeat(np.arange(len(nodes)), 4)
+        design = csr_matrix((weights.ravel(), (line, nodes.ravel())), shape=(len(nodes), size))
+        rest = _stiffness(rows, columns)
+        variance = std_m**2 + CLUTTER_STD_M**2
+        found = self.heights_m.ravel()
+        for _ in range(ROUNDS):
+            off = heights_m - design @ found
+            trust = 1.0 / (variance * np.sqrt(1.0 + off**2 / (4.0 * variance)))
+            normal = (design.T @ diags(trust) @ design + rest).tocsc()
+            found = splu(normal, permc_spec='MMD_AT_PLUS_A').solve(design.T @ (trust * heights_m))
+        return Surface(
+            west_m=self.west_m,
+            south_m=self.south_m,
+            cell_m=self.cell_m,
+            heights_m=found.reshape(rows, columns),
+        )
+
+
+def level_grid(ground_m: FloatArray, cell_m: float) -> Surface:
+    """Return level ground as a grid that holds all points (n, 2)."""
+    low, high = ground_m.min(axis=0), ground_m.max(axis=0)
+    columns, rows = (np.ceil((high - low) / cell_m).astype(int) + 2).tolist()
+    while rows * columns > MOST_NODES:
+        cell_m *= 1.5
+        columns, rows = (np.ceil((high - low) / cell_m).astype(int) + 2).tolist()
+    return Surface(
+        west_m=float(low[0]) - 0.5 * cell_m,
+        south_m=float(low[1]) - 0.5 * cell_m,
+        cell_m=cell_m,
+        heights_m=np.zeros((rows, columns)),
+    )
+
+
+def _stiffness(rows: int, columns: int) -> csr_matrix:
+    """Return the information that heights are small and change evenly."""
+    along = kron(identity(rows), _second_differences(columns))
+    across = kron(_second_differences(rows), identity(columns))
+    bend = vstack([along, across]).tocsr()
+    stiffness: csr_matrix = bend.T @ bend / BEND_STD_M**2
+    return stiffness + identity(rows * columns) / RELIEF_STD_M**2
+
+
+def _second_differences(count: int) -> csr_matrix:
+    return diags([1.0, -2.0, 1.0], [0, 1, 2], shape=(max(count - 2, 0), count)).tocsr()

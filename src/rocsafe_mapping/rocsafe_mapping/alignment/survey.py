@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The alignment of a survey while its photographs come in.
+
+Each photograph is first believed where its fix puts it, then tied to its neighbours and adjusted
+together with them, everything around held. From time to time, and at the end, all photographs
+are adjusted together from the beginning: that result depends on the set of photographs alone.
+"""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_mapping.alignment import initial
+from rocsafe_mapping.alignment.adjustment import adjusted
+from rocsafe_mapping.alignment.features import Features, Gray, orb_features, sift_features
+from rocsafe_mapping.alignment.initial import Start
+from rocsafe_mapping.alignment.matching import Pair, View, match
+from rocsafe_mapping.alignment.neighbours import Neighbourhood
+from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.state import State
+
+FEATURES = 1500
+# A photograph with fewer partners than this is worth the dearer features.
+FEW_PARTNERS = 2
+# Neighbours whose residuals correct one that nothing ties.
+CORRECTING = 4
+CORRECTING_REACH = 3.0
+BY_FEATURES, BY_GPS = 'features', 'gps'
+ReadGray = Callable[[str], Gray]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Placement:
+    """Where a photograph was put, and by what.
+
+    Attributes
+    ----------
+    pose: of its camera.
+    placed_by: ``features`` when tied to others, ``gps`` when only its own measurements place it.
+    """
+
+    pose: Pose
+    placed_by: str
+
+
+class Survey:
+    """All photographs, their ties and their poses.
+
+    Parameters
+    ----------
+    read_gray: returns the grey picture of a photograph by name.
+    """
+
+    def __init__(self, read_gray: ReadGray) -> None:
+        self._read_gray = read_gray
+        self._photos: dict[str, Photo] = {}
+        self._features: dict[str, Features] = {}
+        self._sift: dict[str, Features] = {}
+        self._neighbours = Neighbourhood()
+        self._pairs: dict[tuple[str, str], Pair | None] = {}
+        self._sift_tried: set[tuple[str, str]] = set()
+        self._unbelieved: frozenset[str] = frozenset()
+        self._rejected: set[tuple[str, str]] = set()
+        self.state = State(poses={})
+
+    def __len__(self) -> int:
+        return len(self._photos)
+
+    @property
+    def photos(self) -> Mapping[str, Photo]:
+        """The photographs by name; yaws that were found to be wrong are without weight."""
+        return {name: self._believed(photo) for name, photo in self._photos.items()}
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """Pairs found so far, in order of their names."""
+        return tuple(pair for _, pair in sorted(self._pairs.items()) if pair is not None)
+
+    @property
+    def used_pairs(self) -> tuple[Pair, ...]:
+        """Pairs that agree with the others, both photographs placed by features."""
+        placed = self.state.poses
+        return tuple(
+            pair
+            for key, pair in sorted(self._pairs.items())
+            if pair is not None and key not in self._rejected and placed.keys() >= set(key)
+        )
+
+    def add(self, photo: Photo) -> None:
+        """Take in a photograph, which lies where its fix says."""
+        self._photos[photo.name] = photo
+        self._neighbours.add(photo)
+
+    def remove(self, name: str) -> None:
+        """Forget a photograph that was added but never tied."""
+        del self._photos[name]
+        self._neighbours.remove(name)
+
+    def photo(self, name: str) -> Photo:
+        """Return a photograph."""
+        return self._believed(self._photos[name])
+
+    def waiting(self) -> tuple[str, ...]:
+        """Return the names of the photographs whose features are not known yet."""
+        return tuple(sorted(set(self._photos) - set(self._features)))
+
+    def extract(self, name: str) -> None:
+        """Find the features of a photograph. Raises what reading it raises."""
+        self._features[name] = orb_features(self._read_gray(name), FEATURES)
+
+    def tie(self, name: str) -> int:
+        """Tie a photograph to those of its neighbours that are there; return to how many."""
+        if name not in self._features:
+            self.extract(name)
+        ties = 0
+        for other in self._neighbours.of(name):
+            if other in self._features:
+                ties += self._match(*sorted((name, other))) is not None
+        return ties
+
+    def place(self, name: str) -> frozenset[str]:
+        """Adjust a tied photograph with its neighbours; return the names of those that moved."""
+        near = self._partners(name) & set(self.state.poses)
+        if not near:
+            partners = self._partners(name)
+            if partners:
+                return self.place_all()
+            return frozenset()
+        first = self._start({name} | near)
+        # The group's own start is loose; only its shape is taken, laid on the neighbours' poses.
+        poses = dict(self.state.poses)
+        poses[name] = _carried(first.poses, poses, name, near)
+        free = {name} | near
+        pairs = [
+            p
+            for p in self.pairs
+            if (p.first in free or p.second in free) and p.first in poses and p.second in poses
+        ]
+        state = dataclasses.replace(self.state, poses=poses)
+        self.state = adjusted(self.photos, pairs, state, free)
+        return frozenset(free)
+
+    def place_all(self) -> frozenset[str]:
+        """Adjust all photographs from the beginning; return the names of those that are tied."""
+        first = self._start(None)
+        if not first.poses:
+            return frozenset()
+        self._unbelieved = frozenset(
+            name
+            for names, is_believed in zip(first.groups, first.is_yaw_believed, strict=True)
+            for name in names
+            if not is_believed
+        )
+        agreeing = {(pair.first, pair.second) for pair in first.pairs}
+        self._rejected = {key for key, pair in self._pairs.items() if pair and key not in agreeing}
+        self.state = adjusted(self.photos, first.pairs, State(poses=first.poses))
+        return frozenset(self.state.poses)
+
+    def complete(self) -> None:
+        """Look for all pairs that the full set of photographs suggests, hardest for the lonely."""
+        for name in self.waiting():
+            self.extract(name)
+        wanted = self._neighbours.pairs()
+        for pair in wanted:
+            self._match(*pair)
+        # Pairs that only an early arrival suggested do not count: order shall not matter.
+        self._pairs = {key: pair for key, pair in self._pairs.items() if key in set(wanted)}
+        weak = {name for name in self._photos if len(self._partners(name)) < FEW_PARTNERS}
+        for pair in wanted:
+            if self._pairs[pair] is None and pair not in self._sift_tried and weak & set(pair):
+                self._sift_tried.add(pair)
+                self._pairs[pair] = self._match_sift(*pair)
+
+    def placements(self) -> dict[str, Placement]:
+        """Return where every photograph is."""
+        found = {
+            name: Placement(pose=pose, placed_by=BY_FEATURES)
+            for name, pose in self.state.poses.items()
+        }
+        for name in set(self._photos) - set(found):
+            found[name] = Placement(pose=self._corrected(name), placed_by=BY_GPS)
+        return found
+
+    def _believed(self, photo: Photo) -> Photo:
+        if photo.name not in self._unbelieved:
+            return photo
+        return dataclasses.replace(photo, yaw_std_rad=math.pi)
+
+    def _partners(self, name: str) -> set[str]:
+        found = set()
+        for (first, second), pair in self._pairs.items():
+            if pair is not None and name in (first, second):
+                found |= {first, second}
+        return found - {name}
+
+    def _start(self, names: set[str] | None) -> Start:
+        """Return first poses of all photographs, or of some."""
+        pairs = [
+            p for p in self.pairs if names is None or (p.first in names and p.second in names)
+        ]
+        return initial.start(self._photos, pairs)
+
+    def _match(self, first: str, second: str) -> Pair | None:
+        key = (first, second)
+        if key not in self._pairs:
+            self._pairs[key] = match(self._view(first), self._view(second), 'orb')
+        return self._pairs[key]
+
+    def _match_sift(self, first: str, second: str) -> Pair | None:
+        for name in (first, second):
+            if name not in self._sift:
+                self._sift[name] = sift_features(self._read_gray(name), FEATURES)
+        views = [
+            dataclasses.replace(self._view(name), features=self._sift[name])
+            for name in (first, second)
+        ]
+        return match(views[0], views[1], 'sift')
+
+    def _view(self, name: str) -> View:
+        return View(
+            photo=self._photos[name],
+            features=self._features[name],
+            gray=lambda: self._read_gray(name),
+        )
+
+    def _corrected(self, name: str) -> Pose:
+        """Return the prior pose, moved as the fixes of tied photographs nearby were wrong."""
+        photo = self._photos[name]
+        offs = []
+        for other, pose in self.state.poses.items():
+            prior = self._photos[other].prior.centre
+            away = float(np.linalg.norm(prior[:2] - photo.prior.centre[:2]))
+            if away < CORRECTING_REACH * photo.prior.centre[2]:
+                offs.append((away, other, pose.centre[:2] - prior[:2]))
+        if len(offs) < CORRECTING:
+            return photo.prior
+        nearest = sorted(offs, key=lambda off: off[:2])[:CORRECTING]
+        shift = np.median([off for _, _, off in nearest], axis=0)
+        centre = photo.prior.centre + np.array([*shift, 0.0])
+        return Pose(centre=centre, rotation=photo.prior.rotation)
+
+
+def _carried(
+    loose: Mapping[str, Pose], placed: Mapping[str, Pose], name: str, near: set[str]
+) -> Pose:
+    """Return the pose of `name` when `loose` is laid on the poses of its neighbours."""
+    tied = sorted(near & set(loose)) if name in loose else []
+    if not tied:
+        other = min(near)
+        return Pose(centre=placed[other].centre, rotation=placed[other].rotation)
+    turn = sum(
+        (_plane_turn(placed[other].rotation @ loose[other].rotation.T) for other in tied), 0j
+    )
+    turn /= abs(turn)
+    scale = float(np.median([placed[o].centre[2] / loose[o].centre[2] for o in tied]))
+    start = np.mean([complex(*loose[o].centre[:2]) for o in tied])
+    end = np.mean([complex(*placed[o].centre[:2]) for o in tied])
+    place = end + turn * scale * (complex(*loose[name].centre[:2]) - start)
+    about_up = np.array(
+        [[turn.real, -turn.imag, 0.0], [turn.imag, turn.real, 0.0], [0.0, 0.0, 1.0]]
+    )
+    return Pose(
+        centre=np.array([place.real, place.imag, scale * loose[name].centre[2]]),
+        rotation=about_up @ loose[name].rotation,
+    )
+
+
+def _plane_turn(rotation: FloatArray) -> complex:
+    """Return the turn about up of a rotation as a unit complex number."""
+    turn = complex(rotation[0, 0] + rotation[1, 1], rotation[1, 0] - rotation[0, 1])
+    return turn / max(abs(turn), 1e-12)

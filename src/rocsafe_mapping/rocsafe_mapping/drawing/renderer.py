@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The map, tile by tile: memory is that of a tile, of small pictures, and of a cache."""
+
+from collections.abc import Iterator, Mapping
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_mapping.drawing.blending import REACH_PX, blended
+from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.drawing.picture import Pictures
+from rocsafe_mapping.drawing.seams import (
+    NOBODY,
+    CoarseView,
+    coarse_grid,
+    coarse_view,
+    gains,
+    owners,
+)
+from rocsafe_mapping.drawing.sheet import Sheet, drawn
+
+TILE_PX = 256
+OPAQUE = 255
+Rgba = NDArray[np.uint8]
+
+
+class Renderer:
+    """Draws the map of aligned photographs.
+
+    Parameters
+    ----------
+    sheets: aligned photographs by name.
+    pictures: their pixels.
+    grid: of the map.
+    """
+
+    def __init__(self, sheets: Mapping[str, Sheet], pictures: Pictures, grid: MapGrid) -> None:
+        if not sheets:
+            raise ValueError('sheets must hold at least one photograph')
+        self.grid = grid
+        self.names = sorted(sheets)
+        self._sheets = dict(sheets)
+        self._pictures = pictures
+        self.coarse, self._step = coarse_grid(grid, sheets)
+        views = self._coarse_views()
+        self.gains = gains(views)
+        evened = {name: _evened(view, self.gains[name]) for name, view in views.items()}
+        low_row = min(view.window.row for view in views.values())
+        low_column = min(view.window.column for view in views.values())
+        high_row = max(view.window.row + view.window.height for view in views.values())
+        high_column = max(view.window.column + view.window.width for view in views.values())
+        self._coarse_window = Window(
+            low_row, low_column, high_row - low_row, high_column - low_column
+        )
+        self.labels = owners(evened, self.names, self._coarse_window)
+
+    @property
+    def window(self) -> Window:
+        """Pixels of the grid that show something."""
+        rows, columns = np.nonzero(self.labels != NOBODY)
+        window = self._coarse_window
+        row, column = window.row + int(rows.min()), window.column + int(columns.min())
+        height, width = int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1
+        step = self._step
+        return Window(row * step, column * step, height * step, width * step)
+
+    @property
+    def cell_m(self) -> float:
+        """Side of a pixel of `labels`."""
+        return self.coarse.resolution_m
+
+    @property
+    def label_window(self) -> Window:
+        """Where `labels` lies, in coarse pixels."""
+        return self._coarse_window
+
+    def tiles(self, side: int = TILE_PX) -> Iterator[tuple[Window, Rgba]]:
+        """Return the map's tiles that show something, in rows."""
+        for tile in self.window.tiles(side):
+            rgba = self.tile(tile)
+            if rgba is not None:
+                yield tile, rgba
+
+    def tile(self, tile: Window) -> Rgba | None:
+        """Return red, green, blue and coverage of `tile`, None if nothing is shown there.
+
+        Its sides are multiples of 16.
+        """
+        window = tile.grown(REACH_PX)
+        numbers, index = self._owners_in(window)
+        inner = (slice(REACH_PX, -REACH_PX), slice(REACH_PX, -REACH_PX))
+        is_seen = index[inner] != NOBODY
+        if not np.any(is_seen):
+            return None
+        if len(numbers) == 1 or len(np.unique(index)) == 1:
+            colours = self._drawn(self.names[int(index.max())], window)[inner]
+        else:
+            parts = [self._drawn(self.names[number], window) for number in numbers]
+            colours = blended(parts, [index == number for number in numbers])[inner]
+        rgba = np.empty((*is_seen.shape, 4), np.uint8)
+        rgba[..., :3] = colours[..., ::-1]
+        rgba[..., 3] = np.where(is_seen, OPAQUE, 0)
+        rgba[~is_seen] = 0
+        return rgba
+
+    def gray_patch(self, name: str, window: Window) -> NDArray[np.float32]:
+        """Return one photograph alone over `window`, in grey."""
+        picture = cv2.cvtColor(self._drawn(name, window), cv2.COLOR_BGR2GRAY)
+        return picture.astype(np.float32)
+
+    def _drawn(self, name: str, window: Window) -> NDArray[np.uint8]:
+        sheet = self._sheets[name]
+        picture = drawn(sheet, self._pictures.colour(name), self.grid, window, cv2.INTER_LINEAR)
+        gain = self.gains[name]
+        if max(abs(factor - 1.0) for factor in gain) < 1e-3:
+            return picture
+        return cv2.LUT(picture, _table(gain))
+
+    def _owners_in(self, window: Window) -> tuple[list[int], NDArray[np.int32]]:
+        """Return who is shown in `window`, and by which pixel, borders smoothed."""
+        step = self._step
+        row, column = window.row // step - 1, window.column // step - 1
+        coarse = Window(
+            row, column,
+            (window.row + window.height) // step + 2 - row,
+            (window.column + window.width) // step + 2 - column,
+        )  # fmt: skip
+        labels = np.full((coarse.height, coarse.width), NOBODY, np.int32)
+        shared = coarse.cut(self._coarse_window)
+        if not shared.is_empty:
+            labels[shared.within(coarse)] = self.labels[shared.within(self._coarse_window)]
+        present = np.unique(labels).tolist()
+        numbers = [number for number in present if number != NOBODY]
+        if len(present) == 1:
+            full = np.full((window.height, window.width), present[0], np.int32)
+            return numbers, full
+        return numbers, self._smooth(labels, present, coarse, window)
+
+    def _smooth(
+        self, labels: NDArray[np.int32], present: list[int], coarse: Window, window: Window
+    ) -> NDArray[np.int32]:
+        """Return the label that is nearest at each pixel of `window`."""
+        step = self._step
+        offset_x = (window.column + 0.5) / step - 0.5 - coarse.column
+        offset_y = (window.row + 0.5) / step - 0.5 - coarse.row
+        matrix = np.array([[1.0 / step, 0.0, offset_x], [0.0, 1.0 / step, offset_y]])
+        best = np.zeros((window.height, window.width), np.float32)
+        index = np.full((window.height, window.width), NOBODY, np.int32)
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        for number in present:
+            share = cv2.warpAffine(
+                (labels == number).astype(np.float32), matrix, (window.width, window.height),
+                flags=flags, borderMode=cv2.BORDER_REPLICATE,
+            )  # fmt: skip
+            is_more = share > best
+            index[is_more] = number
+            best[is_more] = share[is_more]
+        return index
+
+    def _coarse_views(self) -> dict[str, CoarseView]:
+        return {
+            name: coarse_view(self._sheets[name], self._pictures.colour(name), self.coarse)
+            for name in self.names
+        }
+
+
+def _evened(view: CoarseView, gain: tuple[float, float, float]) -> CoarseView:
+    return CoarseView(
+        window=view.window, colours=cv2.LUT(view.colours, _table(gain)), scores=view.scores
+    )
+
+
+def _table(gain: tuple[float, float, float]) -> NDArray[np.uint8]:
+    """Return what becomes of each level of blue, green and red, shape (256, 1, 3)."""
+    levels = np.arange(256.0)[:, np.newaxis, np.newaxis] * np.array(gain)
+    table: NDArray[np.uint8] = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+    return table

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From photographs to a map: takes them in, aligns them, draws them."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_mapping.alignment.adjustment import residuals_px, stated_error_m
+from rocsafe_mapping.alignment.photo import (
+    FloatArray,
+    GroundFrame,
+    Photo,
+    ground_frame_of,
+    photo_of_record,
+)
+from rocsafe_mapping.alignment.state import Lens
+from rocsafe_mapping.alignment.survey import BY_GPS, Placement, Survey
+from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
+from rocsafe_mapping.drawing.picture import Pictures, ReadImage
+from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing.sheet import Sheet
+from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.shot import ShotRecord
+
+DEFAULT_MAX_PIXELS = 400_000_000
+Notice = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapOptions:
+    """What map is wanted.
+
+    Attributes
+    ----------
+    ground_resolution_m: side of a pixel; 0: that of the photographs.
+    max_pixels: limit of width times height; a larger map gets coarser pixels.
+    """
+
+    ground_resolution_m: float = 0.0
+    max_pixels: int = DEFAULT_MAX_PIXELS
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ground_resolution_m < math.inf:
+            raise ValueError(
+                f'ground_resolution_m = {self.ground_resolution_m} must be at least 0 and finite'
+            )
+        if self.max_pixels < 1:
+            raise ValueError(f'max_pixels = {self.max_pixels} must be at least 1')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alignment:
+    """Where all photographs are, and how sure that is.
+
+    Attributes
+    ----------
+    photos, placements: by name.
+    errors_m: standard error of each tied photograph's corners on the ground.
+    held_out_px: residuals (n, 2) of ties that were not adjusted.
+    """
+
+    photos: Mapping[str, Photo]
+    placements: Mapping[str, Placement]
+    errors_m: Mapping[str, float]
+    held_out_px: FloatArray
+
+    def error_m(self, name: str) -> float:
+        """Return the standard error of one photograph's place."""
+        if name in self.errors_m:
+            return self.errors_m[name]
+        photo = self.photos[name]
+        height_m = float(photo.prior.centre[2])
+        turn = photo.tilt_std_rad * math.sqrt(2.0)
+        yaw = photo.yaw_std_rad if photo.has_yaw else math.pi / 2
+        side_m = 0.5 * math.hypot(photo.camera.width_px, photo.camera.height_px)
+        side_m *= photo.ground_resolution_m
+        return math.hypot(photo.horizontal_std_m * math.sqrt(2.0), turn * height_m, yaw * side_m)
+
+
+class Mapmaker:
+    """Takes in photographs, aligns them and draws the map.
+
+    Parameters
+    ----------
+    options: what map is wanted.
+    notice: is told, in one line each, of photographs that cannot be on the map.
+    """
+
+    def __init__(self, options: MapOptions, notice: Notice = lambda _text: None) -> None:
+        self._options = options
+        self._notice = notice
+        self.pictures = Pictures()
+        self.survey = Survey(self.pictures.gray)
+        self.frame: GroundFrame | None = None
+        self.epsg = 0
+
+    def __len__(self) -> int:
+        return len(self.survey)
+
+    def add(self, record: ShotRecord, read: ReadImage) -> Photo:
+        """Take in a photograph: it lies where its fix says until it is aligned.
+
+        Raises
+        ------
+        PlacementError: if its position, height or attitude is unknown or outside UTM.
+        """
+        frame = self.frame or ground_frame_of([record])
+        photo = photo_of_record(record, frame)
+        epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
+        self.frame, self.epsg = frame, epsg
+        self.pictures.add(photo, read)
+        self.survey.add(photo)
+        return photo
+
+    def align(self, step: Callable[[str], None] = lambda _stage: None) -> Alignment:
+        """Find where all photographs are; `step` is told the name of each finished stage."""
+        self.drop_unreadable()
+        self.survey.complete()
+        step('match')
+        self.survey.place_all()
+        alignment = self.alignment()
+        step('adjust')
+        return alignment
+
+    def drop_unreadable(self) -> None:
+        """Leave out photographs whose pixels cannot be had, and say so."""
+        for name in self.survey.waiting():
+            try:
+                self.survey.extract(name)
+            except MappingError as error:
+                self._notice(f'not on the map: {error}')
+                self.survey.remove(name)
+
+    def alignment(self) -> Alignment:
+        """Return where all photographs are now."""
+        survey = self.survey
+        state, photos, pairs = survey.state, survey.photos, survey.used_pairs
+        return Alignment(
+            photos=photos,
+            placements=survey.placements(),
+            errors_m=stated_error_m(photos, pairs, state) if state.poses else {},
+            held_out_px=residuals_px(photos, pairs, state, held_out=True),
+        )
+
+    def sheets(self) -> dict[str, Sheet]:
+        """Return the photographs as they lie now."""
+        state = self.survey.state
+        return {
+            name: Sheet(
+                photo=self.survey.photo(name),
+                pose=placement.pose,
+                lens=state.lenses.get(self.survey.photo(name).lens, Lens()),
+                surface=state.surface,
+            )
+            for name, placement in self.survey.placements().items()
+        }
+
+    def renderer(self) -> Renderer:
+        """Return what draws the map as the photographs lie now.
+
+        Raises
+        ------
+        PlacementError: if there is no photograph.
+        """
+        sheets = self.sheets()
+        return Renderer(sheets, self.pictures, self.grid(sheets))
+
+    def grid(self, sheets: Mapping[str, Sheet]) -> MapGrid:
+        """Return the map's grid, its pixels as fine as its limits allow.
+
+        Raises
+        ------
+        PlacementError: if there is no photograph.
+        """
+        if self.frame is None or not sheets:
+            raise PlacementError('no photograph is placed yet')
+        wished = self._options.ground_resolution_m
+        if wished == 0.0:
+            finest = [sheet.photo.ground_resolution_m for sheet in sheets.values()]
+            wished = round(float(np.median(finest)), 4)
+        grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
+        corners = np.concatenate([sheet.corners_m for sheet in sheets.values()])
+        while True:
+            window = grid.window_of(corners)
+            if window.width * window.height <= self._options.max_pixels:
+                return grid
+            coarser = 2.0 * grid.resolution_m
+            self._notice(
+                f'the map would exceed {self._options.max_pixels} pixels: its pixels are now '
+                f'{coarser:g} m wide, not {grid.resolution_m:g} m'
+            )
+            grid = dataclasses.replace(grid, resolution_m=coarser)
+
+
+def by_gps(alignment: Alignment) -> tuple[str, ...]:
+    """Return the names of the photographs that only their fixes place."""
+    return tuple(sorted(n for n, p in alignment.placements.items() if p.placed_by == BY_GPS))

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The map as a cloud optimised GeoTIFF: tiled, with overviews, transparent where nothing lies."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import rasterio
+import rasterio.shutil
+from numpy.typing import NDArray
+from rasterio.enums import ColorInterp
+from rasterio.errors import RasterioError
+from rasterio.transform import Affine
+from rasterio.windows import Window as RasterWindow
+
+from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.durable import discard_part, finish_part, part_of, sync_directory, sync_file
+from rocsafe_mapping.errors import MappingError
+
+COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
+RGBA = (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
+RAW_SUFFIX = '.raw'
+RAW = {
+    'driver': 'GTiff', 'tiled': True, 'blockxsize': RAW_BLOCK_PX, 'blockysize': RAW_BLOCK_PX,
+    'interleave': 'pixel', 'bigtiff': 'if_safer', 'sparse_ok': True,
+}  # fmt: skip
+COG = {
+    'driver': 'COG', 'compress': 'DEFLATE', 'level': 1, 'predictor': 'YES',
+    'blocksize': COG_BLOCK_PX, 'overviews': 'IGNORE_EXISTING', 'overview_resampling': 'average',
+    'bigtiff': 'IF_SAFER',
+}  # fmt: skip
+
+
+def write_cog(
+    path: Path,
+    grid: MapGrid,
+    window: Window,
+    tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
+) -> None:
+    """Write `tiles` of `window` to `path`, which at any moment holds its old or its new content.
+
+    Parameters
+    ----------
+    path: of the file.
+    grid: that the windows count in.
+    window: what the file shall hold.
+    tiles: each with red, green, blue and coverage, shape (height, width, 4).
+
+    Raises
+    ------
+    MappingError: if the file cannot be written.
+    """
+    raw = path.with_name(path.name + RAW_SUFFIX)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _write_raw(raw, grid, window, tiles)
+        rasterio.shutil.copy(raw, part_of(path), **COG)
+        sync_file(part_of(path))
+        finish_part(path)
+        sync_directory(path.parent)
+    except (OSError, RasterioError) as error:
+        discard_part(path)
+        raise MappingError(f'cannot write map {path}: {error}') from error
+    finally:
+        raw.unlink(missing_ok=True)
+
+
+def _write_raw(
+    path: Path,
+    grid: MapGrid,
+    window: Window,
+    tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
+) -> None:
+    west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
+    transform = Affine.translation(west_m, north_m) @ Affine.scale(
+        grid.resolution_m, -grid.resolution_m
+    )
+    crs = rasterio.CRS.from_epsg(grid.epsg)
+    size = {'width': window.width, 'height': window.height, 'count': 4, 'dtype': 'uint8'}
+    with rasterio.open(path, 'w', crs=crs, transform=transform, **size, **RAW) as file:
+        file.colorinterp = RGBA
+        for place, rgba in tiles:
+            shared = place.cut(window)
+            if shared.is_empty:
+                continue
+            part = np.moveaxis(rgba[shared.within(place)], 2, 0)
+            rows, columns = shared.within(window)
+            file.write(
+                part,
+                window=RasterWindow(columns.start, rows.start, shared.width, shared.height),
+            )

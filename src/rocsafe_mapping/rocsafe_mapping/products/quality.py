@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How good a map is, measured on itself, and whether it may be called georeferenced."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import shapely
+
+from rocsafe_mapping.alignment.equations import tilt_and_yaw
+from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.alignment.state import State
+from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
+from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing.seams import NOBODY
+from rocsafe_mapping.mapmaker import Alignment, by_gps
+from rocsafe_mapping.products.coverage import coverage
+from rocsafe_mapping.products.seam_shift import seam_shifts_px
+
+FORMAT = 'rocsafe-map-quality-1'
+QUALITY_TILE_PX = 512
+# What a map must keep to be called georeferenced.
+LARGEST_FIX_FACTOR = 4.0
+LARGEST_SCALE_OFF = 0.15
+LARGEST_TILT_RAD = math.radians(12.0)
+LARGEST_FOCAL_STDS = 3.5
+LARGEST_RADIAL = 0.3
+LEAST_TIED_SHARE = 0.5
+LEAST_FIXES = 3
+
+
+def quality(
+    alignment: Alignment,
+    state: State,
+    renderer: Renderer,
+    region: shapely.Polygon | None = None,
+    costs: Mapping[str, Mapping[str, float]] | None = None,
+) -> dict[str, Any]:
+    """Return the quality of a map as a document.
+
+    Parameters
+    ----------
+    alignment, state: of the photographs.
+    renderer: of the map.
+    region: that was to be covered, in local metres.
+    costs: seconds of wall and processor by stage.
+    """
+    placed_by_gps = by_gps(alignment)
+    resolution_m = renderer.grid.resolution_m
+    reasons = violations(alignment, state)
+    return {
+        'format': FORMAT,
+        'is_georeferenced': not reasons,
+        'why_not_georeferenced': reasons,
+        'epsg_code': renderer.grid.epsg,
+        'ground_resolution_m': resolution_m,
+        'photographs': {
+            'total': len(alignment.photos),
+            'placed_by_features': len(alignment.photos) - len(placed_by_gps),
+            'placed_by_gps': list(placed_by_gps),
+        },
+        'held_out_ties': _ties(alignment.held_out_px, resolution_of(alignment)),
+        'seams': _seams(seam_shifts_px(renderer), resolution_m),
+        'fixes': _fixes(alignment),
+        'stated_error_m': _stated(alignment),
+        'ground': _ground(state),
+        'lenses': {
+            name: {'focal_factor': math.exp(lens.log_focal), 'k1': lens.k1, 'k2': lens.k2}
+            for name, lens in sorted(state.lenses.items())
+        },
+        'coverage': coverage(renderer, region),
+        'placements': _placements(alignment),
+        'tiles': _tiles(alignment, renderer),
+        'costs': {name: dict(cost) for name, cost in (costs or {}).items()},
+    }
+
+
+def resolution_of(alignment: Alignment) -> float:
+    """Return the side of the ground that a pixel of the photographs shows, metres."""
+    sizes = [photo.ground_resolution_m for photo in alignment.photos.values()]
+    return float(np.median(sizes))
+
+
+def violations(alignment: Alignment, state: State) -> list[str]:
+    """Return why the map must not be called georeferenced; empty if it may."""
+    tied = [n for n, p in alignment.placements.items() if p.placed_by == BY_FEATURES]
+    found = []
+    if len(tied) < LEAST_TIED_SHARE * len(alignment.photos) or len(tied) < LEAST_FIXES:
+        found.append(
+            f'{len(tied)} of {len(alignment.photos)} photographs are tied to others: the map '
+            'is as good as the single fixes'
+        )
+    if state.noise.fix_factor > LARGEST_FIX_FACTOR:
+        found.append(
+            f'fixes scatter {state.noise.fix_factor:.1f} times as far as they claim, more than '
+            f'{LARGEST_FIX_FACTOR:g}'
+        )
+    photos, placements = alignment.photos, alignment.placements
+    if tied:
+        heights = [placements[n].pose.centre[2] / photos[n].prior.centre[2] for n in tied]
+        scale = float(np.median(heights))
+        guesses = [photos[n].vertical_std_m / photos[n].prior.centre[2] for n in tied]
+        if abs(scale - 1.0) > max(LARGEST_SCALE_OFF, 2.0 * float(np.median(guesses))):
+            found.append(f'cameras lie {scale:.2f} times as high as measured')
+        tilts = [
+            np.linalg.norm(tilt_and_yaw(placements[n].pose, photos[n].prior)[0]) for n in tied
+        ]
+        if np.median(tilts) > LARGEST_TILT_RAD:
+            found.append(f'cameras are tilted by {math.degrees(np.median(tilts)):.0f} degrees')
+    stds = {photo.lens: photo.focal_std_share for photo in photos.values()}
+    for name, lens in sorted(state.lenses.items()):
+        if abs(lens.log_focal) > LARGEST_FOCAL_STDS * stds.get(name, math.inf):
+            found.append(f'{name}: focal length is {math.exp(lens.log_focal):.2f} of the believed')
+        if max(abs(lens.k1), abs(lens.k2)) > LARGEST_RADIAL:
+            found.append(f'{name}: distortion k1 {lens.k1:.2f}, k2 {lens.k2:.2f} is not credible')
+    return found
+
+
+def _ties(held_out_px: FloatArray, resolution_m: float) -> dict[str, Any]:
+    if not len(held_out_px):
+        return {'count': 0}
+    off = np.linalg.norm(held_out_px, axis=1)
+    figures = {
+        'median': float(np.median(off)),
+        'p90': float(np.quantile(off, 0.9)),
+        'rmse': float(np.sqrt(np.mean(off**2))),
+    }
+    return {
+        'count': len(off),
+        'px': _rounded(figures),
+        'cm': _rounded({name: 100.0 * resolution_m * value for name, value in figures.items()}),
+    }
+
+
+def _seams(shifts_px: FloatArray, resolution_m: float) -> dict[str, Any]:
+    if not len(shifts_px):
+        return {'count': 0}
+    figures = {
+        'p50': float(np.median(shifts_px)), 'p95': float(np.quantile(shifts_px, 0.95)),
+    }  # fmt: skip
+    return {
+        'count': len(shifts_px),
+        'px': _rounded(figures),
+        'cm': _rounded({name: 100.0 * resolution_m * value for name, value in figures.items()}),
+    }
+
+
+def _fixes(alignment: Alignment) -> dict[str, Any]:
+    """Return how far the fixes are from where the photographs were put, by vehicle."""
+    by_vehicle: dict[str, list[FloatArray]] = {}
+    for name, placement in sorted(alignment.placements.items()):
+        if placement.placed_by == BY_FEATURES:
+            photo = alignment.photos[name]
+            off = photo.prior.centre - placement.pose.centre
+            by_vehicle.setdefault(photo.vehicle, []).append(off)
+    document = {vehicle: _residuals(np.array(offs)) for vehicle, offs in by_vehicle.items()}
+    together = [off for offs in by_vehicle.values() for off in offs]
+    return {'all': _residuals(np.array(together)), 'vehicles': document} if together else {}
+
+
+def _residuals(off: FloatArray) -> dict[str, float]:
+    return _rounded(
+        {
+            'horizontal_rmse_m': float(np.sqrt(np.mean(np.sum(off[:, :2] ** 2, axis=1)))),
+            'largest_m': float(np.linalg.norm(off[:, :2], axis=1).max()),
+            'bias_east_m': float(off[:, 0].mean()),
+            'bias_north_m': float(off[:, 1].mean()),
+            'bias_up_m': float(off[:, 2].mean()),
+        }
+    )
+
+
+def _stated(alignment: Alignment) -> dict[str, float]:
+    errors = np.array([alignment.error_m(name) for name in alignment.photos])
+    return _rounded({'rms': float(np.sqrt(np.mean(errors**2))), 'largest': float(errors.max())})
+
+
+def _ground(state: State) -> dict[str, Any]:
+    heights = state.surface.heights_m
+    return {
+        'is_level': state.surface.is_level,
+        'lowest_m': round(float(heights.min()), 2),
+        'highest_m': round(float(heights.max()), 2),
+        'standing_things_std_m': round(state.noise.clutter_std_m, 3),
+    }
+
+
+def _placements(alignment: Alignment) -> list[dict[str, Any]]:
+    return [
+        {
+            'name': name,
+            'placed_by': placement.placed_by,
+            'error_m': round(alignment.error_m(name), 3),
+            'fix_off_m': round(
+                float(
+                    np.linalg.norm(
+                        (placement.pose.centre - alignment.photos[name].prior.centre)[:2]
+                    )
+                ),
+                3,
+            ),
+        }
+        for name, placement in sorted(alignment.placements.items())
+    ]
+
+
+def _tiles(alignment: Alignment, renderer: Renderer) -> list[dict[str, Any]]:
+    """Return, for each tile of the map, what places it and how far it may be off."""
+    step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
+    side = max(1, QUALITY_TILE_PX // step)
+    labels, window = renderer.labels, renderer.label_window
+    tiles = []
+    for place in window.tiles(side):
+        shared = place.cut(window)
+        numbers = set(np.unique(labels[shared.within(window)]).tolist()) - {NOBODY}
+        names = [renderer.names[number] for number in sorted(numbers)]
+        if names:
+            tiles.append(_tile(alignment, names, place, step))
+    return tiles
+
+
+def _tile(alignment: Alignment, names: list[str], place: Window, step: int) -> dict[str, Any]:
+    is_by_gps = any(alignment.placements[name].placed_by == BY_GPS for name in names)
+    return {
+        'row': place.row * step,
+        'column': place.column * step,
+        'side_px': place.height * step,
+        'placed_by': BY_GPS if is_by_gps else BY_FEATURES,
+        'error_m': round(max(alignment.error_m(name) for name in names), 3),
+        'photographs': len(names),
+    }
+
+
+def _rounded(figures: Mapping[str, float]) -> dict[str, float]:
+    return {name: round(value, 4) for name, value in figures.items()}

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The quality of a map as a page to read."""
+
+import html
+import json
+from collections.abc import Mapping
+from typing import Any
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Quality of the map</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<style>
+body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 60rem; color: #1b2430;
+padding: 0 1rem; }}
+h1 {{ font-size: 1.5rem; }} h2 {{ font-size: 1.1rem; margin-top: 2rem; }}
+.yes, .no {{ padding: .6rem 1rem; border-radius: .4rem; }}
+.yes {{ background: #e3f3e6; }} .no {{ background: #fbe3df; }}
+table {{ border-collapse: collapse; }} td, th {{ padding: .15rem .8rem .15rem 0; text-align: left;
+border-bottom: 1px solid #e2e6ea; }}
+td.n {{ text-align: right; font-variant-numeric: tabular-nums; }}
+img {{ max-width: 100%; background: #eef1f4; }}
+</style></head><body>
+<h1>Quality of the map</h1>
+{verdict}
+{picture}
+<h2>Figures</h2>
+<table>{figures}</table>
+<h2>Photographs</h2>
+<table><tr><th>photograph</th><th>placed by</th><th>may be off, m</th><th>from its fix, m</th></tr>
+{photographs}</table>
+</body></html>
+"""
+
+
+def quality_page(document: Mapping[str, Any], picture: str = '') -> str:
+    """Return the page for a `document` of `quality`; `picture` is the map's, beside the page."""
+    return PAGE.format(
+        verdict=_verdict(document),
+        picture=f'<p><img src="{html.escape(picture)}" alt="the map"></p>' if picture else '',
+        figures=''.join(_row(name, value) for name, value in _figures(document)),
+        photographs=''.join(_photograph(row) for row in document['placements']),
+    )
+
+
+def quality_text(document: Mapping[str, Any]) -> bytes:
+    """Return the document as a JSON file."""
+    return json.dumps(document, indent=1, allow_nan=False).encode() + b'\n'
+
+
+def _verdict(document: Mapping[str, Any]) -> str:
+    if document['is_georeferenced']:
+        error = document['stated_error_m']['rms']
+        return (
+            f'<p class="yes">Georeferenced; the ground may be {error:.2f} m off (one sigma).</p>'
+        )
+    reasons = ''.join(
+        f'<li>{html.escape(text)}</li>' for text in document['why_not_georeferenced']
+    )
+    return f'<div class="no">Not to be called georeferenced:<ul>{reasons}</ul></div>'
+
+
+def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
+    photographs, cover = document['photographs'], document['coverage']
+    rows = [
+        ('photographs', str(photographs['total'])),
+        ('placed by what they show', str(photographs['placed_by_features'])),
+        ('placed by their fix alone', str(len(photographs['placed_by_gps']))),
+        ('pixel on the ground', f'{100 * document["ground_resolution_m"]:.1f} cm'),
+        ('grid', f'EPSG:{document["epsg_code"]}'),
+        (f'covered of the {cover["of"]}', f'{100 * cover["share"]:.1f} %'),
+        ('largest hole', f'{cover["largest_hole_m2"]:.0f} m²'),
+    ]
+    ties, seams, fixes = document['held_out_ties'], document['seams'], document['fixes']
+    if ties['count']:
+        px = ties['px']
+        rows.append(
+            (
+                f'{ties["count"]} ties kept out: median, 90 %, RMSE',
+                f'{px["median"]:.2f}, {px["p90"]:.2f}, {px["rmse"]:.2f} px',
+            )
+        )
+    if seams['count']:
+        px = seams['px']
+        rows.append(('shift at seams: median, 95 %', f'{px["p50"]:.2f}, {px["p95"]:.2f} px'))
+    if fixes:
+        rows.append(('distance to the fixes, RMSE', f'{fixes["all"]["horizontal_rmse_m"]:.2f} m'))
+        off = fixes['all']
+        bias = [f'{off[f"bias_{axis}_m"]:.2f}' for axis in ('east', 'north', 'up')]
+        rows.append(('their bias east, north, up', ', '.join(bias) + ' m'))
+    for name, cost in document['costs'].items():
+        rows.append((f'time, {name}', f'{cost["wall_s"]:.1f} s, processor {cost["cpu_s"]:.1f} s'))
+    return rows
+
+
+def _row(name: str, value: str) -> str:
+    return f'<tr><td>{html.escape(name)}</td><td class="n">{html.escape(value)}</td></tr>'
+
+
+def _photograph(row: Mapping[str, Any]) -> str:
+    return (
+        f'<tr><td>{html.escape(row["name"])}</td><td>{row["placed_by"]}</td>'
+        f'<td class="n">{row["error_m"]:.2f}</td><td class="n">{row["fix_off_m"]:.2f}</td></tr>'
+    )

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photographs find their places from what they show."""
+
+import dataclasses
+import importlib.util
+import math
+import pathlib
+
+import numpy as np
+import pytest
+
+from rocsafe_mapping.alignment.photo import footprint
+from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
+from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.products.quality import violations
+
+_spec = importlib.util.spec_from_file_location(
+    'texture', pathlib.Path(__file__).with_name('texture.py')
+)
+texture = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(texture)
+
+# Pixels are 9 cm wide: a tie is good to a tenth of one, a camera to a few.
+INTERNAL_M = 0.08
+
+
+def made(shots, **options):
+    """Return a map maker that knows the photographs."""
+    maker = Mapmaker(MapOptions(**options))
+    for shot in shots:
+        maker.add(shot.record, lambda shot=shot: shot.jpeg)
+    return maker
+
+
+def corners(maker, shots, poses):
+    """Return estimated and true corners in the true frame, complex, (n, 4) each."""
+    found, true = [], []
+    for shot in shots:
+        photo = maker.survey.photo(shot.record.shot_id)
+        exact = dataclasses.replace(photo.prior, centre=shot.centre, rotation=shot.rotation)
+        found.append(footprint(photo, poses[photo.name]) @ [1, 1j])
+        true.append(footprint(photo, exact) @ [1, 1j])
+    return np.array(found), np.array(true)
+
+
+def distortion_m(found, true):
+    """Return the RMS distance of two point sets after the best similarity."""
+    a, b = found - found.mean(), true - true.mean()
+    factor = np.vdot(a, b) / np.vdot(a, a)
+    return float(np.sqrt(np.mean(np.abs(factor * a - b) ** 2)))
+
+
+def aligned(shots):
+    """Return the maker, its alignment and the poses."""
+    maker = made(shots)
+    alignment = maker.align()
+    poses = {name: placement.pose for name, placement in alignment.placements.items()}
+    return maker, alignment, poses
+
+
+@pytest.fixture(scope='module')
+def usual():
+    """A flight with noisy fixes and tilt."""
+    shots = texture.flight(1)
+    return shots, *aligned(shots)
+
+
+def test_all_photographs_are_tied(usual):
+    """A third of overlap ties every photograph."""
+    alignment = usual[2]
+    assert {p.placed_by for p in alignment.placements.values()} == {BY_FEATURES}
+
+
+def test_photographs_fit_each_other(usual):
+    """The map is undistorted to a pixel though fixes are a metre off."""
+    shots, maker, _, poses = usual
+    assert distortion_m(*corners(maker, shots, poses)) < INTERNAL_M
+
+
+def test_ties_that_never_entered_agree(usual):
+    """Ties kept out of the adjustment agree to a fraction of a pixel."""
+    off = np.linalg.norm(usual[2].held_out_px, axis=1)
+    assert len(off) > 50
+    assert np.median(off) < 0.3
+
+
+def test_stated_error_is_the_true_one(usual):
+    """The stated standard error is within a factor of three of this flight's error."""
+    shots, maker, alignment, poses = usual
+    found, true = corners(maker, shots, poses)
+    stated = math.sqrt(np.mean([alignment.error_m(n) ** 2 for n in alignment.photos]))
+    error = float(np.sqrt(np.mean(np.abs(found + origin(maker) - true) ** 2)))
+    assert error / 3.0 < stated < 3.0 * error
+
+
+def origin(maker) -> complex:
+    """Return the true place of the maker's origin."""
+    place = maker.frame.frame.origin
+    return complex(*texture.FRAME.enu_of(place)[:2])
+
+
+def test_map_may_be_called_georeferenced(usual):
+    """Nothing contradicts the measurements of an honest flight."""
+    assert violations(usual[2], usual[1].survey.state) == []
+
+
+def test_arrival_order_does_not_matter(usual):
+    """The same photographs in another order come to the same places, to 0.05 pixels."""
+    shots, _, alignment, _ = usual
+    other = made([shots[0], *reversed(shots[1:])])
+    for shot in reversed(shots):
+        other.survey.tie(shot.record.shot_id)
+        other.survey.place(shot.record.shot_id)
+    again = other.align()
+    pixel_m = alignment.photos['rav1-00000'].ground_resolution_m
+    for name, placement in alignment.placements.items():
+        photo = alignment.photos[name]
+        first = footprint(photo, placement.pose)
+        second = footprint(photo, again.placements[name].pose)
+        assert np.abs(first - second).max() < 0.05 * pixel_m
+
+
+def test_reversed_yaws_are_survived():
+    """A strip whose yaw is told half a turn wrong lies right."""
+    shots = texture.flight(2, told_yaw=0.0)
+    turned = texture.flight(2, told_yaw=math.pi)
+    mixed = [*shots[:4], *turned[4:]]
+    maker, _, poses = aligned(mixed)
+    assert distortion_m(*corners(maker, mixed, poses)) < INTERNAL_M
+
+
+def test_wrong_fix_is_not_believed():
+    """One fix 20 m off moves the map by less than a metre."""
+    shots = texture.flight(3)
+    wrong = shots[2].record
+    place = texture.FRAME.position_of(shots[2].centre + np.array([20.0, 0.0, 0.0]))
+    record = dataclasses.replace(
+        wrong, latitude_deg=place.latitude_deg, longitude_deg=place.longitude_deg
+    )
+    shots[2] = dataclasses.replace(shots[2], record=record)
+    maker, alignment, poses = aligned(shots)
+    found, true = corners(maker, shots, poses)
+    assert alignment.placements['rav1-00002'].placed_by == BY_FEATURES
+    assert distortion_m(found, true) < INTERNAL_M
+    assert abs(np.mean(found + origin(maker) - true)) < 1.5
+
+
+def test_featureless_photograph_stays_where_its_fix_says():
+    """A photograph of nothing stays on the map, flagged."""
+    shots = texture.flight(4)
+    flat = texture.flight(4, gain=0.0)[5]
+    shots[5] = flat
+    _, alignment, _ = aligned(shots)
+    assert alignment.placements['rav1-00005'].placed_by == BY_GPS
+    assert len(alignment.placements) == len(shots)
+
+
+def test_lonely_photograph_is_not_georeferenced():
+    """A single photograph is shown, but the map is no better than its fix and says so."""
+    shots = texture.flight(5)[:1]
+    maker, alignment, _ = aligned(shots)
+    assert 'tied to others' in violations(alignment, maker.survey.state)[0]
