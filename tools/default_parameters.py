@@ -25,6 +25,7 @@ NODES = (
     ('world', 'simulated time', 'rocsafe_sim.options:WorldOptions'),
     ('rav', 'one simulated vehicle', 'rocsafe_sim.options:RavOptions'),
     ('fleet', 'many simulated vehicles, alike', 'rocsafe_sim.options:FleetOptions'),
+    ('bridge', 'real vehicles', 'rocsafe_mavlink.bridge_options:BridgeOptions'),
     ('radiation_field', 'simulated gamma field', 'rocsafe_radiation.options:FieldOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),

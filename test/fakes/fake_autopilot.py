@@ -10,9 +10,10 @@ import math
 from test.fakes.mission_store import MissionStore
 
 from rocsafe_mavlink.dialect import Message, decode, encode
+from rocsafe_mavlink.mission_item import MissionItem
 
-STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND = 0, 3, 4, 5, 6, 9
-MODES = {STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND}
+STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND, BRAKE = 0, 3, 4, 5, 6, 9, 17
+MODES = {STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND, BRAKE}
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 EKF_GOOD, EKF_LOST = 831, 37
 HOME = (47.3977420, 8.5455940)
@@ -33,6 +34,8 @@ IDS = {
     193: 'EKF_STATUS_REPORT',
     42: 'MISSION_CURRENT',
     245: 'EXTENDED_SYS_STATE',
+    30: 'ATTITUDE',
+    2: 'SYSTEM_TIME',
     242: 'HOME_POSITION',
 }
 
@@ -42,12 +45,29 @@ class FakeCopter:
 
     Parameters
     ----------
+    home : latitude and longitude, degrees.
+    boot_s : for how long it has been on already.
+    unix_s : time of day at simulated time 0, seconds since 1970.
     fs_gcs_enable : whether it returns when the station's heartbeats stop; off by default, as on
         the real one.
     """
 
-    def __init__(self, system=1, *, fs_gcs_enable=False, speed_mps=10.0):
-        self.missions = MissionStore(system)
+    def __init__(
+        self, system=1, *, fs_gcs_enable=False, speed_mps=10.0, home=HOME, boot_s=0.0, unix_s=0.0
+    ):
+        self.missions = MissionStore(system, home=_home_item(home))
+        self.home = home
+        self._unix_s = unix_s
+        self._head_start_s = boot_s
+        self.parameters = {
+            'WPNAV_SPEED': 1000.0,
+            'WPNAV_ACCEL': 250.0,
+            'WPNAV_RADIUS': 200.0,
+            'FS_GCS_ENABLE': float(fs_gcs_enable),
+            'BATT_FS_LOW_ACT': 0.0,
+            'FENCE_ENABLE': 0.0,
+            'SYSID_MYGCS': 255.0,
+        }
         self.fs_gcs_enable = fs_gcs_enable
         self.has_gps = True
         self.is_silent = False
@@ -58,7 +78,8 @@ class FakeCopter:
         self._start()
 
     def _start(self):
-        self.boot_s = self._now_s
+        self.boot_s = self._now_s - self._head_start_s
+        self._head_start_s = 0.0
         self.mode = STABILIZE
         self.is_armed = False
         self.is_paused = False
@@ -67,6 +88,11 @@ class FakeCopter:
         self.status = 1
         self.current = 0
         self.mission_state = 1
+        self.target = None
+        self.velocity = (0.0, 0.0, 0.0)
+        self.shot_count = 0
+        self.trigger_m = 0.0
+        self._since_shot_m = 0.0
         self._rates = {}
         self._sent = {}
         self._armed_s = 0.0
@@ -96,8 +122,10 @@ class FakeCopter:
             return
         if message.name == 'HEARTBEAT':
             self._gcs_s = self._now_s
-        elif message.name == 'COMMAND_LONG':
+        elif message.name in ('COMMAND_LONG', 'COMMAND_INT'):
             self._on_command(message)
+        elif message.name == 'PARAM_REQUEST_READ':
+            self._on_parameter(message)
         else:
             self._out += self.missions.receive(message, station, self._now_s)
             if message.name.startswith('MISSION_') and not self.is_flying:
@@ -118,7 +146,7 @@ class FakeCopter:
 
     def reboot(self):
         """Start again: rates, home and the mission of the simulator are gone."""
-        self.missions = MissionStore(self._system)
+        self.missions = MissionStore(self._system, home=_home_item(self.home))
         self._start()
 
     def lose_battery(self):
@@ -162,7 +190,8 @@ class FakeCopter:
             300: self._on_start,
             400: self._on_arm,
             511: self._on_interval,
-            178: lambda _message: ACCEPTED,
+            178: self._on_speed,
+            192: self._on_reposition,
         }.get(number)
         result = UNSUPPORTED if handler is None else handler(message)
         self._say('COMMAND_ACK', command=number, result=result)
@@ -223,6 +252,28 @@ class FakeCopter:
         self.current = number
         return ACCEPTED
 
+    def _on_speed(self, message):
+        self._speed_mps = self._parameter(message, 2)
+        return ACCEPTED
+
+    def _on_reposition(self, message):
+        if self.mode != GUIDED or not self.is_flying:
+            return DENIED
+        self.target = self._local(message['x'], message['y']), message['z']
+        return ACCEPTED
+
+    def _on_parameter(self, message):
+        name = message['param_id']
+        if name in self.parameters:
+            # As a number, whatever it is: ArduPilot casts.
+            self._say(
+                'PARAM_VALUE', param_id=name, param_value=self.parameters[name], param_type=9
+            )
+
+    def _local(self, x_e7, y_e7):
+        east = (y_e7 / 1e7 - self.home[1]) * DEG_M * math.cos(math.radians(self.home[0]))
+        return east, (x_e7 / 1e7 - self.home[0]) * DEG_M
+
     def _on_interval(self, message):
         name = IDS.get(int(self._parameter(message, 1)))
         if name is None:
@@ -243,6 +294,10 @@ class FakeCopter:
             self._fly_item()
         elif self.mode == RTL:
             self._fly_home()
+        elif self.mode == GUIDED and self.target is not None:
+            place, height_m = self.target
+            self.height_m += max(-0.25, min(0.25, height_m - self.height_m))
+            self._approach(place)
         elif self.mode == LAND:
             self._descend()
 
@@ -256,16 +311,24 @@ class FakeCopter:
             if self.height_m >= item.z_m:
                 self._reached()
         elif item.command == 16:
-            goal = (
-                (item.y_e7 / 1e7 - HOME[1]) * DEG_M * math.cos(math.radians(HOME[0])),
-                (item.x_e7 / 1e7 - HOME[0]) * DEG_M,
-            )
-            if self._approach(goal):
+            self.height_m += max(-0.25, min(0.25, item.z_m - self.height_m))
+            if self._approach(self._local(item.x_e7, item.y_e7)):
                 self._reached()
         elif item.command == 20:
             self._fly_home()
         else:
+            self._do(item)
             self.current += 1
+
+    def _do(self, item):
+        if item.command == 203:
+            self._shoot()
+        elif item.command == 178:
+            self._speed_mps = item.parameters[1]
+        elif item.command == 206:
+            self.trigger_m = item.parameters[0]
+            if item.parameters[2] == 1.0:
+                self._shoot()
 
     def _reached(self):
         self._say('MISSION_ITEM_REACHED', seq=self.current)
@@ -276,7 +339,29 @@ class FakeCopter:
         left = math.hypot(east, north)
         share = min(1.0, self._speed_mps * STEP_S / left) if left else 1.0
         self.place = (self.place[0] + share * east, self.place[1] + share * north)
+        self.velocity = (share * east / STEP_S, share * north / STEP_S, 0.0)
+        self._fly_past(share * left)
         return left * (1.0 - share) < ARRIVED_M
+
+    def _fly_past(self, way_m):
+        if self.trigger_m:
+            self._since_shot_m += way_m
+            if self._since_shot_m >= self.trigger_m:
+                self._since_shot_m -= self.trigger_m
+                self._shoot()
+
+    def _shoot(self):
+        place = self._global_position_int()
+        self._say(
+            'CAMERA_FEEDBACK',
+            time_usec=round((self._unix_s + self._now_s) * 1e6),
+            img_idx=self.shot_count,
+            lat=place['lat'],
+            lng=place['lon'],
+            alt_msl=place['alt'] / 1000.0,
+            alt_rel=place['relative_alt'] / 1000.0,
+        )
+        self.shot_count += 1
 
     def _fly_home(self):
         if self._approach((0.0, 0.0)):
@@ -323,15 +408,15 @@ class FakeCopter:
     def _global_position_int(self):
         east, north = self.place
         has_place = self.up_s >= FIX_S
-        longitude = HOME[1] + east / DEG_M / math.cos(math.radians(HOME[0]))
+        longitude = self.home[1] + east / DEG_M / math.cos(math.radians(self.home[0]))
         return {
             'time_boot_ms': round(self.up_s * 1000),
-            'lat': round((HOME[0] + north / DEG_M) * 1e7) if has_place else 0,
+            'lat': round((self.home[0] + north / DEG_M) * 1e7) if has_place else 0,
             'lon': round(longitude * 1e7) if has_place else 0,
             'alt': round((HOME_MSL_M + self.height_m) * 1000),
             'relative_alt': round(self.height_m * 1000),
-            'vx': 0,
-            'vy': 0,
+            'vx': round(self.velocity[1] * 100),
+            'vy': round(self.velocity[0] * 100),
             'vz': 0,
             'hdg': 0,
         }
@@ -375,10 +460,17 @@ class FakeCopter:
         if self.up_s < HOME_S:
             return None
         return {
-            'latitude': round(HOME[0] * 1e7),
-            'longitude': round(HOME[1] * 1e7),
+            'latitude': round(self.home[0] * 1e7),
+            'longitude': round(self.home[1] * 1e7),
             'altitude': round(HOME_MSL_M * 1000),
         }
+
+    def _attitude(self):
+        return {'time_boot_ms': round(self.up_s * 1000), 'yaw': 0.0}
+
+    def _system_time(self):
+        unix_us = round((self._unix_s + self._now_s) * 1e6)
+        return {'time_unix_usec': unix_us, 'time_boot_ms': round(self.up_s * 1000)}
 
     def _text(self, severity, text):
         self._say('STATUSTEXT', severity=severity, text=text)
@@ -387,6 +479,11 @@ class FakeCopter:
         # Through the codec, so that what is read is what can be on a wire.
         filled = _complete(name, fields)
         self._out.append(Message(name, filled, self._system, 1))
+
+
+def _home_item(home):
+    x_e7, y_e7 = (round(angle * 1e7) for angle in home)
+    return MissionItem(command=16, frame=0, x_e7=x_e7, y_e7=y_e7, z_m=HOME_MSL_M)
 
 
 def _complete(name, fields):

@@ -275,9 +275,12 @@ def verdicts(vehicle, flown=None, **limits):
 
 
 def test_ready_vehicle_passes():
-    """Only the geoid is warned of: a simulator does not tell it."""
+    """Only what a simulator does not tell, and what was not read yet, is warned of."""
     checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S)
-    assert {check.name for check in checks if check.verdict is not Verdict.PASS} == {'geoid'}
+    assert {check.name for check in checks if check.verdict is not Verdict.PASS} == {
+        'geoid',
+        'settings',
+    }
     assert failures(checks) == ''
 
 
@@ -297,7 +300,8 @@ def test_ready_vehicle_passes():
 def test_unready_vehicle_fails_by_name(changes, name):
     """Each thing that is wrong is named with its value and limit."""
     failed, text = verdicts(replace(ready(), **changes))
-    assert failed == {name}
+    # Too little charge is also too little energy.
+    assert failed - {'energy'} == {name}
     assert text.startswith(f'{name} is ')
 
 
@@ -306,7 +310,17 @@ def test_unready_vehicle_fails_by_name(changes, name):
     [
         ({'highest_m': 25.0}, 'heights is 30 to 30 m: must be 5 to 25 m above home'),
         ({'furthest_m': 100.0}, 'distance is 150 m from home: must be at most 100 m'),
-        ({'longest_s': 60.0}, 'duration is 80 s: must be at most 60 s'),
+        (
+            {'longest_s': 60.0},
+            (
+                'duration is 80 s: must be at most 60 s; energy is 80% charged: must be 143% for this '
+                'flight, its reserve included'
+            ),
+        ),
+        (
+            {'longest_s': 110.0},
+            'energy is 80% charged: must be 82% for this flight, its reserve included',
+        ),
     ],
 )
 def test_wild_plan_fails(limits, text):

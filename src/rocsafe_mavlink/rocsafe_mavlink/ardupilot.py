@@ -39,7 +39,8 @@ COPTER = Autopilot(
     modes={
         Verb.GUIDED: GUIDED,
         Verb.MISSION: AUTO,
-        Verb.HOLD: LOITER,
+        # LOITER obeys the throttle stick, which may lie at its bottom.
+        Verb.HOLD: BRAKE,
         Verb.RETURN: RTL,
         Verb.LAND: LAND,
     },
@@ -55,4 +56,6 @@ COPTER = Autopilot(
     is_mode_packed=False,
     # It refuses to arm in AUTO, and elsewhere its pre-arm bit says too much.
     arms_in=Verb.GUIDED,
+    pauses_missions=True,
+    repositions_itself=False,
 )

@@ -52,6 +52,8 @@ class Autopilot:
     states: what an airborne vehicle does in a custom mode; others fly.
     is_mode_packed: whether a custom mode holds a main and a sub mode.
     arms_in: mode in which to arm for a mission.
+    pauses_missions: whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
+    repositions_itself: whether DO_REPOSITION changes the mode, and wants a height above the sea.
     """
 
     name: str
@@ -63,6 +65,8 @@ class Autopilot:
     states: Mapping[int, FlightState]
     is_mode_packed: bool
     arms_in: Verb
+    pauses_missions: bool
+    repositions_itself: bool
 
     def mode_name(self, custom_mode: int) -> str:
         """Return the name of a mode; an unknown one is never taken for its neighbour."""

@@ -64,7 +64,7 @@ class CommandCall:
 
     Attributes
     ----------
-    command: the COMMAND_LONG.
+    command: the COMMAND_LONG or COMMAND_INT.
     us: our (system, component), which an answer may name.
     stage: how far it is.
     wait_until_s: steady time until which nothing is done.
@@ -124,7 +124,9 @@ class CommandCall:
         return self._send(now_s)
 
     def _send(self, now_s: float) -> tuple['CommandCall', list[Message]]:
-        fields = {**self.command.fields, 'confirmation': self.sends}
+        fields = dict(self.command.fields)
+        if self.command.name == 'COMMAND_LONG':
+            fields['confirmation'] = self.sends
         sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + REPEAT_S)
         return sent, [Message(self.command.name, fields)]
 

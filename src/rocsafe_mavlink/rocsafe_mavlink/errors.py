@@ -16,3 +16,7 @@ class KeyFileError(MavlinkError):
 
 class NotAllowedError(MavlinkError):
     """A message or command is not among those that may be sent."""
+
+
+class OrderRefusedError(MavlinkError):
+    """An operator's order cannot be given now."""

@@ -118,6 +118,10 @@ class Flight:
         """Return the flight after an operator's accepted order to return or land."""
         return replace(self, cause=self.cause or Outcome.ABORTED_BY_OPERATOR)
 
+    def replanned(self, plan: FlightPlan) -> 'Flight':
+        """Return the flight that goes on with another plan, which lies on the vehicle now."""
+        return replace(self, mission=mission_of(plan, self.autopilot), visited=0)
+
     def _upload(self, moving: Transfer, now_s: float) -> Answer:
         moving, sent = moving.on_tick(now_s)
         going = replace(self, moving=moving)

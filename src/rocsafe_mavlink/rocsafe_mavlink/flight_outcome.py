@@ -14,6 +14,7 @@ class Outcome(Enum):
     FAILSAFE_FENCE = 'failsafe: fence'
     FAILSAFE_GPS = 'failsafe: position'
     REJECTED = 'rejected'
+    RESTARTED = 'autopilot started again'
     LOST = 'lost'
 
 

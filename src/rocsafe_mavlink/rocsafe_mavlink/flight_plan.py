@@ -3,9 +3,13 @@
 
 from dataclasses import dataclass
 
-from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.authority import DO_CHANGE_SPEED, DO_DIGICAM_CONTROL
+from rocsafe_mavlink.authority import (
+    DO_CHANGE_SPEED,
+    DO_DIGICAM_CONTROL,
+    DO_SET_CAM_TRIGG_DIST,
+)
 from rocsafe_mavlink.autopilot import Autopilot
 from rocsafe_mavlink.mission_item import GLOBAL, MISSION_FRAME, MissionItem
 from rocsafe_mavlink.units import e7_of_deg
@@ -25,11 +29,13 @@ class Waypoint:
     position: latitude and longitude; its altitude is not read.
     height_m: above home, positive.
     hold_s: time to stand there.
+    is_bend: whether the way only bends there: nothing is photographed, nothing counted.
     """
 
     position: GeoPosition
     height_m: float
     hold_s: float = 0.0
+    is_bend: bool = False
 
     def __post_init__(self) -> None:
         require_positive('height_m', self.height_m)
@@ -42,19 +48,30 @@ class FlightPlan:
 
     Attributes
     ----------
-    waypoints: at least one.
+    waypoints: at least one that is no bend.
     speed_mps: over ground.
     takes_photographs: whether the autopilot triggers its camera at each waypoint.
+    home: where the plan has it take off; None: wherever it stands.
+    trigger_distance_m: it triggers after every so many metres between the first and the last
+        waypoint instead; 0: it does not.
     """
 
     waypoints: tuple[Waypoint, ...]
     speed_mps: float
     takes_photographs: bool = False
+    home: GeoPosition | None = None
+    trigger_distance_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.waypoints:
+        if not self.stops:
             raise ValueError('a flight plan must have at least one waypoint')
         require_positive('speed_mps', self.speed_mps, 'm/s')
+        require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
+
+    @property
+    def stops(self) -> tuple[Waypoint, ...]:
+        """Waypoints that count: all but the bends of the way."""
+        return tuple(waypoint for waypoint in self.waypoints if not waypoint.is_bend)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +81,7 @@ class Mission:
     Attributes
     ----------
     items: as they lie on it.
-    waypoint_items: number of the item of each waypoint, ascending.
+    waypoint_items: number of the item of each waypoint that counts, ascending.
     """
 
     items: tuple[MissionItem, ...]
@@ -86,15 +103,34 @@ def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
             parameters=(GROUND_SPEED, plan.speed_mps, 0.0, 0.0),
         )
     )
-    numbers = []
+    numbers: list[int] = []
     for waypoint in plan.waypoints:
-        numbers.append(len(items))
+        item = len(items)
         items.append(_item_of(waypoint))
-        if plan.takes_photographs:
-            shoot = MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)
-            items.append(shoot)
+        if not waypoint.is_bend:
+            numbers.append(item)
+            items += _shutter(plan, len(numbers))
     items.append(MissionItem(command=RETURN_TO_LAUNCH))
     return Mission(items=tuple(items), waypoint_items=tuple(numbers))
+
+
+def _shutter(plan: FlightPlan, visited: int) -> list[MissionItem]:
+    """Return what follows the waypoint after which `visited` are behind."""
+    if plan.trigger_distance_m:
+        if visited == 1 and len(plan.stops) > 1:
+            return [_trigger(plan.trigger_distance_m, 1.0)]
+        return [_trigger(0.0, 0.0)] if visited == len(plan.stops) else []
+    if plan.takes_photographs:
+        return [MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)]
+    return []
+
+
+def _trigger(distance_m: float, at_once: float) -> MissionItem:
+    return MissionItem(
+        command=DO_SET_CAM_TRIGG_DIST,
+        frame=MISSION_FRAME,
+        parameters=(distance_m, 0.0, at_once, 0.0),
+    )
 
 
 def _item_of(waypoint: Waypoint) -> MissionItem:

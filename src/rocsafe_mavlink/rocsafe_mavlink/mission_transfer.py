@@ -45,6 +45,7 @@ class Transfer:
     error: why it failed, or why the try before this one did.
     asked_s, clears: of the clearing.
     is_cleared: whether the autopilot said, after a failure, that its mission is empty.
+    clears_after_failure: whether what may be half written is cleared; not while it is flown.
     """
 
     upload: Upload
@@ -56,6 +57,7 @@ class Transfer:
     asked_s: float = 0.0
     clears: int = 0
     is_cleared: bool = False
+    clears_after_failure: bool = True
 
     @property
     def is_over(self) -> bool:
@@ -126,6 +128,8 @@ class Transfer:
         noted = replace(self, error=error)
         if is_passing and self.tries < LARGEST_TRY_COUNT:
             return noted.begin(now_s)
+        if not self.clears_after_failure:
+            return replace(noted, stage=TransferStage.FAILED), []
         return replace(noted, stage=TransferStage.CLEARING)._clear(now_s)
 
     def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
@@ -153,6 +157,7 @@ def transfer(
     *,
     first_compared: int,
     mission_type: int = 0,
+    clears_after_failure: bool = True,
 ) -> Transfer:
     """Return a transfer that has not begun.
 
@@ -166,6 +171,7 @@ def transfer(
         upload=Upload(items=tuple(items), target=target, mission_type=mission_type),
         download=Download(target=target, mission_type=mission_type),
         first_compared=first_compared,
+        clears_after_failure=clears_after_failure,
     )
 
 

@@ -12,9 +12,18 @@ from itertools import pairwise
 
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilot import Autopilot
+from rocsafe_mavlink.fence import Fence
 from rocsafe_mavlink.fix import fix_fault
 from rocsafe_mavlink.flight_plan import FlightPlan
+from rocsafe_mavlink.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.vehicle import Contact, Home, Vehicle
+
+# Corners: measured on a recorded survey, a constant speed alone is 23 % too short.
+LEVEL_ALLOWANCE = 1.25
+
+
+# What a vehicle may show a while after it was switched on, or first heard.
+_PASSING_SOON = frozenset({'contact', 'fix', 'satellites', 'self-test', 'home', 'settings'})
 
 
 class Verdict(Enum):
@@ -34,6 +43,11 @@ class Check:
     value: str
     limit: str
 
+    @property
+    def may_pass_soon(self) -> bool:
+        """Whether waiting can help: a vehicle that was just switched on."""
+        return self.name in _PASSING_SOON or 'not known' in self.value
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightLimits:
@@ -47,6 +61,9 @@ class FlightLimits:
     smallest_charge: of the battery at the start, 0 to 1.
     fewest_satellites: that the receiver must use.
     climb_mps, descent_mps: for the duration.
+    longest_to_home_m: from the home of the plan to that of the vehicle.
+    must_return_on_link_loss: whether a vehicle that hears nobody has to come back.
+    reserve: share of the charge that a flight leaves.
     """
 
     lowest_m: float = 5.0
@@ -57,16 +74,44 @@ class FlightLimits:
     fewest_satellites: int = 6
     climb_mps: float = 2.5
     descent_mps: float = 1.0
+    longest_to_home_m: float = 30.0
+    must_return_on_link_loss: bool = False
+    reserve: float = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Knowledge:
+    """What was read from a vehicle besides what it says by itself; None: not read."""
+
+    parameters: ParameterReader | None = None
+    fence: Fence | None = None
 
 
 def preflight(
-    vehicle: Vehicle, autopilot: Autopilot, plan: FlightPlan, limits: FlightLimits, now_s: float
+    vehicle: Vehicle,
+    autopilot: Autopilot,
+    plan: FlightPlan | None,
+    limits: FlightLimits,
+    now_s: float,
+    knowledge: Knowledge | None = None,
 ) -> tuple[Check, ...]:
-    """Return every check of `vehicle` and `plan`, those that failed among them."""
-    checks = [*_vehicle_checks(vehicle, autopilot, limits, now_s)]
+    """Return every check of `vehicle` and `plan`, those that failed among them.
+
+    Without `plan` only the vehicle is looked at.
+    """
+    known = knowledge or Knowledge()
+    checks = [
+        *_vehicle_checks(vehicle, autopilot, limits, now_s),
+        *_setting_checks(known.parameters, limits),
+    ]
     if vehicle.home is None:
-        return (*checks, Check('home', Verdict.FAIL, 'not known', 'told by the autopilot'))
-    return (*checks, *_plan_checks(plan, _place(vehicle.home), limits))
+        return (*checks, Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'))
+    if plan is None:
+        return tuple(checks)
+    fence = [] if known.fence is None else [_fence_check(plan, known.fence)]
+    checks += [] if plan.home is None else [_home_check(plan.home, _place(vehicle.home), limits)]
+    energy = _energy_check(plan, vehicle, limits)
+    return (*checks, *_plan_checks(plan, _place(vehicle.home), limits), energy, *fence)
 
 
 def failures(checks: tuple[Check, ...]) -> str:
@@ -75,13 +120,15 @@ def failures(checks: tuple[Check, ...]) -> str:
     return '; '.join(f'{check.name} is {check.value}: must be {check.limit}' for check in failed)
 
 
-def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
-    """Return a coarse duration, home to home: a constant speed with 25 % on top for the corners.
+def is_failed_for_good(checks: tuple[Check, ...]) -> bool:
+    """Whether something failed that waiting does not help."""
+    return any(check.verdict is Verdict.FAIL and not check.may_pass_soon for check in checks)
 
-    Measured on a recorded survey, a constant speed alone is 23 % too short.
-    """
+
+def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
+    """Return a coarse duration, home to home: a constant speed and an allowance for corners."""
     places = [home, *(waypoint.position for waypoint in plan.waypoints), home]
-    level_s = 1.25 * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
+    level_s = LEVEL_ALLOWANCE * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
     climb_s = plan.waypoints[0].height_m / limits.climb_mps
     descent_s = plan.waypoints[-1].height_m / limits.descent_mps
     return level_s + climb_s + descent_s + sum(waypoint.hold_s for waypoint in plan.waypoints)
@@ -126,6 +173,58 @@ def _vehicle_checks(
             'known, or altitudes are NaN',
         ),
     ]
+
+
+def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> list[Check]:
+    """Return what the vehicle's settings do when something goes wrong."""
+    must_return = limits.must_return_on_link_loss
+    if reader is None:
+        verdict = Verdict.FAIL if must_return else Verdict.WARN
+        return [Check('settings', verdict, 'not read yet', 'read')]
+    return [
+        _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
+        _setting(reader, Parameter.LOW_BATTERY_ACTION, is_required=False),
+        _setting(reader, Parameter.FENCE_ENABLED, is_required=False),
+    ]
+
+
+def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
+    value, spelling = reader.value(parameter), reader.spelling(parameter)
+    is_on = math.isfinite(value) and value != 0.0
+    text = f'{spelling} = {value:g}' if math.isfinite(value) else f'{spelling} not answered'
+    verdict = Verdict.PASS if is_on else Verdict.FAIL if is_required else Verdict.WARN
+    return Check(
+        parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'
+    )
+
+
+def _energy_check(plan: FlightPlan, vehicle: Vehicle, limits: FlightLimits) -> Check:
+    home = vehicle.home
+    duration_s = 0.0 if home is None else estimated_duration_s(plan, _place(home), limits)
+    needed = duration_s / limits.longest_s + limits.reserve
+    charge = vehicle.battery.fraction
+    return _check(
+        'energy',
+        charge >= needed,
+        'charge not known' if math.isnan(charge) else f'{charge:.0%} charged',
+        f'{needed:.0%} for this flight, its reserve included',
+    )
+
+
+def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -> Check:
+    away_m = distance_m(planned, home)
+    return _check(
+        'place of the plan',
+        away_m <= limits.longest_to_home_m,
+        f'{away_m:.1f} m from where the plan has it',
+        f'at most {limits.longest_to_home_m:g} m',
+    )
+
+
+def _fence_check(plan: FlightPlan, fence: Fence) -> Check:
+    outside = [w for w in plan.waypoints if not fence.holds(w.position)]
+    value = f'{len(outside)} of {len(plan.waypoints)} waypoints outside'
+    return _check('within fence', not outside, value, 'none outside')
 
 
 def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> list[Check]:

@@ -48,4 +48,6 @@ MULTICOPTER = Autopilot(
     },
     is_mode_packed=True,
     arms_in=Verb.MISSION,
+    pauses_missions=False,
+    repositions_itself=True,
 )

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
 from rocsafe_geo.position import distance_m
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.events import Event, EventKind, events_between
@@ -21,6 +22,7 @@ from rocsafe_mavlink.units import (
     yaw_of_centidegrees,
 )
 from rocsafe_mavlink.vehicle import (
+    Attitude,
     Battery,
     Gps,
     Home,
@@ -170,6 +172,16 @@ def _ekf(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
     return replace(vehicle, ekf_flags=message['flags'])
 
 
+def _attitude(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    # Forward, right, down becomes forward, left, up.
+    attitude = Attitude(
+        roll_rad=message['roll'],
+        pitch_rad=-message['pitch'],
+        yaw_rad=wrap_rad(yaw_of_heading_rad(message['yaw'])),
+    )
+    return replace(vehicle, attitude=attitude)
+
+
 def _home(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
     home = Home(
         latitude_deg=deg_of_e7(message['latitude']),
@@ -210,6 +222,7 @@ def _time(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
 
 
 _REDUCERS: Mapping[str, Reducer] = {
+    'ATTITUDE': _attitude,
     'EKF_STATUS_REPORT': _ekf,
     'EXTENDED_SYS_STATE': _landed,
     'FENCE_STATUS': _fence,

@@ -2,25 +2,23 @@
 """A ground station for several vehicles on one link: bytes in, bytes out, no sockets, no clock.
 
 Vehicles are told apart by (system, component), never by address alone; each keeps its own state,
-flight and rates. Heartbeats are sent only while whoever supervises us lives, or the vehicle would
-not notice that it is alone.
+flight, orders and rates. Heartbeats are sent only while whoever supervises us lives, or the
+vehicle would not notice that it is alone.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from rocsafe_mavlink.autopilots import autopilot_of
-from rocsafe_mavlink.commands import set_interval
 from rocsafe_mavlink.counters import Reason
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.errors import NotAllowedError
 from rocsafe_mavlink.events import Event
-from rocsafe_mavlink.flight import Flight, fly
-from rocsafe_mavlink.flight_plan import FlightPlan
+from rocsafe_mavlink.flight import Flight, adopted, fly
+from rocsafe_mavlink.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.link import Address, Link
-from rocsafe_mavlink.preflight import FlightLimits, failures, preflight
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.stream_rates import StreamRates
+from rocsafe_mavlink.member import Member
+from rocsafe_mavlink.orders import Desk, Writer
+from rocsafe_mavlink.preflight import Check, FlightLimits, failures, preflight
 from rocsafe_mavlink.vehicle import Contact, Vehicle
 
 HEARTBEAT_PERIOD_S = 1.0
@@ -30,24 +28,23 @@ HEARTBEAT = Message(
 )
 Target = tuple[int, int]
 Outgoing = list[tuple[Address, bytes]]
+Heard = tuple[Target, Message]
 
 
 @dataclass(slots=True)
-class Member:
-    """What the station keeps of one vehicle.
+class Received:
+    """What came of bytes.
 
     Attributes
     ----------
-    vehicle: what is known of it.
-    address: from where it speaks; held while it is in contact.
-    flight: its present or last flight.
-    rates: of its messages.
+    messages: believable ones of our vehicles.
+    events: what happened.
+    outgoing: what to send.
     """
 
-    vehicle: Vehicle
-    address: Address | None = None
-    flight: Flight | None = None
-    rates: StreamRates = field(default_factory=StreamRates)
+    messages: list[Heard]
+    events: list[tuple[Target, Event]]
+    outgoing: Outgoing
 
 
 class Station:
@@ -58,15 +55,30 @@ class Station:
     link: reads and writes the bytes.
     targets: (system, component) of each vehicle.
     us: our own.
+    separations_m: geoid above the ellipsoid of vehicles that do not tell; absent if not known.
     """
 
-    def __init__(self, link: Link, targets: Iterable[Target], us: Target) -> None:
+    def __init__(
+        self,
+        link: Link,
+        targets: Iterable[Target],
+        us: Target,
+        separations_m: dict[Target, float] | None = None,
+    ) -> None:
         self._link = link
         self._us = us
-        self._members = {
-            target: Member(Vehicle(system=target[0], component=target[1])) for target in targets
-        }
+        given = separations_m or {}
+        self._members = {target: Member.of(target, us, given.get(target)) for target in targets}
         self._beat_s = -HEARTBEAT_PERIOD_S
+
+    @property
+    def link(self) -> Link:
+        """The link, with its counters."""
+        return self._link
+
+    def member(self, target: Target) -> Member:
+        """Return all that is kept of a vehicle; KeyError if it is none of ours."""
+        return self._members[target]
 
     def vehicle(self, target: Target) -> Vehicle:
         """Return what is known of a vehicle; KeyError if it is none of ours."""
@@ -76,23 +88,20 @@ class Station:
         """Return the present or last flight of a vehicle."""
         return self._members[target].flight
 
-    def receive(
-        self, address: Address, data: bytes, now_s: float, time_s: float
-    ) -> tuple[list[tuple[Target, Event]], Outgoing]:
-        """Take bytes from an address; return what happened, and what to send."""
-        events: list[tuple[Target, Event]] = []
-        outgoing: Outgoing = []
+    def receive(self, address: Address, data: bytes, now_s: float, time_s: float) -> Received:
+        """Take bytes from an address; return what came of them."""
+        came = Received([], [], [])
         for message in self._link.receive(address, data, now_s, time_s):
             target = (message.system, message.component)
             member = self._members.get(target)
-            if member is None or not self._may_speak(member, address, now_s):
+            if member is None or not member.may_hear(address, now_s):
                 self._link.counters.drop(Reason.UNKNOWN_PEER)
                 continue
-            events += [(target, event) for event in self._take(member, message, now_s)]
-            if member.flight is not None:
-                member.flight, sent = member.flight.on_message(message, now_s)
-                outgoing += self._packed(member, sent, now_s, time_s)
-        return events, outgoing
+            events, sent = member.take(message, now_s)
+            came.messages.append((target, message))
+            came.events += [(target, event) for event in events]
+            came.outgoing += self._packed(member, sent, now_s, time_s)
+        return came
 
     def tick(self, now_s: float, time_s: float, *, is_supervised: bool) -> Outgoing:
         """Let time pass; return what to send."""
@@ -102,13 +111,24 @@ class Station:
             outgoing += [
                 (peer, self._link.pack(HEARTBEAT, now_s, time_s)) for peer in self._link.peers
             ]
-        for target, member in self._members.items():
-            if member.flight is not None:
-                member.flight, sent = member.flight.on_tick(member.vehicle, now_s)
-                outgoing += self._packed(member, sent, now_s, time_s)
-            if member.vehicle.contact(now_s) is Contact.FRESH:
-                outgoing += self._asked(target, member, now_s, time_s)
+        for member in self._members.values():
+            outgoing += self._packed(member, member.tick(now_s), now_s, time_s)
         return outgoing
+
+    # What is asked of a vehicle.
+
+    def checks(
+        self, target: Target, plan: FlightPlan | None, limits: FlightLimits, now_s: float
+    ) -> tuple[Check, ...]:
+        """Return every look before a flight of `plan`, or without a plan at the vehicle alone.
+
+        Raises
+        ------
+        ValueError: if the vehicle was never heard, or is of no kind that is known.
+        """
+        member = self._members[target]
+        knowledge = member.knowledge()
+        return preflight(member.vehicle, member.autopilot(), plan, limits, now_s, knowledge)
 
     def fly(
         self, target: Target, plan: FlightPlan, limits: FlightLimits, now_s: float, time_s: float
@@ -120,36 +140,68 @@ class Station:
         ValueError: saying which check failed, or that a flight is under way.
         """
         member = self._members[target]
-        vehicle = member.vehicle
-        if member.flight is not None and not member.flight.is_over:
+        if member.is_flying:
             raise ValueError('a flight is under way')
-        if vehicle.autopilot is None:
-            raise ValueError('the vehicle was never heard')
-        autopilot = autopilot_of(vehicle.autopilot, vehicle.vehicle_type)
-        failed = failures(preflight(vehicle, autopilot, plan, limits, now_s))
+        failed = failures(self.checks(target, plan, limits, now_s))
         if failed:
             raise ValueError(failed)
-        member.flight, sent = fly(plan, autopilot, vehicle, self._us, now_s)
+        member.flight, sent = fly(plan, member.autopilot(), member.vehicle, self._us, now_s)
         return self._packed(member, sent, now_s, time_s)
 
-    def _may_speak(self, member: Member, address: Address, now_s: float) -> bool:
-        """Whether `address` may speak for a vehicle: one at a time, until it falls silent."""
-        if member.address != address:
-            if member.vehicle.contact(now_s) in (Contact.FRESH, Contact.STALE):
-                return False
-            member.address = address
-        return True
+    def adopt(self, target: Target, plan: FlightPlan) -> bool:
+        """Take up the flight that a vehicle is on, if it flies `plan`; send nothing."""
+        member = self._members[target]
+        if member.stored is None:
+            return False
+        autopilot = member.autopilot()
+        flight = adopted(plan, autopilot, member.vehicle, member.stored, self._us)
+        member.flight = member.flight if flight is None else flight
+        return flight is not None
 
-    def _take(self, member: Member, message: Message, now_s: float) -> list[Event]:
-        member.vehicle, events = reduce(member.vehicle, message, now_s)
-        member.rates.hear(message.name, now_s)
-        return events
+    def order(self, target: Target, write: Writer, *, preempts: bool = False) -> None:
+        """Begin the errand that `write` makes; `tick` sends it.
 
-    def _asked(self, target: Target, member: Member, now_s: float, time_s: float) -> Outgoing:
-        due = member.rates.due(now_s)
-        if due is None:
-            return []
-        return self._packed(member, [set_interval(target, *due)], now_s, time_s)
+        With `preempts` it takes the place of one that is under way.
+
+        Raises
+        ------
+        ValueError: if another is under way, or the vehicle was never heard.
+        """
+        member = self._members[target]
+        desk = Desk(autopilot=member.autopilot(), target=target, us=self._us)
+        if member.errand is not None and not member.errand.is_over and not preempts:
+            raise ValueError(f'{member.errand.name} is under way')
+        member.errand = write(desk, member.vehicle)
+        member.errand_count += 1
+
+    def fly_instead(self, target: Target, plan: FlightPlan) -> Mission:
+        """Begin to fly another plan in the air; `tick` sends it.
+
+        Raises
+        ------
+        ValueError: as `order`, or if nothing is being flown.
+        """
+        member = self._members[target]
+        if not member.is_flying or member.flight is None:
+            raise ValueError('no flight is under way')
+        mission = mission_of(plan, member.autopilot())
+        self.order(target, lambda desk, _vehicle: desk.fly_instead(mission))
+        return mission
+
+    def require_contact(self, target: Target, now_s: float) -> Vehicle:
+        """Return what is known of a vehicle that is in contact and in the air.
+
+        Raises
+        ------
+        ValueError: saying what is amiss.
+        """
+        vehicle = self._members[target].vehicle
+        contact = vehicle.contact(now_s)
+        if contact is not Contact.FRESH:
+            raise ValueError(f'the vehicle is not in contact ({contact.value})')
+        if vehicle.is_on_ground:
+            raise ValueError('the vehicle is on the ground')
+        return vehicle
 
     def _packed(
         self, member: Member, messages: Iterable[Message], now_s: float, time_s: float

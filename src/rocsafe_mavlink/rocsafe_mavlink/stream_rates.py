@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping
 
 # Message: its number and how many a second.
+POSITION = 'GLOBAL_POSITION_INT'
 WANTED: Mapping[str, tuple[int, float]] = {
     'GLOBAL_POSITION_INT': (33, 10.0),
     'ATTITUDE': (30, 5.0),
@@ -28,9 +29,17 @@ PACE_S = 0.3
 
 
 class StreamRates:
-    """Watches the messages of one vehicle."""
+    """Watches the messages of one vehicle.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    position_rate_hz: positions a second; None: as in `WANTED`.
+    """
+
+    def __init__(self, position_rate_hz: float | None = None) -> None:
+        number, rate_hz = WANTED[POSITION]
+        own = {POSITION: (number, position_rate_hz or rate_hz)}
+        self._wanted = {**WANTED, **own}
         self._heard_s: dict[str, float] = {}
         self._asked_s: dict[str, float] = {}
         self._last_ask_s = -math.inf
@@ -44,7 +53,7 @@ class StreamRates:
         """Return number and rate of a message to ask for now, None if there is none."""
         if now_s - self._last_ask_s < PACE_S:
             return None
-        for name, (number, rate_hz) in WANTED.items():
+        for name, (number, rate_hz) in self._wanted.items():
             silent_s = now_s - self._heard_s.get(name, -math.inf)
             is_asked = now_s - self._asked_s.get(name, -math.inf) < ASK_AGAIN_S
             if silent_s > MISSING_PERIODS / rate_hz and not is_asked:

@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
 
+from rocsafe_geo.angle import heading_of_yaw_rad
 from rocsafe_geo.position import GeoPosition
 
 NEVER = -math.inf
@@ -109,6 +110,20 @@ class Motion:
     boot_s: float
     heard_s: float
 
+    @property
+    def heading_deg(self) -> float:
+        """Compass heading, 0 to 360; NaN if not known."""
+        return math.degrees(heading_of_yaw_rad(self.yaw_rad))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attitude:
+    """How it hangs in the air, after REP 103: yaw 0 is east, positive pitch lowers the nose."""
+
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Home:
@@ -175,6 +190,7 @@ class Vehicle:
     gps: Gps = Gps()
     ekf_flags: int | None = None
     motion: Motion | None = None
+    attitude: Attitude | None = None
     home: Home | None = None
     battery: Battery = Battery()
     mission: MissionStatus = MissionStatus()

@@ -20,6 +20,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
+from std_msgs.msg import Float64
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -28,6 +29,7 @@ from rocsafe_interfaces.msg import (
     AccumulatedDose,
     DoseAlarm,
     DoseRate,
+    GeoPoint,
     GeotaggedImage,
     HazardSourceArray,
     MissionState,
@@ -37,9 +39,18 @@ from rocsafe_interfaces.msg import (
     ShotReceipt,
     StepDone,
     SurveyPlan,
+    VehicleEvent,
     VehicleState,
 )
-from rocsafe_interfaces.srv import QueryRadiationField, SuggestViewpoints
+from rocsafe_interfaces.srv import (
+    GoTo,
+    Preflight,
+    PushFence,
+    PushRally,
+    QueryRadiationField,
+    SetSpeed,
+    SuggestViewpoints,
+)
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
@@ -173,6 +184,17 @@ SHOT = _vehicle(
 )
 PATH = _vehicle('path', Path, _latched(), '1 Hz', 'flown track')
 ROUTE_MARKERS = _vehicle('route_markers', MarkerArray, _latched(), 'on change', 'planned route')
+REL_ALT = _vehicle(
+    'rel_alt', Float64, _stream(), 'as fix', 'height above home, real vehicles only'
+)
+HEADING = _vehicle('heading', Float64, _stream(), 'as fix', 'degrees, real vehicles only')
+HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns, real vehicles only')
+PREDICTED_FIX = _vehicle(
+    'predicted_fix', NavSatFix, _kept(), '1 Hz while silent', 'where it should be, real ones only'
+)
+EVENTS = _vehicle(
+    'events', VehicleEvent, _kept(), 'on change', 'what happened, real vehicles only'
+)
 
 REGION = _fleet('region', Region, _latched(), 'on change', 'what the operator drew')
 PLAN = _fleet('plan', SurveyPlan, _latched(), 'on change', 'routes of all vehicles, with bound')
@@ -209,6 +231,11 @@ TOPICS: tuple[TopicSpec, ...] = (
     SHOT,
     PATH,
     ROUTE_MARKERS,
+    REL_ALT,
+    HEADING,
+    HOME,
+    PREDICTED_FIX,
+    EVENTS,
     REGION,
     PLAN,
     MISSION_STATE,
@@ -234,6 +261,15 @@ HOLD = _call('hold', Trigger, 'service', Scope.VEHICLE, 'stand still in the air'
 RESUME = _call('resume', Trigger, 'service', Scope.VEHICLE, 'go on after hold')
 RETURN_HOME = _call('return_home', Trigger, 'service', Scope.VEHICLE, 'give up the route')
 LAND = _call('land', Trigger, 'service', Scope.VEHICLE, 'land where it is')
+PREFLIGHT = _call('preflight', Preflight, 'service', Scope.VEHICLE, 'checks of a real vehicle')
+GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point; real vehicles')
+SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'over ground; real vehicles')
+PUSH_FENCE = _call(
+    'geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence of a real vehicle'
+)
+PUSH_RALLY = _call(
+    'rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'rally points of a real vehicle'
+)
 PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to routes')
 QUERY_FIELD = _call(
     'radiation_field/query', QueryRadiationField, 'service', Scope.FLEET, 'dose rates at points'
@@ -250,6 +286,11 @@ CALLS: tuple[CallSpec, ...] = (
     RESUME,
     RETURN_HOME,
     LAND,
+    PREFLIGHT,
+    GO_TO,
+    SET_SPEED,
+    PUSH_FENCE,
+    PUSH_RALLY,
     PLAN_SURVEY,
     QUERY_FIELD,
     SUGGEST_VIEWPOINTS,

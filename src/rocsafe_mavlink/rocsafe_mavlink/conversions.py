@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of real vehicles <-> messages."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
+from std_msgs.msg import Header
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_interfaces.msg import (
+    GeoPoint,
+    GeoPolygon,
+    PreflightCheck,
+    VehicleEvent,
+    VehicleState,
+    Viewpoint,
+)
+from rocsafe_interfaces.msg import Route as RouteMessage
+from rocsafe_mavlink.autopilot import FlightState
+from rocsafe_mavlink.drone import DroneSpec
+from rocsafe_mavlink.events import Event
+from rocsafe_mavlink.fence import Ring
+from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_mavlink.flight_outcome import Outcome
+from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.observation import FlightSummary, Left, Observation
+from rocsafe_mavlink.preflight import Check, Verdict
+from rocsafe_mavlink.vehicle import Contact
+from rocsafe_ros.conversions import position_of_point
+
+MAP_FRAME = 'map'
+STATES = {
+    FlightState.UNKNOWN: VehicleState.UNKNOWN,
+    FlightState.DISARMED: VehicleState.DISARMED,
+    FlightState.ARMED: VehicleState.ARMED,
+    FlightState.TAKING_OFF: VehicleState.TAKING_OFF,
+    FlightState.FLYING: VehicleState.FLYING,
+    FlightState.HOLDING: VehicleState.HOLDING,
+    FlightState.RETURNING: VehicleState.RETURNING,
+    FlightState.LANDING: VehicleState.LANDING,
+    FlightState.LANDED: VehicleState.LANDED,
+    FlightState.LOST: VehicleState.LOST,
+}
+OUTCOMES = {
+    Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
+    Outcome.ABORTED_BY_OPERATOR: FlyRoute.Result.RETURNED_EARLY,
+    Outcome.FAILSAFE_BATTERY: FlyRoute.Result.BATTERY_LOW,
+    Outcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
+    Outcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
+    Outcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
+    Outcome.REJECTED: FlyRoute.Result.REJECTED,
+    Outcome.RESTARTED: FlyRoute.Result.ABORTED,
+    Outcome.LOST: FlyRoute.Result.LOST,
+}
+_VERDICTS = {
+    Verdict.PASS: PreflightCheck.PASS,
+    Verdict.WARN: PreflightCheck.WARN,
+    Verdict.FAIL: PreflightCheck.FAIL,
+}
+# MAV_SEVERITY: 0 to 3 are errors, 4 a warning, 5 and 6 notes.
+_SEVERITIES = (VehicleEvent.ERROR,) * 4 + (VehicleEvent.WARN,) + (VehicleEvent.INFO,) * 2
+# A position of which nobody says how good it is.
+_UNKNOWN = math.nan
+
+
+def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assignment:
+    """Return what a route asks of a vehicle.
+
+    Raises
+    ------
+    ValueError: naming what cannot be flown.
+    """
+    home = position_of_point(message.home)
+    if not message.viewpoints:
+        raise ValueError('the route has no viewpoint')
+    waypoints: list[Waypoint] = []
+    for viewpoint in message.viewpoints:
+        waypoints += _waypoints(viewpoint, home, spec.hover_s)
+    height_m = waypoints[-1].height_m
+    waypoints += [_bend(point, height_m) for point in message.homeward]
+    plan = FlightPlan(
+        waypoints=tuple(waypoints),
+        speed_mps=spec.speed_mps,
+        takes_photographs=spec.takes_photographs,
+        trigger_distance_m=spec.trigger_distance_m,
+        home=GeoPosition(home.latitude_deg, home.longitude_deg, 0.0),
+    )
+    ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
+    return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
+
+
+def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[Waypoint]:
+    """Return the bends before a viewpoint, and the viewpoint."""
+    place = position_of_point(viewpoint.position)
+    # Both altitudes have one datum, whichever it is: their difference has none.
+    height_m = place.altitude_m - home.altitude_m
+    if not math.isfinite(height_m):
+        height_m = viewpoint.height_agl_m
+    stop = Waypoint(position=_level(place), height_m=height_m, hold_s=hover_s)
+    return [*(_bend(point, height_m) for point in viewpoint.approach), stop]
+
+
+def _bend(point: GeoPoint, height_m: float) -> Waypoint:
+    return Waypoint(position=_level(position_of_point(point)), height_m=height_m, is_bend=True)
+
+
+def _level(place: GeoPosition) -> GeoPosition:
+    return GeoPosition(place.latitude_deg, place.longitude_deg, 0.0)
+
+
+def ring_of(polygon: GeoPolygon) -> Ring:
+    """Return the corners of a polygon, the first not repeated at its end."""
+    places = tuple(position_of_point(point) for point in polygon.points)
+    return places[:-1] if len(places) > 1 and places[0] == places[-1] else places
+
+
+def fix_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix:
+    """Return where the vehicle believes to be; without a status if that cannot be believed."""
+    place = GeoPosition(0.0, 0.0) if seen.motion is None else seen.motion.position
+    horizontal, vertical = seen.horizontal_std_m**2, seen.vertical_std_m**2
+    is_known = math.isfinite(horizontal + vertical)
+    message = NavSatFix(
+        header=Header(stamp=stamp, frame_id=frame_id),
+        status=NavSatStatus(status=int(seen.fix_quality), service=NavSatStatus.SERVICE_GPS),
+        latitude=place.latitude_deg,
+        longitude=place.longitude_deg,
+        altitude=place.altitude_m,
+    )
+    if is_known:
+        message.position_covariance = [
+            *(horizontal, 0.0, 0.0),
+            *(0.0, horizontal, 0.0),
+            *(0.0, 0.0, vertical),
+        ]
+        message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
+    return message
+
+
+def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix | None:
+    """Return where a silent vehicle should be; None while it is heard."""
+    if seen.prediction is None:
+        return None
+    place, variance = seen.prediction.position, seen.prediction.spread_m**2
+    return NavSatFix(
+        header=Header(stamp=stamp, frame_id=frame_id),
+        status=NavSatStatus(status=NavSatStatus.STATUS_NO_FIX, service=NavSatStatus.SERVICE_GPS),
+        latitude=place.latitude_deg,
+        longitude=place.longitude_deg,
+        altitude=place.altitude_m,
+        position_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance],
+        position_covariance_type=NavSatFix.COVARIANCE_TYPE_APPROXIMATED,
+    )
+
+
+def velocity_message(seen: Observation, stamp: Time) -> TwistStamped:
+    """Return the velocity over ground: east, north, up."""
+    message = TwistStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
+    if seen.motion is not None:
+        linear = message.twist.linear
+        linear.x, linear.y, linear.z = seen.motion.velocity_enu_mps
+    return message
+
+
+def odometry_message(seen: Observation, stamp: Time, vehicle: str) -> Odometry:
+    """Return the position in the mission's frame; the twist is in the body's frame."""
+    message = Odometry(
+        header=Header(stamp=stamp, frame_id=MAP_FRAME), child_frame_id=f'{vehicle}/base_link'
+    )
+    position = message.pose.pose.position
+    position.x, position.y, position.z = seen.position_enu
+    if seen.motion is None:
+        return message
+    yaw = seen.motion.yaw_rad if math.isfinite(seen.motion.yaw_rad) else 0.0
+    message.pose.pose.orientation = yaw_quaternion(yaw)
+    east, north, up = seen.motion.velocity_enu_mps
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    linear = message.twist.twist.linear
+    linear.x, linear.y, linear.z = cos * east + sin * north, cos * north - sin * east, up
+    return message
+
+
+def yaw_quaternion(yaw_rad: float) -> Quaternion:
+    """Return the attitude of a level vehicle."""
+    return Quaternion(x=0.0, y=0.0, z=math.sin(0.5 * yaw_rad), w=math.cos(0.5 * yaw_rad))
+
+
+def path_pose(seen: Observation, stamp: Time) -> PoseStamped:
+    """Return one point of the flown track."""
+    message = PoseStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
+    position = message.pose.position
+    position.x, position.y, position.z = seen.position_enu
+    message.pose.orientation.w = 1.0
+    return message
+
+
+def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatteryState:
+    """Return the charge; what the autopilot does not tell is NaN. Discharging is negative."""
+    return BatteryState(
+        header=Header(stamp=stamp, frame_id=frame_id),
+        voltage=seen.voltage_v,
+        current=-seen.current_a,
+        percentage=seen.charge,
+        temperature=_UNKNOWN,
+        charge=_UNKNOWN,
+        capacity=_UNKNOWN,
+        design_capacity=_UNKNOWN,
+        power_supply_status=(
+            BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+            if seen.is_armed
+            else BatteryState.POWER_SUPPLY_STATUS_NOT_CHARGING
+        ),
+        power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN,
+        power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN,
+        present=True,
+    )
+
+
+def state_message(
+    seen: Observation, vehicle: str, stamp: Time, shots: tuple[int, int]
+) -> VehicleState:
+    """Return the state; `shots` are those taken and those not yet stored."""
+    return VehicleState(
+        header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
+        vehicle=vehicle,
+        state=STATES[seen.state],
+        is_simulated=False,
+        plan_id=seen.plan_id,
+        viewpoint_count=seen.viewpoint_count,
+        viewpoints_visited=seen.visited,
+        shots_taken=shots[0],
+        shots_pending=shots[1],
+        battery_fraction=seen.charge,
+        distance_flown_m=seen.distance_m,
+        text=seen.text,
+    )
+
+
+def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
+    """Return something that happened."""
+    severity = _SEVERITIES[event.severity] if event.severity < 7 else VehicleEvent.DEBUG
+    return VehicleEvent(
+        header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
+        vehicle=vehicle,
+        severity=severity,
+        kind=event.kind.value,
+        text=event.text,
+    )
+
+
+def check_message(check: Check) -> PreflightCheck:
+    """Return one look before a flight."""
+    return PreflightCheck(
+        name=check.name, verdict=_VERDICTS[check.verdict], value=check.value, limit=check.limit
+    )
+
+
+def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
+    """Return the result of a flight that has ended."""
+    is_complete = summary.outcome is Outcome.COMPLETED
+    words = ': '.join(filter(None, (summary.outcome.value, summary.text)))
+    return FlyRoute.Result(
+        outcome=OUTCOMES[summary.outcome],
+        error_msg='' if is_complete else words,
+        viewpoints_visited=summary.visited,
+        shots_taken=shots,
+        distance_flown_m=summary.distance_m,
+        duration_s=summary.duration_s,
+    )
+
+
+def cancelled_message(left: Left, shots: int, reason: str) -> FlyRoute.Result:
+    """Return the result of a flight that was cancelled; `reason`: why it does not even hold."""
+    outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
+    return FlyRoute.Result(
+        outcome=outcome,
+        error_msg=reason or 'cancelled by request: the vehicle holds',
+        viewpoints_visited=left.visited,
+        shots_taken=shots,
+    )
+
+
+def refusal_message(reason: str) -> FlyRoute.Result:
+    """Return the result of a route that is not flown."""
+    return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
+
+
+def link_status(
+    name: str, contacts: dict[str, Contact], counts: dict[str, int]
+) -> DiagnosticStatus:
+    """Return the health of a link: who is heard on it, and what was dropped and why."""
+    silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
+    return DiagnosticStatus(
+        name=f'bridge: {name}',
+        hardware_id=name,
+        level=DiagnosticStatus.WARN if silent else DiagnosticStatus.OK,
+        message=', '.join(silent) or 'all are heard',
+        values=[KeyValue(key=key, value=str(value)) for key, value in counts.items()],
+    )

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the namespace of a real vehicle says: fix, velocity, odom, battery, state, events."""
+
+from collections.abc import Callable
+from typing import Any
+
+from nav_msgs.msg import Path
+from std_msgs.msg import Float64, Header
+
+from rocsafe_mavlink.conversions import (
+    MAP_FRAME,
+    battery_message,
+    event_message,
+    fix_message,
+    odometry_message,
+    path_pose,
+    predicted_message,
+    state_message,
+    velocity_message,
+)
+from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.drone import Drone
+from rocsafe_mavlink.events import Event, EventKind
+from rocsafe_mavlink.observation import Observation
+from rocsafe_mavlink.stream_rates import POSITION
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+
+SLOW_S = 1.0
+# A track that grows for hours is thinned rather than kept whole.
+LARGEST_PATH = 7200
+# Texts of a vehicle that go to our log; all of them are events.
+TEXTS_PER_S = 5
+
+
+class DroneTelemetry:
+    """Publishes what a drone says, as soon as it says it.
+
+    Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
+    predicted_fix each second; state and events on change; home on change.
+
+    Parameters
+    ----------
+    node: in the vehicle's namespace.
+    drone: the vehicle.
+    shots: returns how many photographs were taken, and how many are not yet stored.
+    """
+
+    def __init__(
+        self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], tuple[int, int]]
+    ) -> None:
+        self._node = node
+        self._drone = drone
+        self._shots = shots
+        self._name = drone.spec.name
+        self._publishers: dict[str, Any] = {
+            spec.name: topics.create_publisher(node, spec)
+            for spec in (
+                *(topics.FIX, topics.VELOCITY, topics.ODOM, topics.REL_ALT, topics.HEADING),
+                *(topics.BATTERY_STATE, topics.STATE, topics.PATH, topics.PREDICTED_FIX),
+                *(topics.EVENTS, topics.HOME),
+            )
+        }
+        self._track = Path(header=Header(frame_id=MAP_FRAME))
+        self._slow_s = -SLOW_S
+        self._said: tuple[object, ...] = ()
+        self._texts_left = TEXTS_PER_S
+
+    def on_message(self, message: Message, now_s: float) -> None:
+        """Publish the position when one has come."""
+        if message.name != POSITION:
+            return
+        seen = self._drone.observe(now_s)
+        if seen.motion is None:
+            return
+        stamp = self._node.get_clock().now().to_msg()
+        self._publish(topics.FIX, fix_message(seen, stamp, f'{self._name}/gps'))
+        self._publish(topics.VELOCITY, velocity_message(seen, stamp))
+        self._publish(topics.ODOM, odometry_message(seen, stamp, self._name))
+        self._publish(topics.REL_ALT, Float64(data=seen.motion.height_above_home_m))
+        self._publish(topics.HEADING, Float64(data=seen.motion.heading_deg))
+
+    def on_event(self, event: Event) -> None:
+        """Publish something that happened."""
+        stamp = self._node.get_clock().now().to_msg()
+        self._publish(topics.EVENTS, event_message(event, self._name, stamp))
+        if event.kind is EventKind.HOME and self._drone.home is not None:
+            self._publish(topics.HOME, point_of_position(self._drone.home))
+        if event.kind is EventKind.TEXT and self._texts_left:
+            self._texts_left -= 1
+            self._node.get_logger().info(f'{self._name}: {event.text}')
+
+    def step(self, now_s: float) -> None:
+        """Publish what is due."""
+        is_slow = now_s - self._slow_s >= SLOW_S
+        if not is_slow and self._drone.news() == self._said:
+            return
+        seen = self._drone.observe(now_s)
+        if is_slow:
+            self._slow_s, self._texts_left = now_s, TEXTS_PER_S
+            self._publish_slow(seen)
+        self._said = self._drone.news()
+        stamp = self._node.get_clock().now().to_msg()
+        self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
+
+    def _publish_slow(self, seen: Observation) -> None:
+        stamp = self._node.get_clock().now().to_msg()
+        self._publish(
+            topics.BATTERY_STATE, battery_message(seen, stamp, f'{self._name}/base_link')
+        )
+        predicted = predicted_message(seen, stamp, f'{self._name}/gps')
+        if predicted is not None:
+            self._publish(topics.PREDICTED_FIX, predicted)
+        if self._drone.is_in_air and seen.motion is not None:
+            self._track.header.stamp = stamp
+            self._track.poses.append(path_pose(seen, stamp))
+            del self._track.poses[:-LARGEST_PATH]
+            self._publish(topics.PATH, self._track)
+
+    def _publish(self, spec: topics.TopicSpec, message: Any) -> None:
+        self._publishers[spec.name].publish(message)

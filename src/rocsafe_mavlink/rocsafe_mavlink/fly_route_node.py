@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The action fly_route of a real vehicle."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse
+
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_mavlink.conversions import (
+    assignment_of,
+    cancelled_message,
+    refusal_message,
+    result_message,
+)
+from rocsafe_mavlink.drone import Drone, WaitError
+from rocsafe_mavlink.errors import OrderRefusedError
+from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_ros import topics
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+
+FEEDBACK_S = 1.0
+# A vehicle that is being looked at, or whose motors still run, is waited for no longer.
+LARGEST_WAIT_S = 45.0
+
+
+class FlyRouteServer:
+    """Serves fly_route: any number of goals may join one flight, and all end with it.
+
+    A goal is executed, as rclpy calls it, when its result is known.
+
+    Parameters
+    ----------
+    node: in the vehicle's namespace.
+    drone: the vehicle.
+    shots: returns how many photographs of the flight will be in the store.
+    """
+
+    def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:
+        self._drone = drone
+        self._shots = shots
+        self._now_s = self._time_s = 0.0
+        self._feedback_s = 0.0
+        self._early: list[tuple[Any, float]] = []
+        self._flying: list[Any] = []
+        self._cancelling: list[tuple[Any, int]] = []
+        self._replacing: tuple[Any, Assignment, int] | None = None
+        self._results: dict[bytes, FlyRoute.Result] = {}
+        self._server = ActionServer(
+            node,
+            topics.FLY_ROUTE.call_type,
+            topics.FLY_ROUTE.name,
+            execute_callback=self._result,
+            handle_accepted_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+        )
+
+    def step(self, now_s: float, time_s: float) -> None:
+        """Let goals begin, give feedback, and end the goals of a flight that has ended."""
+        self._now_s, self._time_s = now_s, time_s
+        early, self._early = self._early, []
+        for goal, since_s in early:
+            self._begin(goal, since_s)
+        self._watch_replacement()
+        self._watch_cancelling()
+        summary = self._drone.summary()
+        if summary is not None and self._flying:
+            self._end_all(result_message(summary, self._shots()))
+        if self._flying and now_s - self._feedback_s >= FEEDBACK_S:
+            self._feedback_s = now_s
+            feedback = self._feedback()
+            for goal in self._flying:
+                goal.publish_feedback(feedback)
+
+    def _on_goal(self, goal: Any) -> None:
+        self._early.append((goal, self._now_s or time.monotonic()))
+
+    def _begin(self, goal: Any, since_s: float) -> None:
+        """Order the flight, or say why not; one that cannot be judged yet waits."""
+        request, name = goal.request, self._drone.spec.name
+        if request.route.vehicle not in ('', name):
+            self._end(goal, refusal_message(f'{name}: the route is for {request.route.vehicle}'))
+            return
+        try:
+            assignment = assignment_of(request.route, request.plan_id, self._drone.spec)
+            if request.replace and self._drone.flies_another(assignment):
+                self._drone.fly_instead(assignment, self._now_s)
+                self._replacing = (goal, assignment, self._drone.orders.count)
+                return
+            self._drone.fly(assignment, self._now_s, self._time_s)
+        except WaitError as reason:
+            if self._now_s - since_s > LARGEST_WAIT_S:
+                self._end(goal, refusal_message(f'{name}: {reason}'))
+            else:
+                self._early.append((goal, since_s))
+            return
+        except (OrderRefusedError, ValueError) as error:
+            self._end(goal, refusal_message(f'{name}: {error}'))
+            return
+        self._flying.append(goal)
+
+    def _watch_replacement(self) -> None:
+        """Hand over to the new route when it is flown, or say why it is not."""
+        errand = self._drone.orders.errand
+        if self._replacing is None or errand is None:
+            return
+        goal, assignment, number = self._replacing
+        is_ours = self._drone.orders.count == number
+        if is_ours and not errand.is_over:
+            return
+        self._replacing = None
+        if not is_ours or errand.error:
+            reason = errand.error if is_ours else 'another order took its place'
+            self._end(goal, refusal_message(f'{self._drone.spec.name}: {reason}'))
+            return
+        text = f'plan {assignment.plan_id} is flown in its place'
+        self._end_all(FlyRoute.Result(outcome=FlyRoute.Result.ABORTED, error_msg=text))
+        self._drone.take_over(assignment)
+        self._flying.append(goal)
+
+    def _end_all(self, result: FlyRoute.Result) -> None:
+        ended, self._flying = self._flying, []
+        for goal in ended:
+            self._end(goal, result)
+
+    def _end(self, goal: Any, result: FlyRoute.Result) -> None:
+        self._results[bytes(goal.goal_id.uuid)] = result
+        goal.execute()
+
+    def _result(self, goal: Any) -> FlyRoute.Result:
+        result = self._results.pop(bytes(goal.goal_id.uuid))
+        if goal.is_cancel_requested:
+            goal.canceled()
+        elif result.outcome == FlyRoute.Result.COMPLETED:
+            goal.succeed()
+        else:
+            goal.abort()
+        return result
+
+    def _on_cancel(self, goal: Any) -> CancelResponse:
+        """Hold where it is; the goal ends when the vehicle holds, or has refused to."""
+        if goal not in self._flying:
+            return CancelResponse.REJECT
+        try:
+            self._drone.orders.hold(self._now_s)
+        except OrderRefusedError:
+            return CancelResponse.REJECT
+        self._cancelling.append((goal, self._drone.orders.count))
+        return CancelResponse.ACCEPT
+
+    def _watch_cancelling(self) -> None:
+        waiting, self._cancelling = self._cancelling, []
+        for goal, number in waiting:
+            errand = self._drone.orders.errand
+            is_ours = self._drone.orders.count == number
+            if is_ours and errand is not None and not errand.is_over:
+                self._cancelling.append((goal, number))
+            elif goal in self._flying:
+                self._flying.remove(goal)
+                reason = errand.error if is_ours and errand is not None else ''
+                self._end(goal, cancelled_message(self._drone.left(), self._shots(), reason))
+
+    def _feedback(self) -> FlyRoute.Feedback:
+        left = self._drone.left()
+        return FlyRoute.Feedback(
+            viewpoint_index=left.visited,
+            viewpoint_count=left.count,
+            distance_left_m=left.distance_m,
+            time_left_s=left.time_s,
+        )

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator may order in flight, as errands for a kind of autopilot.
+
+Only people give orders: nothing here is done because a link came back or a failsafe is over.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from rocsafe_geo.limits import require_between
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink import commands
+from rocsafe_mavlink.authority import DO_REPOSITION
+from rocsafe_mavlink.autopilot import Autopilot, Verb
+from rocsafe_mavlink.commands import CommandCall
+from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.errand import CommandStep, Errand, Shown, Step, TransferStep, at_once
+from rocsafe_mavlink.fence import Fence, fence_items
+from rocsafe_mavlink.flight_plan import Mission
+from rocsafe_mavlink.mission_item import GLOBAL_INT, RELATIVE_INT, MissionItem
+from rocsafe_mavlink.mission_results import MissionType
+from rocsafe_mavlink.mission_transfer import transfer
+from rocsafe_mavlink.preflight import FlightLimits
+from rocsafe_mavlink.units import e7_of_deg
+from rocsafe_mavlink.vehicle import Home, MissionPhase, Vehicle
+
+Writer = Callable[['Desk', Vehicle], Errand]
+CHANGE_MODE = 1.0
+AS_IT_IS = -1.0
+SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Desk:
+    """Where orders are written: for one vehicle, from us.
+
+    Attributes
+    ----------
+    autopilot: of the vehicle.
+    target: its (system, component).
+    us: ours.
+    """
+
+    autopilot: Autopilot
+    target: tuple[int, int]
+    us: tuple[int, int]
+
+    def hold(self, vehicle: Vehicle) -> Errand:
+        """Return the order to stand still: within the mission if it flies one."""
+        if self.autopilot.pauses_missions and self.autopilot.is_in(vehicle, Verb.MISSION):
+            return self._errand('hold', self._pause())
+        return self._errand('hold', self._mode(Verb.HOLD))
+
+    def resume(self, vehicle: Vehicle) -> Errand:
+        """Return the order to go on with the mission."""
+        if self.autopilot.is_in(vehicle, Verb.MISSION):
+            return self._errand('resume', self._continue())
+        return self._errand('resume', self._mode(Verb.MISSION))
+
+    def return_home(self) -> Errand:
+        """Return the order to fly home and land there."""
+        return self._errand('return home', self._mode(Verb.RETURN))
+
+    def land(self) -> Errand:
+        """Return the order to land where it is."""
+        return self._errand('land', self._mode(Verb.LAND))
+
+    def change_speed(self, speed_mps: float) -> Errand:
+        """Return the order to fly at `speed_mps`; ValueError if nothing flies so."""
+        require_between('speed_mps', speed_mps, SLOWEST_MPS, FASTEST_MPS, 'm/s')
+        return self._errand('speed', self._do(commands.change_speed(self.target, speed_mps)))
+
+    def go_to(self, place: GeoPosition, height_m: float, home: Home) -> Errand:
+        """Return the order to fly to a place, `height_m` above home, and stay there."""
+        steps = [] if self.autopilot.repositions_itself else [self._mode(Verb.GUIDED)]
+        return self._errand('go to', *steps, self._do(self._reposition(place, height_m, home)))
+
+    def push_fence(self, fence: Fence) -> Errand:
+        """Return the order to replace the polygons of the fence."""
+        return self.push(MissionType.FENCE, fence_items(fence))
+
+    def push(self, kind: MissionType, items: tuple[MissionItem, ...]) -> Errand:
+        """Return the order to replace fence or rally points by `items`."""
+        moving = transfer(items, self.target, first_compared=0, mission_type=kind)
+        return self._errand(kind.name.lower(), TransferStep(moving=moving))
+
+    def fly_instead(self, mission: Mission) -> Errand:
+        """Return the order to stop, take another mission, and fly it from its first waypoint."""
+        first = mission.waypoint_items[0]
+        items = transfer(
+            mission.items,
+            self.target,
+            first_compared=1 if self.autopilot.has_home_item else 0,
+            clears_after_failure=False,
+        )
+        stop = self._pause() if self.autopilot.pauses_missions else self._mode(Verb.HOLD)
+        go_on = self._continue() if self.autopilot.pauses_missions else self._mode(Verb.MISSION)
+        return self._errand(
+            'new route',
+            stop,
+            TransferStep(moving=items),
+            self._do(commands.set_current(self.target, first), _flies_to(first)),
+            go_on,
+        )
+
+    def _errand(self, name: str, *steps: Step) -> Errand:
+        return Errand(name=name, target=self.target, steps=steps)
+
+    def _do(self, order: Message, is_shown: Shown = at_once) -> CommandStep:
+        return CommandStep(call=CommandCall(command=order, us=self.us), is_shown=is_shown)
+
+    def _mode(self, verb: Verb) -> CommandStep:
+        def is_shown(vehicle: Vehicle) -> bool:
+            return self.autopilot.is_in(vehicle, verb)
+
+        return self._do(self.autopilot.mode_command(verb, self.target), is_shown)
+
+    def _pause(self) -> CommandStep:
+        return self._do(commands.pause(self.target), _is_paused)
+
+    def _continue(self) -> CommandStep:
+        return self._do(commands.resume(self.target), _is_active)
+
+    def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
+        by_itself = self.autopilot.repositions_itself
+        fields = {
+            'target_system': self.target[0],
+            'target_component': self.target[1],
+            'frame': GLOBAL_INT if by_itself else RELATIVE_INT,
+            'command': DO_REPOSITION,
+            'param1': AS_IT_IS,
+            'param2': CHANGE_MODE if by_itself else 0.0,
+            'param4': math.nan,
+            'x': e7_of_deg(place.latitude_deg),
+            'y': e7_of_deg(place.longitude_deg),
+            'z': height_m + home.altitude_msl_m if by_itself else height_m,
+        }
+        return Message('COMMAND_INT', fields)
+
+
+def require_reachable(
+    place: GeoPosition, height_m: float, home: Home | None, limits: FlightLimits
+) -> Home:
+    """Return home if a place may be flown to.
+
+    Raises
+    ------
+    ValueError: naming the number and its limit.
+    """
+    if home is None:
+        raise ValueError('the vehicle has not told its home')
+    require_between('height_m', height_m, limits.lowest_m, limits.highest_m, 'm')
+    away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
+    require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
+    return home
+
+
+def _is_paused(vehicle: Vehicle) -> bool:
+    # Old autopilots do not tell.
+    return vehicle.mission.phase in (MissionPhase.PAUSED, MissionPhase.UNKNOWN)
+
+
+def _is_active(vehicle: Vehicle) -> bool:
+    return vehicle.mission.phase in (MissionPhase.ACTIVE, MissionPhase.UNKNOWN)
+
+
+def _flies_to(item: int) -> Shown:
+    def is_shown(vehicle: Vehicle) -> bool:
+        return vehicle.mission.current == item
+
+    return is_shown

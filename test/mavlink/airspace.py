@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fake copters that fly in a thread and speak over UDP to a bridge."""
+
+import argparse
+import socket
+import threading
+import time
+
+from test.fakes.fake_autopilot import HOME
+from test.fakes.fake_process import TICK_S, Served
+
+
+class Airspace:
+    """Copters behind one socket, `rate` times as fast as the wall's clock.
+
+    Attributes
+    ----------
+    link : where the bridge has to listen.
+    copters : by their system.
+    """
+
+    def __init__(self, systems=(1,), rate=1.0, images=None, **options):
+        port = free_port()
+        self.link = f'udp://127.0.0.1:{port}'
+        arguments = argparse.Namespace(
+            to=f'127.0.0.1:{port}',
+            systems=list(systems),
+            rate=rate,
+            boot=60.0,
+            home=HOME,
+            images=images,
+            returns=options.get('returns', False),
+        )
+        self._served = Served(arguments)
+        self.copters = self._served.copters
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._fly, daemon=True)
+        self._thread.start()
+
+    def close(self):
+        """End the flights."""
+        self._is_over.set()
+        self._thread.join(timeout=5.0)
+        self._served.socket.close()
+
+    def _fly(self):
+        while not self._is_over.is_set():
+            self._served.step()
+            time.sleep(TICK_S)
+
+
+def free_port():
+    """Return a UDP port that nobody has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
