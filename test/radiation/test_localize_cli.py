@@ -133,4 +133,24 @@ def test_the_next_places_are_told(table, capsys):
     assert main([str(table(HEAD + derailment())), '--next', '3']) == 0
     text = capsys.readouterr().out
     assert text.count('measure next at latitude_deg 53.28') == 3
-    assert 'the evidence is enough (errors 1%, ellipses within 5 m)' in text
+    assert 'the evidence is enough: 1 source, placed within ' in text
+
+
+def test_the_grid_of_beliefs_is_a_method_by_name(table, capsys):
+    """Same file, same document, a rougher place."""
+    path = str(table(HEAD + derailment()))
+    assert main([path, '--method', 'belief-grid', '--json']) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document['method'] == 'belief-grid'
+    (source,) = document['sources']
+    place = GeoPosition(**source['place'])
+    found = LocalFrame(ORIGIN).enu_of(place)
+    assert math.hypot(found[0] - 120.0, found[1] - 170.0) < 20.0
+    assert document['false_alarm_probability'] == 0.01
+
+
+def test_a_wrong_rate_of_errors_is_refused(table, capsys):
+    """With its limit."""
+    with pytest.raises(SystemExit):
+        main([str(table(HEAD)), '--errors', '0.7'])
+    assert 'errors = 0.7: must be within 1e-06 to 0.49' in capsys.readouterr().err

@@ -18,9 +18,10 @@ from rocsafe_radiation.dose_map import DoseMap, dose_map
 from rocsafe_radiation.isolines import areas_above
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.localization import Localization, SourceEstimate
+from rocsafe_radiation.picture import PictureOptions, picture_of
 from rocsafe_radiation.products import write_products
 
-from .simulated_survey import survey
+from .simulated_survey import LOSSLESS, survey
 
 FRAME = LocalFrame(GeoPosition(53.28, -9.06, 66.0))
 PAPER = Kernel(is_lossy=False)
@@ -120,7 +121,9 @@ def test_a_level_of_nothing_is_refused():
 
 def test_files_agree_on_where_the_source_is(tmp_path):
     """GeoTIFF, GeoJSON and KML, in degrees."""
-    write_products(tmp_path, found(), survey([]), PAPER, FRAME)
+    readings = survey([(120.0, 170.0, 9250.0)])
+    options = PictureOptions(known=LOSSLESS)
+    write_products(tmp_path, picture_of(readings, options), FRAME)
     place = FRAME.position_of([120.0, 170.0, 0.0])
     areas = json.loads((tmp_path / 'cordons.geojson').read_text())['features']
     hundred = next(a for a in areas if a['properties']['level_usv_h'] == 100.0)

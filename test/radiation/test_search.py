@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from rocsafe_radiation.belief_grid import BeliefGrid, YesNoSensor
 from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import Localization, SourceEstimate, localize
+from rocsafe_radiation.sequential_test import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.waypoint_choice import log_volume, next_waypoints
 
@@ -71,9 +73,42 @@ def test_walds_test_keeps_its_error_rates():
             ratio, verdict = 0.0, CONTINUE
             while verdict == CONTINUE:
                 ratio += generator.poisson(truth) * math.log(6.0 / 4.0) - 2.0
-                verdict = rule.decision(ratio)
+                verdict = rule.decision(
+                    SequentialEvidence(log_ratio=ratio, log_ratio_smallest=ratio)
+                )
             mistakes += verdict == wrong
         assert mistakes <= 14, 'three standard deviations above 2 %'
+
+
+def test_a_source_is_decided_for_and_its_absence_against():
+    """1 GBq of caesium (92 uSv/h at 1 m) is strong enough to tell, 0.01 GBq is not."""
+    rule = StoppingRule()
+    setting = Setting(kernel=PAPER)
+    for strength, smallest, decided in (
+        (300.0, 92.0, PRESENT),
+        (0.0, 92.0, ABSENT),
+        (0.0, 1.0, CONTINUE),
+    ):
+        sources = [(150.0, 150.0, strength)] if strength else []
+        evidence = sequential_evidence(survey(sources, seed=4), setting, smallest)
+        assert rule.decision(evidence) == decided
+
+
+def test_a_source_is_not_excluded_where_nobody_looked():
+    """Half of the ground seen, half of the doubt left, and the doubt is where it was not seen."""
+    whole = survey([], seed=2)
+    west = whole.positions_enu_m[:, 0] < 150.0
+    # The corners say how far the ground reaches.
+    west |= np.hypot(*(whole.positions_enu_m[:, :2] - 300.0).T) < 1.0
+    half = type(whole)(
+        positions_enu_m=whole.positions_enu_m[west],
+        counts=whole.counts[west],
+        exposures=whole.exposures[west],
+    )
+    evidence = sequential_evidence(half, Setting(kernel=PAPER), 92.0)
+    assert StoppingRule().decision(evidence) == CONTINUE
+    doubtful = evidence.places_m[np.argsort(evidence.doubts)[-20:]]
+    assert doubtful[:, 0].min() > 150.0
 
 
 def test_a_survey_is_enough_when_number_and_place_are_sure():
@@ -99,9 +134,14 @@ def test_a_survey_is_enough_when_number_and_place_are_sure():
         )
 
     rule = StoppingRule(ellipse_95_m=5.0)
-    assert rule.is_enough(found(4.0, (0.0, 1.0)))
-    assert not rule.is_enough(found(6.0, (0.0, 1.0)))
-    assert not rule.is_enough(found(4.0, (0.0, 0.9, 0.1)))
+    evidence = SequentialEvidence(log_ratio=50.0, log_ratio_smallest=50.0)
+    assert rule.verdict(found(4.0, (0.0, 1.0)), evidence).is_enough
+    wide = rule.verdict(found(6.0, (0.0, 1.0)), evidence)
+    assert (wide.is_enough, wide.reason) == (
+        False,
+        '1 source, placed within 6.0 m (95 %): 5 m are wanted',
+    )
+    assert not rule.verdict(found(4.0, (0.0, 0.9, 0.1)), evidence).is_enough
     with pytest.raises(ValueError, match='false_alarm = 0'):
         StoppingRule(false_alarm=0.0)
 

@@ -67,6 +67,7 @@ class BeliefGrid:
         self._agent = agent
         self._log_odds = np.log(prior / (1.0 - prior))
         self._seen: dict[tuple[str, int], Sighting] = {}
+        self._own = 0
 
     @property
     def sightings(self) -> tuple[Sighting, ...]:
@@ -82,8 +83,8 @@ class BeliefGrid:
         rows, columns = self._log_odds.shape
         if not (0 <= cell[0] < rows and 0 <= cell[1] < columns):
             raise ValueError(f'cell = {cell} must lie within {rows} rows and {columns} columns')
-        number = sum(agent == self._agent for agent, _ in self._seen)
-        sighting = Sighting(self._agent, number, cell, sensor.log_ratio(is_yes))
+        sighting = Sighting(self._agent, self._own, cell, sensor.log_ratio(is_yes))
+        self._own += 1
         self._take(sighting)
         return sighting
 

@@ -4,30 +4,15 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
-from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import NavSatFix
 
-from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
-from rocsafe_interfaces.msg import GeoPoint, HazardSource, HazardSourceArray, RadiationReading
+from rocsafe_interfaces.msg import GeoPoint, RadiationReading
 from rocsafe_radiation.counting import NS_PER_S, Sample, WindowReading
 from rocsafe_radiation.detector import IDEAL
-from rocsafe_radiation.dose_map import DoseMap
-from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
-from rocsafe_radiation.reading_log import ReadingLog
-from rocsafe_radiation.survey import Observation
-from rocsafe_ros.conversions import (
-    has_position,
-    ns_of_stamp,
-    point_of_position,
-    position_of_point,
-    stamp_of_ns,
-)
+from rocsafe_radiation.reading_log import FlightReading
+from rocsafe_ros.conversions import has_position, ns_of_stamp, stamp_of_ns
 
 Coordinates = tuple[float, float, float]
-# Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
-LOWEST_CELL_USVH, DECADES = 0.1, 6.0
 NOWHERE: Coordinates = (math.nan, math.nan, math.nan)
 
 
@@ -116,76 +101,19 @@ def counted_reading_of(
     return reading
 
 
-def reading_key(vehicle: str, reading: RadiationReading) -> tuple[str, int]:
-    """Return what tells a reading from all others: vehicle and stamp in nanoseconds."""
-    return vehicle, ns_of_stamp(reading.header.stamp)
-
-
-def place_of_reading(reading: RadiationReading) -> GeoPosition | None:
-    """Return where the vehicle believed it was, None if it did not know."""
-    try:
-        return position_of_point(reading.position)
-    except ValueError:
-        return None
-
-
-def observation_of(reading: RadiationReading) -> Observation:
-    """Return what `reading` says, without its place."""
-    return Observation(
-        position_enu_m=NOWHERE,
+def flight_reading_of(vehicle: str, reading: RadiationReading) -> FlightReading:
+    """Return `reading` of `vehicle`."""
+    return FlightReading(
+        vehicle=vehicle,
+        time_ns=ns_of_stamp(reading.header.stamp),
+        latitude_deg=reading.position.latitude,
+        longitude_deg=reading.position.longitude,
+        altitude_m=reading.position.altitude,
         dose_rate_usvh=reading.dose_rate_usvh,
         dose_rate_std_usvh=reading.dose_rate_std_usvh,
         counts=float(reading.counts),
         live_time_s=reading.live_time_s,
+        window_s=reading.integration_time_s,
+        is_saturated=reading.saturated,
+        model=reading.model,
     )
-
-
-def sources_message(found: Localization, log: ReadingLog) -> HazardSourceArray:
-    """Return what was found in the readings of `log`, with the stamp of the newest."""
-    message = HazardSourceArray(
-        sources=[
-            _source_message(number, source, found, log.frame)
-            for number, source in enumerate(found.sources, 1)
-            if log.frame is not None
-        ],
-        source_count_probability=list(found.order_probabilities),
-        background_usvh=found.background_usvh,
-        background_std_usvh=found.background_std_usvh,
-        method=METHOD,
-    )
-    message.header.stamp = stamp_of_ns(log.newest_ns)
-    message.header.frame_id = 'earth'
-    return message
-
-
-def _source_message(
-    number: int, source: SourceEstimate, found: Localization, frame: LocalFrame
-) -> HazardSource:
-    return HazardSource(
-        id=number,
-        kind=HazardSource.GAMMA,
-        position=point_of_position(frame.position_of(source.position_enu_m)),
-        position_covariance=source.covariance_m2.ravel().tolist(),
-        dose_rate_at_1m_usvh=source.dose_rate_at_1m_usvh,
-        dose_rate_at_1m_std_usvh=source.dose_rate_at_1m_std_usvh,
-        detection_log_likelihood_ratio=source.detection_llr,
-        reading_count=found.reading_count,
-    )
-
-
-def dose_map_message(found: DoseMap, log: ReadingLog) -> OccupancyGrid:
-    """Return the mean of `found`, log-scaled: 0 at 0.1 uSv/h and below, 100 at 1e5 and above.
-
-    The frame is that of the log, the mission's.
-    """
-    rows, columns = found.mean_usvh.shape
-    decades = np.log10(np.maximum(found.mean_usvh, LOWEST_CELL_USVH) / LOWEST_CELL_USVH)
-    cells = np.clip(np.round(100.0 * decades / DECADES), 0, 100).astype(np.int8)
-    message = OccupancyGrid(data=cells.ravel().tolist())
-    message.header.stamp = stamp_of_ns(log.newest_ns)
-    message.header.frame_id = 'map'
-    message.info.resolution = float(found.cell_m)
-    message.info.width, message.info.height = columns, rows
-    message.info.origin.position.x, message.info.origin.position.y = found.corner_m
-    message.info.origin.orientation.w = 1.0
-    return message

@@ -14,7 +14,8 @@ from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, OrderSearc
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
-METHOD = 'poisson-ml'
+ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
+METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
 # Cells of this share of the height lose nothing that matters, and bound the time of a fit.
@@ -108,6 +109,7 @@ class Localization:
     dispersion: by how many standard deviations the misfit exceeds what the model allows.
     rho: share of the excess by which readings scatter beyond their counts.
     is_structured: the background varies from place to place.
+    method: name of the way it was found, one of `METHODS`.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -118,6 +120,7 @@ class Localization:
     dispersion: float
     rho: float
     is_structured: bool
+    method: str = ML_METHOD
 
 
 def localize(survey: Survey, options: LocalizationOptions | None = None) -> Localization:
@@ -128,10 +131,10 @@ def localize(survey: Survey, options: LocalizationOptions | None = None) -> Loca
     TooFewReadingsError: with fewer than 8 readings, or all of them at one place.
     """
     options = options or LocalizationOptions()
-    _require_enough(survey)
+    require_enough(survey)
     cell_m = CELL_HEIGHTS * survey.height_m(options.source_up_m)
     merged = survey.merged(cell_m)
-    _require_enough(merged)
+    require_enough(merged)
     setting = Setting(
         kernel=options.kernel,
         source_up_m=options.source_up_m,
@@ -140,7 +143,8 @@ def localize(survey: Survey, options: LocalizationOptions | None = None) -> Loca
     return _described(search(merged, setting, options.largest_order), survey.size)
 
 
-def _require_enough(survey: Survey) -> None:
+def require_enough(survey: Survey) -> None:
+    """Raise TooFewReadingsError if `survey` is too small to localise from."""
     if survey.size < FEWEST_READINGS:
         raise TooFewReadingsError(
             f'{survey.size} readings at different places: at least {FEWEST_READINGS} are needed'

@@ -3,38 +3,8 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 
-from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
-from rocsafe_radiation.dose_map import DoseMap, dose_map
-from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
-from rocsafe_radiation.survey import Survey
-
-# As many bytes of a message; files hold finer maps.
-LARGEST_CELLS = 40_000
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """What the readings so far say: sources and the dose rates that follow."""
-
-    found: Localization
-    dose: DoseMap
-
-
-def picture_of(survey: Survey, options: LocalizationOptions) -> Picture:
-    """Return the picture of `survey`.
-
-    Raises
-    ------
-    TooFewReadingsError: if there are too few readings.
-    """
-    found = localize(survey, options)
-    level = min(DEFAULT_LEVELS_USVH)
-    return Picture(
-        found=found,
-        dose=dose_map(found, survey, options.kernel, level, largest_cells=LARGEST_CELLS),
-    )
+from rocsafe_radiation.picture import Picture
 
 
 class LocalizationJob:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``localizer``: sources from all readings so far, while the vehicles fly."""
+"""The node ``localizer``: sources and doses from all readings so far, while the vehicles fly."""
 
 from functools import partial
 from typing import Any
@@ -7,19 +7,24 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from rocsafe_interfaces.msg import RadiationReading
-from rocsafe_radiation.conversions import (
+from rocsafe_interfaces.msg import RadiationReading, Region
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_radiation.localization import TooFewReadingsError
+from rocsafe_radiation.localization_job import LocalizationJob
+from rocsafe_radiation.localizer_options import LocalizerOptions
+from rocsafe_radiation.picture import Picture, picture_of, suggested_waypoints
+from rocsafe_radiation.picture_conversions import (
+    belief_message,
+    cordon_markers,
     dose_map_message,
-    observation_of,
-    place_of_reading,
-    reading_key,
+    fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.localization import TooFewReadingsError
-from rocsafe_radiation.localization_job import LocalizationJob, picture_of
-from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.reading_log import ReadingLog
+from rocsafe_radiation.reading_spool import ReadingSpool
+from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 
@@ -28,53 +33,108 @@ WATCH_PERIOD_S = 0.1
 
 
 class LocalizerNode(Node):
-    """Localises sources from the readings of all vehicles.
+    """Localises sources from the readings of all vehicles, and adds up their doses.
 
-    Subscribes: for each vehicle ``radiation``. Publishes: ``hazard/sources`` and
-    ``hazard/dose_map`` (latched), after each fit. A fit begins when the last is done, the period
-    has passed and there are new readings, so the last one covers all readings; those in between
-    depend on how fast this machine is.
+    Subscribes: for each vehicle ``radiation``, and ``region``. Publishes: ``hazard/sources``,
+    ``hazard/dose_map``, ``hazard/cordons`` and ``hazard/belief`` (all latched), after each fit;
+    for each vehicle what `VehicleWatch` says. Service: ``hazard/suggest_viewpoints``.
+
+    A fit begins when the last is done, the period has passed and there are new readings, so the
+    last one covers all readings; those in between depend on how fast this machine is. A node that
+    is started again knows the readings in its spool directory.
     """
 
     def __init__(self, **node_options: Any) -> None:
         super().__init__('localizer', **node_options)
         self._options = declare_options(self, LocalizerOptions)
         self._log = ReadingLog(self._options.origin(), self._options.sensitivity_cps_per_usvh)
+        self._spool = ReadingSpool(self._options.spool_directory)
+        self._region: Region | None = None
         self._job: LocalizationJob | None = None
-        self._fitted = 0
-        self._looks_to_wait = 0
+        self._picture: Picture | None = None
+        self._fitted = self._looks_to_wait = 0
+        self._publish_to()
+        levels = self._options.levels()
+        self._watches = {name: VehicleWatch(self, name, levels) for name in self._options.vehicles}
+        self._restore()
+        self._listen()
+
+    def _publish_to(self) -> None:
         self._sources = topics.create_publisher(self, topics.HAZARD_SOURCES)
         self._maps = topics.create_publisher(self, topics.DOSE_MAP)
-        for vehicle in self._options.vehicles:
+        self._cordons = topics.create_publisher(self, topics.CORDONS)
+        self._beliefs = topics.create_publisher(self, topics.BELIEF_MAP)
+
+    def _listen(self) -> None:
+        for vehicle in self._watches:
             on_reading = partial(self._on_reading, vehicle)
             topics.create_subscription(self, topics.RADIATION, on_reading, vehicle)
+        topics.create_subscription(self, topics.REGION, self._on_region)
+        spec = topics.SUGGEST_VIEWPOINTS
+        self.create_service(spec.call_type, spec.name, self._on_suggest)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=steady)
+        self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=steady)
 
-    def _on_reading(self, vehicle: str, reading: RadiationReading) -> None:
-        place = place_of_reading(reading)
-        if place is not None and not reading.saturated:
-            key = reading_key(vehicle, reading)
-            self._log.add(key, place, observation_of(reading), reading.model)
+    def _restore(self) -> None:
+        for reading in self._spool.restored():
+            self._log.add(reading)
+            if reading.vehicle in self._watches:
+                self._watches[reading.vehicle].restore(reading)
+
+    def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
+        reading = self._watches[vehicle].take(message)
+        if reading is not None:
+            self._log.add(reading)
+            self._spool.keep(reading)
+
+    def _on_region(self, region: Region) -> None:
+        self._region = region
 
     def _on_watch(self) -> None:
         if self._job is not None and self._job.is_done:
             self._publish(self._job)
             self._job = None
         self._looks_to_wait -= 1
-        if self._job is None and self._looks_to_wait < 0 and len(self._log) > self._fitted:
-            self._looks_to_wait = self._options.looks_a_fit(WATCH_PERIOD_S)
-            self._fitted = len(self._log)
-            work = partial(picture_of, self._log.survey(), self._options.localization(self._log))
-            self._job = LocalizationJob(work)
+        if self._looks_to_wait < 0:
+            self._begin_fit()
+
+    def _begin_fit(self) -> None:
+        if self._job is not None or len(self._log) <= self._fitted:
+            return
+        self._looks_to_wait = self._options.looks_a_fit(WATCH_PERIOD_S)
+        self._fitted = len(self._log)
+        options = self._options.picture(self._log)
+        work = partial(picture_of, self._log.survey(), options, self._log.vehicles)
+        self._job = LocalizationJob(work)
 
     def _publish(self, job: LocalizationJob) -> None:
         try:
-            picture = job.result()
+            self._picture = picture = job.result()
         except TooFewReadingsError:
             return
-        self._sources.publish(sources_message(picture.found, self._log))
-        self._maps.publish(dose_map_message(picture.dose, self._log))
+        time_ns = self._log.newest_ns
+        self._sources.publish(sources_message(picture, self._log.frame, time_ns))
+        self._maps.publish(dose_map_message(picture.dose, time_ns))
+        self._cordons.publish(cordon_markers(picture.cordons, time_ns))
+        if picture.belief is not None:
+            self._beliefs.publish(belief_message(picture.belief, time_ns))
+
+    def _on_suggest(
+        self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
+    ) -> SuggestViewpoints.Response:
+        self._begin_fit()
+        if self._job is not None:
+            response.status = SuggestViewpoints.Response.NOT_YET
+            return response
+        picture, frame = self._picture, self._log.frame
+        if picture is None or frame is None:
+            response.status = SuggestViewpoints.Response.TOO_FEW_READINGS
+            response.reason = 'too few readings'
+            return response
+        area = None if self._region is None else area_of_region(self._region).polygon(frame)
+        count = 0 if picture.verdict.is_enough else request.count
+        waypoints = suggested_waypoints(picture, count, area)
+        return fill_suggestion(response, picture, waypoints, frame)
 
 
 def main() -> int:

@@ -5,12 +5,20 @@ import math
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
+from rocsafe_radiation.dosimeter import (
+    DEFAULT_DOSE_RATES_USVH,
+    DEFAULT_DOSES_USV,
+    AlarmLevels,
+)
 from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import LocalizationOptions
+from rocsafe_radiation.localization import METHODS, ML_METHOD, LocalizationOptions
 from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide
 from rocsafe_radiation.order_search import LARGEST_ORDER
+from rocsafe_radiation.picture import PictureOptions
 from rocsafe_radiation.reading_log import ReadingLog
+from rocsafe_radiation.stopping import StoppingRule
 
 AUTO_MODEL = 'auto'
 MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)
@@ -55,6 +63,66 @@ class LocalizerOptions:
             'max': 1e7,
         },
     )
+    method: str = field(
+        default=ML_METHOD,
+        metadata={'doc': f'way to find sources: {", ".join(METHODS)}'},
+    )
+    false_alarm: float = field(
+        default=0.01,
+        metadata={
+            'doc': 'probability of deciding for a source that is not there',
+            'min': 1e-6,
+            'max': 0.49,
+        },
+    )
+    missed: float = field(
+        default=0.01,
+        metadata={
+            'doc': 'probability of deciding against a source that is there',
+            'min': 1e-6,
+            'max': 0.49,
+        },
+    )
+    ellipse_95_m: float = field(
+        default=5.0,
+        metadata={
+            'doc': 'longest half axis of a 95 % ellipse that is enough, metres',
+            'min': 1e-3,
+            'max': 1e4,
+        },
+    )
+    smallest_source_usvh: float = field(
+        default=92.0,
+        metadata={
+            'doc': 'dose rate at 1 m of the weakest source that matters, uSv/h: 1 GBq of Cs-137',
+            'min': 1e-3,
+            'max': 1e9,
+        },
+    )
+    cordon_levels_usvh: tuple[float, ...] = field(
+        default=DEFAULT_LEVELS_USVH,
+        metadata={'doc': 'dose rates of cordons at 1 m, uSv/h; 100: inner cordon of the IAEA'},
+    )
+    alarm_dose_rates_usvh: tuple[float, ...] = field(
+        default=DEFAULT_DOSE_RATES_USVH,
+        metadata={'doc': 'dose rates of alarms of vehicles, uSv/h; 100000: turn back'},
+    )
+    alarm_doses_usv: tuple[float, ...] = field(
+        default=DEFAULT_DOSES_USV,
+        metadata={'doc': 'doses of alarms of vehicles, uSv; 1000: a year of the public'},
+    )
+    largest_gap_s: float = field(
+        default=5.0,
+        metadata={
+            'doc': 'longest time between readings over which a dose is added, seconds',
+            'min': 0.0,
+            'max': 3600.0,
+        },
+    )
+    spool_directory: str = field(
+        default='',
+        metadata={'doc': 'where readings are kept for a restart; empty: in memory alone'},
+    )
     largest_order: int = field(
         default=LARGEST_ORDER,
         metadata={'doc': 'most sources looked for', 'min': 0, 'max': LARGEST_ORDER},
@@ -69,6 +137,8 @@ class LocalizerOptions:
             raise ValueError(f'model = {self.model!r} must be one of: {", ".join(MODELS)}')
         nuclide(self.nuclide)
         self.origin()
+        self.levels()
+        self.picture(ReadingLog(self.origin()))
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -89,14 +159,36 @@ class LocalizerOptions:
         """Return how many looks make a period."""
         return math.ceil(self.period_s / look_period_s)
 
-    def localization(self, log: ReadingLog) -> LocalizationOptions:
-        """Return what is known before the readings of `log`."""
+    def levels(self) -> AlarmLevels:
+        """Return the levels of alarms.
+
+        Raises
+        ------
+        ValueError: naming the level that is none.
+        """
+        return AlarmLevels(
+            dose_rates_usvh=self.alarm_dose_rates_usvh,
+            doses_usv=self.alarm_doses_usv,
+            largest_gap_s=self.largest_gap_s,
+        )
+
+    def picture(self, log: ReadingLog) -> PictureOptions:
+        """Return how the picture of the readings of `log` is made."""
         is_paper = self.model == PAPER_MODEL or (
             self.model == AUTO_MODEL and log.models == {PAPER_MODEL}
         )
-        return LocalizationOptions(
+        known = LocalizationOptions(
             kernel=Kernel(is_lossy=not is_paper, nuclide=self.nuclide),
             source_up_m=self.source_height_m,
             source_up_std_m=self.source_height_std_m,
             largest_order=self.largest_order,
+        )
+        rule = StoppingRule(
+            false_alarm=self.false_alarm,
+            missed=self.missed,
+            ellipse_95_m=self.ellipse_95_m,
+            smallest_usvh=self.smallest_source_usvh,
+        )
+        return PictureOptions(
+            known=known, method=self.method, rule=rule, levels_usvh=self.cordon_levels_usvh
         )

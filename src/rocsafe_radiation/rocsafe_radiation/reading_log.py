@@ -2,11 +2,42 @@
 """Readings of a flight as they come, each once, ready to be localised at any time."""
 
 import math
-from collections.abc import Hashable
+from dataclasses import dataclass
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.survey import Observation, Survey, survey_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightReading:
+    """One reading of one vehicle; fields as in RadiationReading, its place NaN if unknown."""
+
+    vehicle: str
+    time_ns: int
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    dose_rate_usvh: float
+    dose_rate_std_usvh: float = 0.0
+    counts: float = 0.0
+    live_time_s: float = math.nan
+    window_s: float = 0.0
+    is_saturated: bool = False
+    model: str = ''
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """What tells it from all others: vehicle and stamp in nanoseconds."""
+        return self.vehicle, self.time_ns
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether it says where it was taken, and a value that is one."""
+        place = (self.latitude_deg, self.longitude_deg, self.altitude_m)
+        in_range = abs(self.latitude_deg) <= 90.0 and abs(self.longitude_deg) <= 180.0
+        is_value = math.isfinite(self.dose_rate_usvh) and self.dose_rate_usvh >= 0.0
+        return all(map(math.isfinite, place)) and in_range and is_value and not self.is_saturated
 
 
 class ReadingLog:
@@ -22,8 +53,7 @@ class ReadingLog:
     def __init__(self, origin: GeoPosition, sensitivity_cps_per_usvh: float = 0.0) -> None:
         self._origin = origin
         self._sensitivity = sensitivity_cps_per_usvh
-        self._seen: set[Hashable] = set()
-        self._observations: list[Observation] = []
+        self._observations: dict[tuple[str, int], Observation] = {}
         is_known = bool(origin.latitude_deg or origin.longitude_deg)
         self.frame = LocalFrame(origin) if is_known else None
         self.models: set[str] = set()
@@ -32,39 +62,36 @@ class ReadingLog:
     def __len__(self) -> int:
         return len(self._observations)
 
-    def add(
-        self, key: tuple[str, int], position: GeoPosition, observation: Observation, model: str
-    ) -> bool:
-        """Take a reading at `position` and return whether it is of use.
+    @property
+    def vehicles(self) -> tuple[str, ...]:
+        """The vehicle of each reading of the survey."""
+        return tuple(vehicle for vehicle, _ in self._observations)
 
-        `key` is its vehicle and stamp in nanoseconds: what comes again is not counted twice. The
-        place of `observation` does not matter.
+    def add(self, reading: FlightReading) -> bool:
+        """Take `reading` and return whether it is of use; what comes again is not counted twice.
+
+        Readings without a place or a value, and saturated ones, are of none.
         """
-        coordinates = (position.latitude_deg, position.longitude_deg, position.altitude_m)
-        if key in self._seen or not all(map(math.isfinite, coordinates)):
+        if reading.key in self._observations or not reading.is_usable:
             return False
-        self._seen.add(key)
+        position = GeoPosition(reading.latitude_deg, reading.longitude_deg, reading.altitude_m)
         if self.frame is None:
-            ground = GeoPosition(
-                latitude_deg=position.latitude_deg,
-                longitude_deg=position.longitude_deg,
-                altitude_m=self._origin.altitude_m,
+            ground_m = self._origin.altitude_m
+            self.frame = LocalFrame(
+                GeoPosition(position.latitude_deg, position.longitude_deg, ground_m)
             )
-            self.frame = LocalFrame(ground)
         east, north, up = self.frame.enu_of(position).tolist()
-        self._observations.append(
-            Observation(
-                position_enu_m=(east, north, up),
-                dose_rate_usvh=observation.dose_rate_usvh,
-                dose_rate_std_usvh=observation.dose_rate_std_usvh,
-                counts=observation.counts,
-                live_time_s=observation.live_time_s,
-            )
+        self._observations[reading.key] = Observation(
+            position_enu_m=(east, north, up),
+            dose_rate_usvh=reading.dose_rate_usvh,
+            dose_rate_std_usvh=reading.dose_rate_std_usvh,
+            counts=reading.counts,
+            live_time_s=reading.live_time_s,
         )
-        self.models.add(model)
-        self.newest_ns = max(self.newest_ns, key[1])
+        self.models.add(reading.model)
+        self.newest_ns = max(self.newest_ns, reading.time_ns)
         return True
 
     def survey(self) -> Survey:
         """Return all readings so far."""
-        return survey_of(self._observations, self._sensitivity)
+        return survey_of(tuple(self._observations.values()), self._sensitivity)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_radiation.localization import METHOD, Localization, SourceEstimate
+from rocsafe_radiation.localization import Localization, SourceEstimate
+from rocsafe_radiation.picture import Picture
 
 ELLIPSE_CORNERS = 72
 # A millimetre on the ground.
@@ -18,7 +19,7 @@ DEGREE_DIGITS = 8
 def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, Any]:
     """Return all that was found; places in degrees with `frame`, else in metres."""
     return {
-        'method': METHOD,
+        'method': found.method,
         'reading_count': found.reading_count,
         'source_count_probability': [round(p, 6) for p in found.order_probabilities],
         'background_usvh': found.background_usvh,
@@ -26,6 +27,19 @@ def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, 
         'background_is_uneven': found.is_structured,
         'misfit_standard_deviations': round(found.dispersion, 3),
         'sources': [_source(source, frame) for source in found.sources],
+    }
+
+
+def picture_document(picture: Picture, frame: LocalFrame | None) -> dict[str, Any]:
+    """Return all that was found, and whether that is enough and at which error rates."""
+    rule = picture.options.rule
+    return {
+        **source_document(picture.found, frame),
+        'is_enough': picture.verdict.is_enough,
+        'verdict': picture.verdict.reason,
+        'false_alarm_probability': rule.false_alarm,
+        'missed_probability': rule.missed,
+        'smallest_source_usvh': rule.smallest_usvh,
     }
 
 

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When the evidence is enough: Wald's sequential probability ratio test for each source."""
+"""When the evidence is enough: Wald's sequential test, and sources placed well enough."""
 
 import math
 from dataclasses import dataclass
 
 from rocsafe_radiation.localization import Localization
+from rocsafe_radiation.sequential_test import SequentialEvidence
 
 CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """Whether a survey may end, and why or why not, in words."""
+
+    is_enough: bool
+    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,34 +31,61 @@ class StoppingRule:
     false_alarm: probability of deciding for a source that is not there.
     missed: probability of deciding against one that is there.
     ellipse_95_m: longest half axis of a source's 95 % ellipse that is precise enough.
+    smallest_usvh: dose rate at 1 m of the weakest source that matters: 1 GBq of Cs-137.
     """
 
     false_alarm: float = 0.01
     missed: float = 0.01
     ellipse_95_m: float = 5.0
+    smallest_usvh: float = 92.0
 
     def __post_init__(self) -> None:
         for name in ('false_alarm', 'missed'):
             if not 0.0 < getattr(self, name) < 0.5:
                 raise ValueError(f'{name} = {getattr(self, name)} must be between 0 and 0.5')
-        if not 0.0 < self.ellipse_95_m < math.inf:
-            raise ValueError(f'ellipse_95_m = {self.ellipse_95_m} must be above 0 and finite')
+        for name in ('ellipse_95_m', 'smallest_usvh'):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise ValueError(f'{name} = {getattr(self, name)} must be above 0 and finite')
 
-    def decision(self, log_ratio: float) -> str:
-        """Return ``present``, ``absent`` or ``continue`` for a logarithm of a likelihood ratio."""
-        if log_ratio >= math.log((1.0 - self.missed) / self.false_alarm):
+    def decision(self, evidence: SequentialEvidence) -> str:
+        """Return ``present``, ``absent`` or ``continue``."""
+        if evidence.log_ratio >= self._upper:
             return PRESENT
-        if log_ratio <= math.log(self.missed / (1.0 - self.false_alarm)):
+        if evidence.log_ratio_smallest <= math.log(self.missed / (1.0 - self.false_alarm)):
             return ABSENT
         return CONTINUE
 
-    def is_enough(self, found: Localization) -> bool:
-        """Return whether the number of sources is decided and each is placed well enough.
+    def verdict(self, found: Localization, evidence: SequentialEvidence) -> Verdict:
+        """Return whether it is decided what there is, and all of that is placed well enough."""
+        if not found.sources:
+            return self._verdict_of_none(evidence)
+        ratio = _log_ratio_to_rival(found.order_probabilities)
+        count = len(found.sources)
+        what = f'{count} source{"s" if count > 1 else ""}'
+        if ratio < self._upper:
+            return Verdict(is_enough=False, reason=f'{what} found, but the number is not decided')
+        widest = max(source.ellipse_95()[0] for source in found.sources)
+        within = f'placed within {widest:.1f} m (95 %)'
+        if widest > self.ellipse_95_m:
+            limit = f'{self.ellipse_95_m:g} m are wanted'
+            return Verdict(is_enough=False, reason=f'{what}, {within}: {limit}')
+        return Verdict(is_enough=True, reason=f'{what}, {within}')
 
-        The ratio is that of the number found to its best rival, from their probabilities.
-        """
-        chances = sorted(found.order_probabilities, reverse=True)
-        rival = chances[1] if len(chances) > 1 else 0.0
-        log_ratio = math.log(max(chances[0], 1e-300)) - math.log(max(rival, 1e-300))
-        placed = all(source.ellipse_95()[0] <= self.ellipse_95_m for source in found.sources)
-        return placed and self.decision(log_ratio) == PRESENT
+    @property
+    def _upper(self) -> float:
+        return math.log((1.0 - self.missed) / self.false_alarm)
+
+    def _verdict_of_none(self, evidence: SequentialEvidence) -> Verdict:
+        weakest = f'{self.smallest_usvh:g} uSv/h at 1 m'
+        decision = self.decision(evidence)
+        if decision == ABSENT:
+            return Verdict(is_enough=True, reason=f'no source of {weakest} or more')
+        if decision == PRESENT:
+            return Verdict(is_enough=False, reason='more than background, but no source placed')
+        return Verdict(is_enough=False, reason=f'a source of {weakest} may still be hidden')
+
+
+def _log_ratio_to_rival(probabilities: tuple[float, ...]) -> float:
+    """Return the logarithm of the best probability over the second best."""
+    chances = [*sorted(probabilities, reverse=True), 0.0]
+    return math.log(max(chances[0], 1e-300)) - math.log(max(chances[1], 1e-300))

@@ -14,6 +14,7 @@ from rocsafe_orchestrator.scenario.scenario_blocks import VehicleBlock
 Parameters = dict[str, Any]
 
 FIELD, RECORDER, FLEET = 'radiation_field', 'recorder', 'fleet'
+LOCALIZER = 'localizer'
 LOCK_STEP = {'lock_step': True}
 
 
@@ -65,11 +66,17 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     }
 
 
-def localizer_parameters(scenario: Scenario) -> Parameters:
+def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the localizer, which is not told of the sources."""
+    radiation = scenario.radiation
+    search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
+    levels = {key: list(value) for key, value in radiation.levels.model_dump().items()}
     return {
         'vehicles': list(scenario.vehicle_names),
-        'model': scenario.radiation.estimator_model,
+        'model': radiation.estimator_model,
+        **search,
+        **levels,
+        'spool_directory': str(run.spool / LOCALIZER),
         **_origin(scenario),
     }
 

@@ -110,7 +110,7 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
         _process(
             'localizer',
             ('rocsafe_radiation', 'localizer'),
-            node_parameters.localizer_parameters(scenario),
+            node_parameters.localizer_parameters(scenario, run),
             Endpoint(spec=topics.HAZARD_SOURCES),
         ),
         _process(

@@ -2,7 +2,8 @@
 """Which topics a run records, as channels of its recording.
 
 Left out: ``camera/image_raw`` (its JPEG is recorded), ``camera/shot`` (its photographs are stored
-one by one), ``path`` (the fixes hold it), ``/clock`` and the lock-step (log times hold them).
+one by one), ``path`` (the fixes hold it), ``dose_rate`` (the readings hold it), ``/clock`` and the
+lock-step (log times hold them).
 """
 
 from collections.abc import Iterable, Iterator
@@ -19,6 +20,8 @@ VEHICLE_TOPICS: tuple[TopicSpec, ...] = (
     topics.BATTERY_STATE,
     topics.STATE,
     topics.RADIATION,
+    topics.ACCUMULATED_DOSE,
+    topics.DOSE_ALARM,
     topics.CAMERA_IMAGE_COMPRESSED,
     topics.CAMERA_INFO,
     topics.ROUTE_MARKERS,
@@ -30,6 +33,8 @@ FLEET_TOPICS: tuple[TopicSpec, ...] = (
     topics.RECEIPTS,
     topics.HAZARD_SOURCES,
     topics.DOSE_MAP,
+    topics.CORDONS,
+    topics.BELIEF_MAP,
     topics.MOSAIC,
     topics.SCENE_MARKERS,
     topics.DIAGNOSTICS,

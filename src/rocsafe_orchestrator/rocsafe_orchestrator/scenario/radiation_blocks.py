@@ -111,6 +111,40 @@ class BackgroundBlock(Block):
     cosmic: bool = True
 
 
+class SearchBlock(Block):
+    """How sources are looked for, and when that is enough.
+
+    With `extra_rounds`, after the survey the vehicles fly up to so many more times to
+    `viewpoints_a_round` places from which readings tell most, until it is enough.
+    """
+
+    method: Literal['poisson-ml', 'belief-grid'] = 'poisson-ml'
+    false_alarm: float = Field(default=0.01, ge=1e-6, le=0.49)
+    missed: float = Field(default=0.01, ge=1e-6, le=0.49)
+    ellipse_95_m: float = Field(default=5.0, ge=1e-3, le=1e4)
+    smallest_source_usvh: float = Field(default=92.0, ge=1e-3, le=1e9)
+    extra_rounds: int = Field(default=0, ge=0, le=20)
+    viewpoints_a_round: int = Field(default=12, ge=1, le=100)
+
+
+Level = Annotated[float, Field(gt=0.0, le=1e12)]
+
+
+class LevelsBlock(Block):
+    """Dose rates of cordons at 1 m, and dose rates and doses at which a vehicle's alarm trips.
+
+    By default those of IAEA EPR-First Responders, GSR Part 7 and ICRP 103; see the documentation.
+    """
+
+    cordon_levels_usvh: tuple[Level, ...] = Field(
+        default=(2.5, 25.0, 100.0, 1000.0, 100_000.0), min_length=1, max_length=20
+    )
+    alarm_dose_rates_usvh: tuple[Level, ...] = Field(
+        default=(25.0, 100.0, 1000.0, 100_000.0), max_length=20
+    )
+    alarm_doses_usv: tuple[Level, ...] = Field(default=(1e3, 2e4, 5e4, 1e5, 5e5), max_length=20)
+
+
 class RadiationBlock(Block):
     """The radiation field; nearer than `source_radius_m` a source counts as that far.
 
@@ -123,6 +157,8 @@ class RadiationBlock(Block):
     window_s: float = Field(default=1.0, ge=1e-3, le=3600.0)
     background: BackgroundBlock = BackgroundBlock()
     source_radius_m: float = Field(default=0.1, gt=0.0, le=100.0)
+    search: SearchBlock = SearchBlock()
+    levels: LevelsBlock = LevelsBlock()
     sources: tuple[SourceBlock, ...] = ()
     shields: tuple[ShieldBlock, ...] = Field(default=(), max_length=1000)
 

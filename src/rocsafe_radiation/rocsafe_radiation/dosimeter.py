@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dose that a vehicle has taken, and the levels of dose rate and dose that it has reached."""
+
+import math
+from dataclasses import dataclass
+
+NS_PER_S = 1_000_000_000
+S_PER_H = 3600.0
+DOSE_RATE, DOSE = 'dose rate', 'dose'
+# Levels by name, microsievert per hour and microsievert: EPR-First Responders and GSR Part 7 of
+# the IAEA, ICRP 103, and the cordon of German responders.
+NAMED_DOSE_RATES_USVH = {
+    25.0: 'cordon (German responders)',
+    100.0: 'inner cordon (IAEA)',
+    1e5: 'turn back (IAEA)',
+}
+NAMED_DOSES_USV = {
+    1e3: 'public, year (ICRP)',
+    2e4: 'worker, year (ICRP)',
+    5e4: 'emergency worker (IAEA)',
+    1e5: 'to avert a large collective dose (IAEA)',
+    5e5: 'life saving (IAEA)',
+}
+DEFAULT_DOSE_RATES_USVH = (25.0, 100.0, 1000.0, 1e5)
+DEFAULT_DOSES_USV = tuple(NAMED_DOSES_USV)
+# Readings scatter: a level is left only well below it.
+CLEARED_SHARE = 0.8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exposure:
+    """One reading: the end of its window, its length (0: an instant), and what was read."""
+
+    time_ns: int
+    window_s: float
+    dose_rate_usvh: float
+    is_saturated: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alarm:
+    """A level, microsievert or microsievert per hour, reached or left with `value`."""
+
+    quantity: str
+    threshold: float
+    value: float
+    is_reached: bool
+
+    @property
+    def name(self) -> str:
+        """What the level is called."""
+        is_dose = self.quantity == DOSE
+        names = NAMED_DOSES_USV if is_dose else NAMED_DOSE_RATES_USVH
+        return names.get(self.threshold, f'{self.threshold:g} uSv{"" if is_dose else "/h"}')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlarmLevels:
+    """Levels of dose rate and of dose, and the longest gap between readings that is bridged."""
+
+    dose_rates_usvh: tuple[float, ...] = DEFAULT_DOSE_RATES_USVH
+    doses_usv: tuple[float, ...] = DEFAULT_DOSES_USV
+    largest_gap_s: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in ('dose_rates_usvh', 'doses_usv'):
+            for level in getattr(self, name):
+                if not 0.0 < level < math.inf:
+                    raise ValueError(f'{name} = {level} must be above 0 and finite')
+        if not 0.0 <= self.largest_gap_s < math.inf:
+            raise ValueError(f'largest_gap_s = {self.largest_gap_s} must be at least 0')
+
+
+class Dosimeter:
+    """Adds up the dose of one vehicle over its readings, in the order of their stamps.
+
+    A window counts as its dose rate times its length; a gap up to the next, and the time between
+    instants, as the mean of both dose rates, unless it is longer than the levels allow: then it
+    is told, and the dose is a lower limit. A stamp not after the newest does not count again.
+
+    Attributes
+    ----------
+    newest: the newest reading, None before the first.
+    dose_usv: so far.
+    measured_s, unmeasured_s: time that counted, and that of gaps.
+    is_lower_limit: there was a gap, or a saturated reading.
+    """
+
+    def __init__(self, levels: AlarmLevels) -> None:
+        self.newest: Exposure | None = None
+        self.dose_usv = self.measured_s = self.unmeasured_s = 0.0
+        self.is_lower_limit = False
+        self._levels = levels
+        self._reached: set[tuple[str, float]] = set()
+
+    def add(self, reading: Exposure) -> tuple[Alarm, ...] | None:
+        """Take `reading` and return the levels reached or left; None if it does not count."""
+        if self.newest is not None and reading.time_ns <= self.newest.time_ns:
+            return None
+        self._count(reading.dose_rate_usvh, reading.window_s)
+        if self.newest is not None:
+            self._bridge(self.newest, reading)
+        self.is_lower_limit = self.is_lower_limit or reading.is_saturated
+        self.newest = reading
+        return tuple(self._alarms(reading.dose_rate_usvh))
+
+    def _bridge(self, last: Exposure, reading: Exposure) -> None:
+        gap_s = (reading.time_ns - last.time_ns) / NS_PER_S - reading.window_s
+        if gap_s > self._levels.largest_gap_s:
+            self.unmeasured_s += gap_s
+            self.is_lower_limit = True
+        elif gap_s > 0.0:
+            self._count((last.dose_rate_usvh + reading.dose_rate_usvh) / 2.0, gap_s)
+
+    def _count(self, dose_rate_usvh: float, duration_s: float) -> None:
+        self.dose_usv += dose_rate_usvh * duration_s / S_PER_H
+        self.measured_s += duration_s
+
+    def _alarms(self, dose_rate_usvh: float) -> list[Alarm]:
+        pairs = [(DOSE_RATE, level, dose_rate_usvh) for level in self._levels.dose_rates_usvh]
+        pairs += [(DOSE, level, self.dose_usv) for level in self._levels.doses_usv]
+        found = (self._alarm(quantity, level, value) for quantity, level, value in pairs)
+        return [alarm for alarm in found if alarm is not None]
+
+    def _alarm(self, quantity: str, level: float, value: float) -> Alarm | None:
+        key = (quantity, level)
+        if key not in self._reached and value >= level:
+            self._reached.add(key)
+        elif key in self._reached and value < CLEARED_SHARE * level:
+            self._reached.remove(key)
+        else:
+            return None
+        return Alarm(
+            quantity=quantity, threshold=level, value=value, is_reached=key in self._reached
+        )

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a node tells of the readings of one vehicle: dose rate, dose and alarms."""
+
+from rclpy.node import Node
+
+from rocsafe_interfaces.msg import RadiationReading
+from rocsafe_radiation.conversions import flight_reading_of
+from rocsafe_radiation.dose_conversions import (
+    alarm_message,
+    dose_message,
+    dose_rate_message,
+    exposure_of,
+)
+from rocsafe_radiation.dosimeter import AlarmLevels, Dosimeter
+from rocsafe_radiation.reading_log import FlightReading
+from rocsafe_ros import topics
+
+
+class VehicleWatch:
+    """Keeps the dose of one vehicle.
+
+    Publishes, in the namespace of the vehicle: ``dose_rate`` and ``accumulated_dose`` with each
+    reading, ``dose_alarm`` when a level is reached or left.
+    """
+
+    def __init__(self, node: Node, vehicle: str, levels: AlarmLevels) -> None:
+        self._log = node.get_logger()
+        self._vehicle = vehicle
+        self._dosimeter = Dosimeter(levels)
+        self._rates = topics.create_publisher(node, topics.DOSE_RATE, vehicle)
+        self._doses = topics.create_publisher(node, topics.ACCUMULATED_DOSE, vehicle)
+        self._alarms = topics.create_publisher(node, topics.DOSE_ALARM, vehicle)
+
+    def restore(self, reading: FlightReading) -> None:
+        """Count a reading of which everybody was told before."""
+        self._dosimeter.add(exposure_of(reading))
+
+    def take(self, message: RadiationReading) -> FlightReading | None:
+        """Tell of a reading and return it, None if it is no news."""
+        reading = flight_reading_of(self._vehicle, message)
+        alarms = self._dosimeter.add(exposure_of(reading))
+        if alarms is None:
+            return None
+        self._rates.publish(dose_rate_message(message))
+        self._doses.publish(dose_message(message.header, self._dosimeter))
+        for alarm in alarms:
+            self._alarms.publish(alarm_message(message.header, alarm))
+            verb = 'reached' if alarm.is_reached else 'left'
+            self._log.warning(f'{self._vehicle} has {verb} {alarm.name}: {alarm.value:.4g}')
+        return reading

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The grid of beliefs finds what the likelihood finds, more roughly, behind the same seam."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rocsafe_radiation.belief_search import believe, poisson_below
+from rocsafe_radiation.localization import LocalizationOptions, TooFewReadingsError
+from rocsafe_radiation.picture import PictureOptions, picture_of, suggested_waypoints
+from rocsafe_radiation.survey import Survey
+
+from .simulated_survey import LOSSLESS, survey
+
+
+def test_two_sources_are_found_within_a_cell_or_two():
+    """20 m are enough to send somebody."""
+    truth = [(80.0, 90.0, 925.0), (220.0, 210.0, 925.0)]
+    found, belief = believe(survey(truth), LOSSLESS)
+    assert len(found.sources) == 2
+    assert found.method == 'belief-grid'
+    for x, y, _ in truth:
+        nearest = min(math.dist(s.position_enu_m[:2], (x, y)) for s in found.sources)
+        assert nearest < 20.0
+    assert belief.probabilities.max() > 0.9
+
+
+def test_without_a_source_nothing_is_believed():
+    """In 30 surveys, no cell."""
+    for seed in range(30):
+        found, belief = believe(survey([], seed=seed), LOSSLESS)
+        assert found.sources == ()
+        assert found.order_probabilities[0] > 0.5
+        assert belief.probabilities.max() < 0.9
+
+
+def test_who_measured_does_not_matter():
+    """Two vehicles that merge believe what one would."""
+    readings = survey([(150.0, 120.0, 925.0)])
+    names = ['rav1' if k % 2 else 'rav2' for k in range(readings.size)]
+    _, alone = believe(readings, LOSSLESS)
+    _, merged = believe(readings, LOSSLESS, names)
+    assert merged.probabilities == pytest.approx(alone.probabilities)
+
+
+def test_strength_and_place_are_told_like_those_of_the_likelihood():
+    """Within a factor of two, with a covariance."""
+    found, _ = believe(survey([(150.0, 150.0, 2000.0)]), LOSSLESS)
+    (source,) = found.sources
+    assert 1000.0 < source.dose_rate_at_1m_usvh < 4000.0
+    assert source.ellipse_95()[0] > 5.0
+
+
+def test_a_picture_is_made_by_either_method():
+    """Same products; places to measure next come from either."""
+    readings = survey([(150.0, 150.0, 925.0)])
+    for method in ('poisson-ml', 'belief-grid'):
+        picture = picture_of(readings, PictureOptions(known=LOSSLESS, method=method))
+        assert picture.found.method == method
+        assert (picture.belief is not None) == (method == 'belief-grid')
+        assert picture.cordons
+        assert len(suggested_waypoints(picture, 3)) == 3
+    with pytest.raises(ValueError, match="method = 'guess' must be one of: poisson-ml"):
+        PictureOptions(method='guess')
+
+
+def test_without_a_source_the_doubtful_ground_is_to_be_measured():
+    """As long as a source may be hidden there."""
+    full = survey([], seed=1)
+    west = full.positions_enu_m[:, 0] < 100.0
+    west |= full.positions_enu_m.sum(axis=1) > 620.0
+    half = Survey(
+        positions_enu_m=full.positions_enu_m[west],
+        counts=full.counts[west],
+        exposures=full.exposures[west],
+    )
+    picture = picture_of(half, PictureOptions(known=LOSSLESS))
+    assert not picture.verdict.is_enough
+    places = [one.position_enu_m for one in suggested_waypoints(picture, 6)]
+    assert len(places) == 6
+    assert min(x for x, _, _ in places) > 80.0
+
+
+def test_poisson_probabilities_are_near_the_exact_ones():
+    """Against sums of the terms."""
+    for mean in (0.5, 4.0, 55.0):
+        limits = np.arange(0.0, 3.0 * mean + 5.0)
+        terms = [math.exp(k * math.log(mean) - mean - math.lgamma(k + 1)) for k in range(300)]
+        exact = np.array([sum(terms[: int(limit)]) for limit in limits])
+        assert poisson_below(limits, np.full(len(limits), mean)) == pytest.approx(exact, abs=0.006)
+
+
+def test_too_few_readings_are_told():
+    """As by the likelihood."""
+    few = Survey(positions_enu_m=np.zeros((2, 3)), counts=np.ones(2), exposures=np.ones(2))
+    with pytest.raises(TooFewReadingsError, match='2 readings at different places'):
+        believe(few, LocalizationOptions())
