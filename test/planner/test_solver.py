@@ -2,12 +2,19 @@
 """The solver: plans that are valid, repeatable, and as good as can be where that is known."""
 
 import dataclasses
+import importlib
 import math
+import os
+import pkgutil
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rocsafe_planner import solver
 from rocsafe_planner.solver import (
     MatrixLegs,
     PointLegs,
@@ -17,6 +24,8 @@ from rocsafe_planner.solver import (
     one_depot,
     solve,
 )
+from rocsafe_planner.solver.compiled import cache_directory
+from rocsafe_planner.solver.precompile import compile_kernels
 
 from . import tiny_routing
 
@@ -201,3 +210,58 @@ def test_a_problem_that_does_not_fit_together_is_refused(change, words):
     }
     with pytest.raises(ValueError, match=words):
         RoutingProblem(**(sound | change))
+
+
+WITHOUT_NUMBA = """
+import logging, sys, warnings
+warnings.simplefilter('error')
+logging.basicConfig(level='WARNING', format='%(message)s')
+sys.modules['numba'] = None
+import numpy as np
+from rocsafe_planner.solver import SearchOptions, one_depot, solve
+points = np.array([(x, y) for x in range(12) for y in range(12)], float)
+found = solve(one_depot(points[1:], points[0], 3), SearchOptions(budget_s=1.0))
+assert sorted(i for route in found.routes for i in route) == list(range(143))
+print(found.value, found.bound.value)
+"""
+
+
+def test_without_numba_simple_methods_plan():
+    """A machine without numba is told so, once, and gets a valid plan with a bound."""
+    done = subprocess.run(
+        [sys.executable, '-c', WITHOUT_NUMBA],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        env=os.environ | {'PYTHONPATH': os.pathsep.join(sys.path)},
+    )
+    assert done.returncode == 0, done.stderr
+    value, bound = (float(word) for word in done.stdout.split())
+    assert 48.0 < bound <= value < 1.35 * bound
+    assert done.stderr.count('numba is not installed') == 1
+
+
+def test_every_kernel_is_compiled_once():
+    """One machine type an argument: none is specialised twice, which would take seconds."""
+    compile_kernels()
+    modules = [
+        importlib.import_module(m.name)
+        for m in pkgutil.iter_modules(solver.__path__, 'rocsafe_planner.solver.')
+    ]
+    kernels = {
+        value.py_func.__qualname__: value
+        for module in modules
+        for value in vars(module).values()
+        if hasattr(value, 'py_func')
+    }
+    assert len(kernels) > 40
+    assert {name: len(k.signatures) for name, k in kernels.items() if len(k.signatures) > 1} == {}
+    assert all(kernels[name].signatures for name in ('anneal', 'complete', 'split', 'join_edges'))
+
+
+def test_machine_code_is_kept_beside_the_sources_or_at_home(monkeypatch):
+    """Where the sources cannot be written, the user's cache folder is used."""
+    assert cache_directory().parent.name == '__pycache__'
+    monkeypatch.setattr(os, 'access', lambda *_: False)
+    assert cache_directory().parent == Path.home() / '.cache' / 'rocsafe'

@@ -32,6 +32,8 @@ case "$*" in
 *colcon_core.command*)
     note colcon "$*"; mkdir -p build install; hang colcon; fail colcon
     echo "export AMENT_PREFIX_PATH=$PWD/install/a:$FAKE_PREFIX" >install/setup.bash ;;
+*solver.precompile*)
+    note kernels "$*"; hang kernels; fail kernels ;;
 *importlib.metadata*)
     echo "$FAKE_LIBRARIES" ;;
 *)

@@ -77,6 +77,23 @@ def test_changed_file_repeats_only_its_stage(machine, file, stages):
     assert machine.calls == stages
 
 
+def test_inner_loops_are_compiled_ahead_and_again_when_they_change(machine):
+    """The first plan waits for no compiler, also after the solver's sources have changed."""
+    solver = machine.checkout / 'src/rocsafe_planner/rocsafe_planner/solver'
+    solver.mkdir(parents=True)
+    (solver / 'moves.py').write_text('')
+    done = machine.setup()
+    assert machine.calls == [*STAGES, 'kernels']
+    assert 'machine code' in done.stdout
+    machine.forget_calls()
+    assert machine.setup().stdout == 'setup: ready\n'
+    (solver / 'moves.py').write_text('changed')
+    machine.setup()
+    assert machine.calls == ['kernels']
+    environment = machine.environment_of('kernels')
+    assert environment['PYTHONPATH'].split(':')[0] == str(machine.checkout / 'src/rocsafe_planner')
+
+
 def test_touched_file_repeats_nothing(machine):
     """A new date on an old content, as git gives on a change of branch, is no change."""
     machine.setup()

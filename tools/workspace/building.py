@@ -37,6 +37,17 @@ def clear(layout: Layout) -> None:
     remove(layout.install)
 
 
+def compile_kernels(layout: Layout, environment: Mapping[str, str]) -> None:
+    """Compile the planner's inner loops, which else the first plan would wait for."""
+    paths = [str(layout.planner), environment.get('PYTHONPATH', '')]
+    run_logged(
+        [str(layout.python), '-m', 'rocsafe_planner.solver.precompile'],
+        layout.logs / 'kernels.log',
+        {**environment, 'PYTHONPATH': os.pathsep.join(filter(None, paths))},
+        folder=layout.root,
+    )
+
+
 def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_in: bool) -> None:
     """Write the environment of the workspace and the commands that start in it.
 

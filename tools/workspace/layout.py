@@ -89,3 +89,13 @@ class Layout:
     def sources(self) -> Path:
         """Packages of the suite."""
         return self.root / 'src'
+
+    @property
+    def planner(self) -> Path:
+        """Package with the loops that are compiled ahead of their first use."""
+        return self.sources / 'rocsafe_planner'
+
+    @property
+    def kernels(self) -> list[Path]:
+        """Sources of those loops."""
+        return sorted((self.planner / 'rocsafe_planner/solver').glob('*.py'))

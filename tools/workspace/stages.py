@@ -74,6 +74,10 @@ class Workspace:
         names = [str(path.relative_to(self.layout.root)) for path in inputs]
         return records.fingerprint(self.ground_mark(version), *names, *inputs)
 
+    def kernels_mark(self, version: str) -> str:
+        """Fingerprint of the planner's compiled loops."""
+        return records.fingerprint(self.packages_mark(version), *self.layout.kernels)
+
     def commands_mark(self, version: str) -> str:
         """Fingerprint of the commands, which also tells a shell whether its environment is old."""
         return records.fingerprint(self.build_mark(version), self.needs_stand_in)
@@ -90,6 +94,7 @@ def is_ready(workspace: Workspace, *, development: bool) -> bool:
         'venv': workspace.venv_mark(version),
         'packages': workspace.packages_mark(version),
         'commands': workspace.commands_mark(version),
+        'kernels': workspace.kernels_mark(version),
     }
     if development:
         wanted['development'] = workspace.development_mark(version)
@@ -104,6 +109,7 @@ def make_ready(workspace: Workspace, *, development: bool) -> None:
         _ready_development(workspace, version)
     _ready_build(workspace, version)
     _ready_commands(workspace, version)
+    _ready_kernels(workspace, version)
 
 
 def _wanted_version(workspace: Workspace, present: str) -> str:
@@ -226,3 +232,14 @@ def _ready_commands(workspace: Workspace, version: str) -> None:
     with step(f'commands {names}'):
         building.write_commands(layout, workspace.ros, mark, stand_in=workspace.needs_stand_in)
     records.write(layout.venv_record, {**record, 'commands': mark})
+
+
+def _ready_kernels(workspace: Workspace, version: str) -> None:
+    layout, mark = workspace.layout, workspace.kernels_mark(version)
+    record = records.read(layout.venv_record)
+    if record.get('kernels') == mark:
+        return
+    if layout.kernels:
+        with step("the planner's inner loops, to machine code"):
+            building.compile_kernels(layout, workspace.tools)
+    records.write(layout.venv_record, {**record, 'kernels': mark})

@@ -1,15 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation of the solver's inner loops, kept on disk so that only the first run ever waits."""
+"""Compilation of the solver's inner loops, kept on disk so that only the first run ever waits.
+
+Without numba the loops stay plain Python; `solve` then takes another way (see `plain`).
+"""
 
 import hashlib
+import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-import numba
 import numpy as np
-from numba import config
+
+numba: Any
+config: Any
+try:
+    import numba
+    from numba import config
+except ImportError:  # a machine without it
+    numba = config = None
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
@@ -23,57 +33,79 @@ else:
     Word = np.uint64
     """Random bits."""
 
+IS_COMPILED = numba is not None
+"""Whether loops run as machine code."""
+CACHE_PREFIX = 'numba-'
+
+if not IS_COMPILED:
+    logging.getLogger(__name__).warning(
+        'numba is not installed: routes are planned by simple methods, which are worse and slower'
+    )
+
 
 def _sources_digest(directory: Path) -> str:
     """Return a digest of every module of the solver.
 
-    numba notices a change of the file that holds a kernel, but not of the files whose kernels it
-    has inlined: machine code is therefore kept apart by the text of all of them.
+    numba notices a change of the file that holds a kernel, but not of the files whose functions
+    it has inlined: machine code is therefore kept apart by the text of all of them.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256()
     for source in sorted(directory.glob('*.py')):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _cache_directory() -> str:
+def cache_directory() -> Path:
     """Return where machine code is kept: beside the sources or else in the user's cache."""
-    directory = Path(__file__).parent
-    name = f'numba-{_sources_digest(directory)}'
+    # A workspace installs links to the sources: machine code is the same by either name.
+    directory = Path(__file__).resolve().parent
+    name = f'{CACHE_PREFIX}{_sources_digest(directory)}'
     if os.access(directory, os.W_OK):
-        return str(directory / '__pycache__' / name)
-    return str(Path.home() / '.cache' / 'rocsafe' / name)
+        return directory / '__pycache__' / name
+    return Path.home() / '.cache' / 'rocsafe' / name
 
 
-_CACHE_DIRECTORY = _cache_directory()
+_CACHE_DIRECTORY = str(cache_directory())
 
 
 def _compile(function: Function, **options: bool) -> Function:
-    """Hand a function to numba with the options that every kernel shares."""
-    shared: dict[str, Any] = {'nogil': True, 'error_model': 'numpy', '_nrt': False}
-    njit: Any = numba.njit
-    settings: Any = config
-    previous = settings.CACHE_DIR
-    settings.CACHE_DIR = previous or _CACHE_DIRECTORY
-    compiled: Function
+    """Hand a function to numba with the options that all share."""
+    if not IS_COMPILED:
+        return function
+    return cast(
+        'Function', numba.njit(nogil=True, error_model='numpy', _nrt=False, **options)(function)
+    )
+
+
+def _kept(function: Function) -> Function:
+    """Compile a function and keep its machine code on disk."""
+    previous = config.CACHE_DIR
+    config.CACHE_DIR = previous or _CACHE_DIRECTORY
+    # numba files machine code by the name of the source.
+    source = str(Path(function.__code__.co_filename).resolve())
+    function.__code__ = function.__code__.replace(co_filename=source)
     try:
-        compiled = njit(cache=True, **shared, **options)(function)
+        return _compile(function, cache=True)
     except RuntimeError:  # no writable place at all: compile anew in each process
-        compiled = njit(**shared, **options)(function)
+        return _compile(function)
     finally:
-        settings.CACHE_DIR = previous
-    return compiled
+        config.CACHE_DIR = previous
 
 
 def kernel(function: Function) -> Function:
-    """Compile a function to machine code: without the interpreter lock, IEEE arithmetic kept.
+    """Compile a function that Python calls, and keep its machine code on disk.
 
-    Fast-math stays off: sums must round alike on every machine, or two machines would part ways at
-    the first nearly tied decision.
+    It runs without the interpreter lock. Fast-math stays off: sums must round alike on every
+    machine, or two machines would part ways at the first nearly tied decision.
     """
-    return _compile(function)
+    return _kept(function) if IS_COMPILED else function
+
+
+def inner(function: Function) -> Function:
+    """Compile a function that only kernels call: without what Python would need to call it."""
+    return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def inlined(function: Function) -> Function:
     """Compile a small function that is to vanish into the kernels that call it."""
-    return _compile(function, forceinline=True)
+    return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)

@@ -6,7 +6,7 @@ import numpy as np
 from rocsafe_planner.solver.compiled import Long, kernel
 from rocsafe_planner.solver.moves import Goal
 from rocsafe_planner.solver.randomness import draw
-from rocsafe_planner.solver.ruin import begin_trial, end_trial, insert, insert_at_end
+from rocsafe_planner.solver.ruin import adopt_trial, begin_trial, insert, insert_at_end
 from rocsafe_planner.solver.state import State, load
 from rocsafe_planner.solver.tables import Ints, Tables, Words
 
@@ -31,7 +31,7 @@ def complete(
         missing[k], missing[j] = missing[j], missing[k]
         if not insert(tables, state, goal, Long(missing[k]), random):
             insert_at_end(tables, state, goal, Long(missing[k]))
-    end_trial(tables, state, keep=True)
+    adopt_trial(tables, state)
 
 
 def ends_of(lengths: Ints) -> Ints:

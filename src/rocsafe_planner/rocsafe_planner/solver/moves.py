@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import Long, inlined, kernel
+from rocsafe_planner.solver.compiled import Long, inlined, inner
 from rocsafe_planner.solver.state import State, path_cost, refill, settle, slide
 from rocsafe_planner.solver.tables import Tables, leg
 
@@ -80,10 +80,10 @@ def piece_path(
     low, high = np.uint64(row + piece.low), np.uint64(row + piece.high)
     from_low, to_high = np.uint64(base + piece.low), np.uint64(base + piece.high)
     if piece.turned:
-        path += leg(tables, measure, here, state.node[high])
-        return path + (state.back[to_high] - state.back[from_low]), state.node[low]
-    path += leg(tables, measure, here, state.node[low])
-    return path + (state.ahead[to_high] - state.ahead[from_low]), state.node[high]
+        path += leg(tables, measure, here, Long(state.node[high]))
+        return path + (state.back[to_high] - state.back[from_low]), Long(state.node[low])
+    path += leg(tables, measure, here, Long(state.node[low]))
+    return path + (state.ahead[to_high] - state.ahead[from_low]), Long(state.node[high])
 
 
 @inlined
@@ -98,7 +98,8 @@ def changed_path(tables: Tables, state: State, measure: int, change: Change) -> 
     here = Long(state.node[np.uint64(row + change.low - 1)])
     path, here = piece_path(tables, state, measure, change.first, path, here)
     path, here = piece_path(tables, state, measure, change.second, path, here)
-    return path + leg(tables, measure, here, state.node[np.uint64(row + change.high + 1)])
+    last = Long(state.node[np.uint64(row + change.high + 1)])
+    return path + leg(tables, measure, here, last)
 
 
 @inlined
@@ -111,19 +112,19 @@ def size_of(piece: Piece) -> int:
 def rise(tables: Tables, state: State, goal: Goal, change: Change) -> float:
     """Return how much the energy rises with a change."""
     route = change.route
-    customers = state.length[route] - (change.high - change.low + 1)
+    customers = Long(state.length[route]) - (change.high - change.low + 1)
     customers += size_of(change.first) + size_of(change.second)
-    path = changed_path(tables, state, tables.measure[route], change)
+    path = changed_path(tables, state, Long(tables.measure[route]), change)
     used = 0.0
     if tables.limited and customers:
-        used = changed_path(tables, state, tables.limit_measure[route], change)
+        used = changed_path(tables, state, Long(tables.limit_measure[route]), change)
     value = energy(tables, goal, route, path_cost(tables, route, customers, path), used) - energy(
         tables, goal, route, state.cost[route], state.load[route]
     )
     return value + (goal.vacancy if customers == 0 else 0.0)
 
 
-@kernel
+@inner
 def serves(tables: Tables, state: State, route: int, piece: Piece) -> bool:
     """Answer whether a route's vehicle may serve a piece.
 
@@ -152,7 +153,7 @@ def allowed(tables: Tables, state: State, change: Change) -> bool:
     )
 
 
-@kernel
+@inner
 def gather(state: State, change: Change, taken: int) -> int:
     """Copy the nodes of a change's pieces to `spare` from `taken` on; return where they end."""
     for piece in (change.first, change.second):
@@ -164,7 +165,7 @@ def gather(state: State, change: Change, taken: int) -> int:
     return taken
 
 
-@kernel
+@inner
 def place(tables: Tables, state: State, change: Change, source: int, size: int) -> None:
     """Replace a change's window by `size` nodes of `spare` from `source` on."""
     by = size - (change.high - change.low + 1)
@@ -177,10 +178,10 @@ def place(tables: Tables, state: State, change: Change, source: int, size: int) 
     settle(tables, state, change.route)
 
 
-@kernel
+@inner
 def make(tables: Tables, state: State, one: Change, other: Change) -> None:
     """Make two changes by which routes exchange pieces; the second may be of no route."""
-    middle = gather(state, one, 0)
+    middle = gather(state, one, Long(0))
     total = gather(state, other, middle)
     for change, source, beyond in ((one, 0, middle), (other, middle, total)):
         if change.route >= 0:

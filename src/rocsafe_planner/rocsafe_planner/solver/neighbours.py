@@ -3,11 +3,11 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import kernel
+from rocsafe_planner.solver.compiled import inner, kernel
 from rocsafe_planner.solver.tables import Floats, Ints
 
 
-@kernel
+@inner
 def insert_sorted(near: Ints, apart: Floats, row: int, candidate: int, distance: float) -> None:
     """Put a candidate into a row of nearest ones, kept in order of distance, then of number."""
     k = near.shape[1] - 1

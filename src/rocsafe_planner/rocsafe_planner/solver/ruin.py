@@ -7,7 +7,7 @@ Slack induction by string removals (Christiaens and Vanden Berghe, Transportatio
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import Long, Word, inlined, kernel
+from rocsafe_planner.solver.compiled import Long, Word, inlined, inner
 from rocsafe_planner.solver.moves import Goal, energy
 from rocsafe_planner.solver.randomness import GOLDEN, below, draw, scramble
 from rocsafe_planner.solver.state import State, refill, settle
@@ -29,7 +29,7 @@ def site_behind(tables: Tables, place: int, route: int) -> int:
     return place if place < len(tables.needs) else Long(tables.last[route])
 
 
-@kernel
+@inner
 def take_string(
     tables: Tables, state: State, customer: int, size: int, offset: int, taken: int
 ) -> int:
@@ -48,13 +48,13 @@ def take_string(
     later = Long(state.after[state.node[row + high]])
     state.after[prior] = later
     state.before[later] = prior
-    left, right = state.node[row + low - 1], state.node[row + high + 1]
+    left, right = Long(state.node[row + low - 1]), Long(state.node[row + high + 1])
     empty = size == length
     state.trial[2, route] = 1.0
     for kind in range(2):
         if kind == 1 and not tables.limited:
             break
-        c = tables.measure[route] if kind == 0 else tables.limit_measure[route]
+        c = Long(tables.measure[route]) if kind == 0 else Long(tables.limit_measure[route])
         base = c * len(state.node) + row
         path = state.ahead[base + length + 1] - state.ahead[base + high + 1]
         path += state.ahead[base + low - 1] + leg(tables, c, left, right)
@@ -82,29 +82,29 @@ def joined(
     """Return cost and load of a route on trial with a customer put between two neighbours."""
     n = len(tables.needs)
     prior, later = site_before(tables, left, route), site_behind(tables, right, route)
-    c = tables.measure[route]
+    c = Long(tables.measure[route])
     used = 0.0
     if left >= n and right >= n:
         cost = (
             tables.fixed[route] + leg(tables, c, prior, customer) + leg(tables, c, customer, later)
         )
         if tables.limited:
-            c = tables.limit_measure[route]
+            c = Long(tables.limit_measure[route])
             used = leg(tables, c, prior, customer) + leg(tables, c, customer, later)
         return cost, used
     cost = state.trial[0, route] + detour(tables, c, prior, customer, later)
     if tables.limited:
-        c = tables.limit_measure[route]
+        c = Long(tables.limit_measure[route])
         used = state.trial[1, route] + detour(tables, c, prior, customer, later)
     return cost, used
 
 
-@kernel
+@inner
 def insert(tables: Tables, state: State, goal: Goal, customer: int, random: Words) -> bool:
     """Put a customer where the energy rises least among places beside near neighbours."""
     n, near = tables.near.shape
     m = len(state.length)
-    best, best_left, best_route = np.inf, -1, -1
+    best, best_left, best_route = np.inf, Long(-1), Long(-1)
     random[0] += GOLDEN
     blinks = scramble(random[0])
     some = below(blinks >> Word(32), m)
@@ -135,7 +135,7 @@ def insert(tables: Tables, state: State, goal: Goal, customer: int, random: Word
     return True
 
 
-@kernel
+@inner
 def link(tables: Tables, state: State, customer: int, left: int, route: int) -> None:
     """Put a customer behind another, or behind the start, of a route on trial."""
     right = Long(state.after[left])
@@ -149,11 +149,11 @@ def link(tables: Tables, state: State, customer: int, left: int, route: int) -> 
     state.route[customer] = route
 
 
-@kernel
+@inner
 def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> None:
     """Put a customer at the end of the able route whose energy then rises least."""
     n = len(tables.needs)
-    best, best_route = np.inf, 0
+    best, best_route = np.inf, Long(0)
     for r in range(len(state.length)):
         if tables.needs[customer] & tables.ability[r] == 0:
             continue
@@ -166,7 +166,7 @@ def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> No
     link(tables, state, customer, Long(state.before[n + best_route]), best_route)
 
 
-@kernel
+@inner
 def restore(tables: Tables, state: State, route: int) -> None:
     """Bring the links of a route back to what its slots say."""
     n = len(tables.needs)
@@ -182,7 +182,7 @@ def restore(tables: Tables, state: State, route: int) -> None:
     state.before[n + route] = previous
 
 
-@kernel
+@inner
 def adopt(tables: Tables, state: State, route: int) -> None:
     """Bring the slots of a route in line with its links."""
     n = len(tables.needs)
@@ -194,8 +194,8 @@ def adopt(tables: Tables, state: State, route: int) -> None:
         state.node[row + k] = customer
         customer = Long(state.after[customer])
     state.length[route] = k
-    state.node[row + k + 1] = tables.last[route]
-    refill(tables, state, route, 1, k + 1)
+    state.node[row + k + 1] = Long(tables.last[route])
+    refill(tables, state, route, Long(1), k + 1)
     settle(tables, state, route)
 
 
@@ -213,9 +213,9 @@ def take_strings(tables: Tables, state: State, random: Words) -> int:
     """Take strings of customers about a random one out of their routes; return their number."""
     n, near = tables.near.shape
     seed = draw(random, n)
-    strings = 1 + draw(random, MOST_STRINGS)
-    longest = 1 + draw(random, LONGEST_STRING)
-    taken, hit = 0, 0
+    strings = 1 + draw(random, Long(MOST_STRINGS))
+    longest = 1 + draw(random, Long(LONGEST_STRING))
+    taken, hit = Long(0), 0
     for k in range(-1, near):
         customer = seed if k < 0 else Long(tables.near[seed, k])
         route = Long(state.route[customer])
@@ -241,17 +241,22 @@ def trial_rise(tables: Tables, state: State, goal: Goal) -> float:
 
 
 @inlined
-def end_trial(tables: Tables, state: State, keep: bool) -> None:
-    """Adopt the routes on trial, or forget them."""
+def adopt_trial(tables: Tables, state: State) -> None:
+    """Make the routes on trial the present ones."""
     for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
-            if keep:
-                adopt(tables, state, r)
-            else:
-                restore(tables, state, r)
+            adopt(tables, state, r)
 
 
-@kernel
+@inlined
+def forget_trial(tables: Tables, state: State) -> None:
+    """Return from the routes on trial to the present ones."""
+    for r in range(len(state.length)):
+        if state.trial[2, r] != 0.0:
+            restore(tables, state, r)
+
+
+@inner
 def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) -> bool:
     """Take out strings about a random customer, put them back, keep the result if it passes."""
     begin_trial(state)
@@ -263,26 +268,29 @@ def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) ->
             complete = False
             break
     keep = complete and trial_rise(tables, state, goal) <= bar
-    end_trial(tables, state, keep)
+    if keep:
+        adopt_trial(tables, state)
+    else:
+        forget_trial(tables, state)
     return keep
 
 
-@kernel
+@inner
 def shuffle(tables: Tables, state: State, taken: int, random: Words) -> None:
     """Order the customers taken out: at random, or half of the time far or near ones first."""
     for k in range(taken - 1, 0, -1):
         j = draw(random, k + 1)
         state.spare[k], state.spare[j] = state.spare[j], state.spare[k]
-    way = draw(random, 7)
+    way = draw(random, Long(7))
     if way > 2:
         return
     sign = -1.0 if way < 2 else 1.0
     depot = Long(tables.first[0])
     for k in range(1, taken):
         customer = Long(state.spare[k])
-        key = sign * leg(tables, 0, depot, customer)
+        key = sign * leg(tables, Long(0), depot, customer)
         j = k - 1
-        while j >= 0 and sign * leg(tables, 0, depot, Long(state.spare[j])) > key:
+        while j >= 0 and sign * leg(tables, Long(0), depot, Long(state.spare[j])) > key:
             state.spare[j + 1] = state.spare[j]
             j -= 1
         state.spare[j + 1] = customer

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_planner.solver.anneal import Best, anneal, worth
+from rocsafe_planner.solver.anneal import Best, anneal
 from rocsafe_planner.solver.crossover import complete, mix
 from rocsafe_planner.solver.moves import Goal
 from rocsafe_planner.solver.randomness import acceptance_thresholds, seed_word
 from rocsafe_planner.solver.state import empty_state, load
-from rocsafe_planner.solver.tables import Ints, Tables, leg
+from rocsafe_planner.solver.tables import Ints, Tables, flown_costs
 
 Plan = tuple[Ints, Ints]
 """Customers route after route, and the length of each route."""
@@ -75,7 +75,11 @@ class Lane:
 
     def worth(self) -> float:
         """Return what the present routes are worth, as the best routes are counted."""
-        return float(worth(self.tables, self.state, self.peak, self.share))
+        cost, load = self.state.cost, self.state.load
+        breach = 0.0
+        if self.tables.limited:
+            breach = float(np.maximum(0.0, load - self.tables.limit * (1 + 1e-9)).sum())
+        return float(self.peak * cost.max() + self.share * cost.sum()) + 1e4 * breach
 
     def plan(self) -> Plan:
         """Return the best routes since `begin`."""
@@ -172,13 +176,11 @@ class Pacer:
 def typical_leg(tables: Tables) -> float:
     """Return the mean cost of flying from a customer to its nearest places, stays left out."""
     n, near = tables.near.shape
-    flown = [
-        float(leg(tables, 0, i, int(j)) - tables.stay[0, i] - tables.stay[0, j])
-        for i in range(0, n, max(1, n // 500))
-        for j in tables.near[i, : min(near, 3)]
-    ]
-    away = [float(leg(tables, 0, int(tables.first[0]), 0))] if n else [1.0]
-    return max(float(np.mean([cost for cost in flown if cost > 0] or away)), 1e-9)
+    some = np.arange(0, n, max(1, n // 500))
+    flown = flown_costs(tables, some[:, None], tables.near[some, : min(near, 3)])
+    if not (flown > 0).any():
+        flown = flown_costs(tables, tables.first[:1], np.arange(n))
+    return max(float(flown[flown > 0].mean()) if (flown > 0).any() else 1.0, 1e-9)
 
 
 def alike_vehicles(tables: Tables) -> bool:

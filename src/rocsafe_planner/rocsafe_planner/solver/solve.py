@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_planner.solver.certificate import Bound, improving_bounds
+from rocsafe_planner.solver.compiled import IS_COMPILED
 from rocsafe_planner.solver.flatten import tables_of
 from rocsafe_planner.solver.outcome import Progress, SearchOptions, Solution
+from rocsafe_planner.solver.plain import improve, recut
 from rocsafe_planner.solver.problem import Routes, RoutingProblem, route_cost, route_load
 from rocsafe_planner.solver.relaxation import relax
 from rocsafe_planner.solver.schedule import Schedule
@@ -21,6 +23,9 @@ POLL_S = 0.02
 CHUNK = 16384
 """Proposals between two looks at the clock."""
 UNKNOWN = Bound(value=0.0, name='none')
+PLAIN_ROUNDS = 4
+CHEAP_BOUNDS = 3
+"""Bounds that need no compiled loops."""
 SURE_BOUNDS = 12
 """Looks at the bound after a search that counts proposals: always the same bound."""
 
@@ -74,10 +79,13 @@ class _Search:
         if options.bound_share > 0:
             self.bounds = improving_bounds(self.problem, self.incumbent.value)
         schedule = Schedule(options, self.problem.customers, self.incumbent.plan)
-        with ThreadPoolExecutor(max_workers=options.threads) as pool:
-            while schedule.more() and not self.stop.is_set() and not self._closed():
-                self._round(pool, lanes, schedule)
-        if options.proposals is not None:
+        if IS_COMPILED:
+            with ThreadPoolExecutor(max_workers=options.threads) as pool:
+                while schedule.more() and not self.stop.is_set() and not self._closed():
+                    self._round(pool, lanes, schedule)
+        else:
+            self._improve_plainly(lanes[0])
+        if options.proposals is not None and IS_COMPILED:
             for _ in zip(range(SURE_BOUNDS), self._next_bounds(), strict=False):
                 self._tell()
         routes = routes_of(self.incumbent.plan)
@@ -93,6 +101,20 @@ class _Search:
             lane.begin(plan)
             incumbent.offer(lane.worth(), plan)
         return incumbent
+
+    def _improve_plainly(self, lane: Lane) -> None:
+        """Do what can be done without compiled loops."""
+        for _ in range(PLAIN_ROUNDS):
+            before = self.incumbent.value
+            plan = improve(self.problem, self.tables, self.incumbent.plan)
+            for candidate in (plan, recut(self.problem, self.tables, plan)):
+                lane.begin(candidate)
+                self.incumbent.offer(lane.worth(), candidate)
+            if self.incumbent.value >= before or self.stop.is_set():
+                break
+        if self.options.bound_share > 0:
+            for _ in zip(range(CHEAP_BOUNDS), self._next_bounds(), strict=False):
+                self._tell()
 
     def _round(self, pool: ThreadPoolExecutor, lanes: list[Lane], schedule: Schedule) -> None:
         """Let every lane do one cycle; look after bound and reports meanwhile."""

@@ -3,19 +3,20 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.compiled import Long, inner, kernel
 from rocsafe_planner.solver.state import path_cost
 from rocsafe_planner.solver.tables import Ints, Tables, leg
 
 BISECTIONS = 50
 
 
-@kernel
+@inner
 def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> bool:
     """Give each vehicle in turn as much of an order as keeps its cost within `cap`."""
     n, taken = len(order), 0
-    for r in turn:
-        c = tables.measure[r]
+    for vehicle in turn:
+        r = Long(vehicle)
+        c = Long(tables.measure[r])
         here = Long(tables.first[r])
         path = 0.0
         best = taken
@@ -27,7 +28,7 @@ def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> 
             path += leg(tables, c, here, customer)
             here = customer
             k += 1
-            closed = path + leg(tables, c, here, tables.last[r])
+            closed = path + leg(tables, c, here, Long(tables.last[r]))
             if path_cost(tables, r, k - taken, closed) <= cap:
                 best = k
             elif path > 2.0 * cap:
@@ -37,18 +38,18 @@ def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> 
     return taken == n
 
 
-@kernel
+@inner
 def whole(tables: Tables, order: Ints) -> float:
     """Return a cost that no part of an order exceeds, whoever flies it."""
     most = 0.0
     for r in range(len(tables.first)):
-        c = tables.measure[r]
+        c = Long(tables.measure[r])
         path = 0.0
         far = 0.0
         for k in range(len(order)):
             customer = Long(order[k])
-            far = max(far, leg(tables, c, tables.first[r], customer))
-            far = max(far, leg(tables, c, customer, tables.last[r]))
+            far = max(far, leg(tables, c, Long(tables.first[r]), customer))
+            far = max(far, leg(tables, c, customer, Long(tables.last[r])))
             if k > 0:
                 path += leg(tables, c, Long(order[k - 1]), customer)
         most = max(most, tables.fixed[r] + path + 2 * far)

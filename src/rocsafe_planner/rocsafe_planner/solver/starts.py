@@ -75,7 +75,7 @@ def chain(tables: Tables, order: Ints) -> None:
         best = k
         least = np.inf
         for j in range(k, len(order)):
-            cost = leg(tables, 0, here, Long(order[j]))
+            cost = leg(tables, Long(0), here, Long(order[j]))
             if cost < least:
                 least = cost
                 best = j
@@ -87,7 +87,7 @@ def chain(tables: Tables, order: Ints) -> None:
 def append_cheapest(tables: Tables, order: Ints, owner: Ints, paths: Floats, here: Ints) -> None:
     """Give each customer in turn to the able vehicle whose route stays cheapest at its end."""
     for r in range(len(here)):
-        here[r] = tables.first[r]
+        here[r] = Long(tables.first[r])
         paths[r] = 0.0
     for customer in order:
         best = np.inf
@@ -95,15 +95,15 @@ def append_cheapest(tables: Tables, order: Ints, owner: Ints, paths: Floats, her
         for r in range(len(here)):
             if tables.needs[customer] & tables.ability[r] == 0:
                 continue
-            c = tables.measure[r]
+            c = Long(tables.measure[r])
             path = paths[r] + leg(tables, c, Long(here[r]), Long(customer))
             path += leg(tables, c, Long(customer), Long(tables.last[r]))
-            cost = path_cost(tables, r, 1, path)
+            cost = path_cost(tables, r, Long(1), path)
             if cost < best:
                 best = cost
                 chosen = r
         owner[customer] = chosen
-        c = tables.measure[chosen]
+        c = Long(tables.measure[chosen])
         paths[chosen] += leg(tables, c, Long(here[chosen]), Long(customer))
         here[chosen] = customer
 

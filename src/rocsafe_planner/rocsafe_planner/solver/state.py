@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import Long, inlined, kernel
+from rocsafe_planner.solver.compiled import Long, inlined, inner, kernel
 from rocsafe_planner.solver.tables import Floats, Ints, Tables, Words, leg
 
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
@@ -80,7 +80,7 @@ def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
     return tables.fixed[route] + path
 
 
-@kernel
+@inner
 def refill(tables: Tables, state: State, route: int, low: int, high: int) -> None:
     """Bring slots low .. high (low >= 1) in line with `node`, and shift what is behind."""
     stride = len(state.node) // len(state.length)
@@ -103,7 +103,7 @@ def refill(tables: Tables, state: State, route: int, low: int, high: int) -> Non
         before = state.ahead[base + high]
         total = state.ahead[base + low - 1]
         for k in range(low, high + 1):
-            total += leg(tables, c, state.node[row + k - 1], state.node[row + k])
+            total += leg(tables, c, Long(state.node[row + k - 1]), Long(state.node[row + k]))
             state.ahead[base + k] = total
         rise = total - before
         for k in range(high + 1, end + 1):
@@ -113,14 +113,14 @@ def refill(tables: Tables, state: State, route: int, low: int, high: int) -> Non
         before = state.back[base + high]
         total = state.back[base + low - 1]
         for k in range(low, high + 1):
-            total += leg(tables, c, state.node[row + k], state.node[row + k - 1])
+            total += leg(tables, c, Long(state.node[row + k]), Long(state.node[row + k - 1]))
             state.back[base + k] = total
         rise = total - before
         for k in range(high + 1, end + 1):
             state.back[base + k] += rise
 
 
-@kernel
+@inner
 def slide(tables: Tables, state: State, route: int, low: int, by: int) -> None:
     """Move slots low .. end of a route by `by` slots, with their partial costs, and its length."""
     stride = len(state.node) // len(state.length)
@@ -141,7 +141,7 @@ def slide(tables: Tables, state: State, route: int, low: int, by: int) -> None:
                 state.back[base + k + by] = state.back[base + k]
 
 
-@kernel
+@inner
 def remask(tables: Tables, state: State, route: int) -> None:
     """Bring the ability masks of a whole route in line with `node`."""
     stride = len(state.node) // len(state.length)
@@ -167,11 +167,11 @@ def settle(tables: Tables, state: State, route: int) -> None:
     m = len(state.length)
     stride = len(state.node) // m
     last = route * stride + state.length[route] + 1
-    customers = state.length[route]
-    path = state.ahead[tables.measure[route] * m * stride + last]
+    customers = Long(state.length[route])
+    path = state.ahead[Long(tables.measure[route]) * m * stride + last]
     state.cost[route] = path_cost(tables, route, customers, path)
     if tables.limited:
-        used = state.ahead[tables.limit_measure[route] * m * stride + last]
+        used = state.ahead[Long(tables.limit_measure[route]) * m * stride + last]
         state.load[route] = used if customers else 0.0
     if tables.restricted:
         remask(tables, state, route)
@@ -187,16 +187,16 @@ def load(tables: Tables, state: State, order: Ints, lengths: Ints) -> None:
         row = r * stride
         size = Long(lengths[r])
         state.length[r] = size
-        state.node[row] = tables.first[r]
+        state.node[row] = Long(tables.first[r])
         for k in range(size):
             state.node[row + 1 + k] = order[taken + k]
-        state.node[row + size + 1] = tables.last[r]
+        state.node[row + size + 1] = Long(tables.last[r])
         taken += size
-        refill(tables, state, r, 1, size + 1)
+        refill(tables, state, r, Long(1), size + 1)
         settle(tables, state, r)
 
 
-@kernel
+@inner
 def unload(state: State, order: Ints, lengths: Ints) -> None:
     """Write the routes into `order` and `lengths`, as `load` reads them."""
     m = len(state.length)

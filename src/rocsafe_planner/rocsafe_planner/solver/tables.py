@@ -76,3 +76,14 @@ def leg(tables: Tables, measure: int, origin: int, target: int) -> float:
     if distance >= tables.pace[measure, 2]:
         return stays + distance * tables.pace[measure, 0] + tables.pace[measure, 1]
     return stays + tables.pace[measure, 3] * np.sqrt(distance)
+
+
+def flown_costs(tables: Tables, origins: Ints, targets: Ints) -> Floats:
+    """Return the costs of legs under the first measure, stays left out, with numpy."""
+    if tables.dense:
+        stays = tables.stay[0, origins] + tables.stay[0, targets]
+        return np.asarray(tables.matrix[0, origins, targets] - stays, np.float64)
+    distance = np.linalg.norm(tables.points[origins] - tables.points[targets], axis=-1)
+    slowness, ramp, short, factor = tables.pace[0]
+    flown = np.where(distance >= short, distance * slowness + ramp, factor * np.sqrt(distance))
+    return np.asarray(flown, np.float64)

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.compiled import Long, kernel
+from rocsafe_planner.solver.compiled import Long, inner, kernel
 from rocsafe_planner.solver.tables import Floats, Ints
 
 
@@ -56,7 +56,7 @@ def grow_tree(
         nearest[best_k] = nearest[left]
 
 
-@kernel
+@inner
 def cheapest_leg(points: Floats, pace: Floats, i: int, j: int) -> float:
     """Return the cheapest cost of a leg under any pace; column 4 holds the stay of each."""
     dx = points[i, 0] - points[j, 0]
@@ -74,7 +74,7 @@ def cheapest_leg(points: Floats, pace: Floats, i: int, j: int) -> float:
     return least
 
 
-@kernel
+@inner
 def find(root: Ints, i: int) -> int:
     """Return the representative of a component, shortening the way to it."""
     while root[i] != i:
