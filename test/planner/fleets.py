@@ -69,6 +69,7 @@ def request(**changes):
             'camera': CAMERA,
             'vehicles': FLEET,
             'height_agl_m': 32.0,
+            'method': 'paper_greedy',
             **changes,
         }
     )

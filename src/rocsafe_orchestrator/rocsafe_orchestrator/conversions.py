@@ -3,6 +3,7 @@
 
 import math
 
+from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
@@ -15,7 +16,7 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_orchestrator.mission.status import FlightState, RunStatus, VehicleStatus
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import CameraBlock, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import CameraBlock, RegionBlock, VehicleBlock
 from rocsafe_ros.conversions import point_of_position, position_of_point, region_of_area
 
 # What a flight that did not end as planned is called.
@@ -30,7 +31,13 @@ _FAULTS = {
 
 def region_of_scenario(scenario: Scenario) -> Region:
     """Return the region to survey, without a stamp."""
-    return region_of_area(scenario.area())
+    return _region(scenario.area(), scenario.region)
+
+
+def _region(area: SurveyArea, block: RegionBlock) -> Region:
+    region = region_of_area(area)
+    region.sensors = list(block.sensors)
+    return region
 
 
 def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
@@ -39,7 +46,13 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
     return PlanSurvey.Goal(
         region=region_of_scenario(scenario),
         exclusions=[region_of_area(zone) for zone in scenario.exclusion_areas()],
+        other_regions=[
+            _region(area, block)
+            for area, block in zip(scenario.other_areas(), scenario.other_regions, strict=True)
+        ],
         clearance_m=survey.clearance_m,
+        wind_east_mps=survey.wind_mps[0],
+        wind_north_mps=survey.wind_mps[1],
         camera=camera_spec(scenario.camera),
         vehicles=[_vehicle_spec(scenario, vehicle) for vehicle in scenario.vehicles],
         height_agl_m=survey.height_agl_m,
@@ -52,6 +65,10 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
         objective=survey.objective,
         method=survey.method,
         budget_s=survey.budget_s,
+        separation_m=survey.separation_m,
+        separation_by=survey.separation_by,
+        terrain_file=survey.terrain_file,
+        terrain_clearance_m=survey.terrain_clearance_m,
         seed=scenario.seed,
         max_viewpoints=survey.max_viewpoints,
     )
@@ -76,6 +93,14 @@ def _vehicle_spec(scenario: Scenario, vehicle: VehicleBlock) -> VehicleSpec:
         descent_rate_mps=vehicle.descent_rate_mps,
         hover_s=vehicle.hover_s,
         endurance_s=vehicle.usable_endurance_s,
+        battery_swap_s=-1.0 if vehicle.battery_swap_s is None else vehicle.battery_swap_s,
+        end=[]
+        if vehicle.end is None
+        else [point_of_position(scenario.ground_position(vehicle.end))],
+        is_open=vehicle.is_open,
+        sensors=list(vehicle.sensors),
+        cruise_power_w=vehicle.cruise_power_w,
+        hover_power_w=vehicle.hover_power_w,
     )
 
 

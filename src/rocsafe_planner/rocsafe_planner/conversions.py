@@ -4,6 +4,7 @@
 import math
 
 from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces import action, msg
 from rocsafe_planner.errors import (
     BeyondEnduranceError,
@@ -11,11 +12,14 @@ from rocsafe_planner.errors import (
     PlanningCancelledError,
     TooManyViewpointsError,
 )
+from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_planner.plan import Bends, Route, SurveyPlan, Viewpoint
-from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
+from rocsafe_planner.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
+from rocsafe_planner.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
 from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_planner.terrain_file import read_terrain
 from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.viewpoint import viewpoints_over
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
     area_of_region,
@@ -34,14 +38,16 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
         Naming the field, its value and the limit.
     """
     limit = goal.max_viewpoints or options.max_viewpoints
+    camera = _camera(goal.camera)
+    places = [position_of_point(point) for point in goal.viewpoints]
     return SurveyRequest(
         regions=tuple(
-            SurveyRegion(area=area_of_region(region))
+            SurveyRegion(area=area_of_region(region), sensors=tuple(region.sensors))
             for region in (goal.region, *goal.other_regions)
         ),
         exclusions=tuple(area_of_region(zone) for zone in goal.exclusions),
         clearance_m=goal.clearance_m,
-        camera=_camera(goal.camera),
+        camera=camera,
         vehicles=tuple(_vehicle(vehicle) for vehicle in goal.vehicles),
         height_agl_m=goal.height_agl_m,
         spacing_rule=goal.spacing_rule,
@@ -50,9 +56,15 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
         grid=goal.grid or options.grid,
         method=goal.method or options.default_method,
         objective=goal.objective or DEFAULT_OBJECTIVE,
+        wind_mps=(goal.wind_east_mps, goal.wind_north_mps),
+        separation_m=goal.separation_m,
+        separation_by=goal.separation_by or DEFAULT_SEPARATION,
+        terrain=read_terrain(goal.terrain_file) if goal.terrain_file else None,
+        terrain_clearance_m=goal.terrain_clearance_m,
         budget_s=goal.budget_s,
         seed=goal.seed,
         max_viewpoints=min(limit, options.max_viewpoints),
+        viewpoints=viewpoints_over(places, camera, goal.height_agl_m) if places else (),
     )
 
 
@@ -64,8 +76,8 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         method=request.method,
         seed=request.seed,
         objective=request.objective,
-        region=region_of_area(request.regions[0].area),
-        other_regions=[region_of_area(region.area) for region in request.regions[1:]],
+        region=_region(request.regions[0]),
+        other_regions=[_region(region) for region in request.regions[1:]],
         exclusions=[region_of_area(zone) for zone in request.exclusions],
         camera=_camera_message(request.camera),
         height_agl_m=request.height_agl_m,
@@ -73,7 +85,7 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         overlap_fraction=request.overlap_fraction,
         front_overlap_fraction=request.front_overlap,
         spacing_m=plan.spacing_m,
-        routes=[_route(route) for route in plan.routes],
+        routes=[_route(route, request) for route in plan.routes],
         makespan_s=plan.makespan_s,
         longest_route_m=plan.longest_route_m,
         total_length_m=plan.total_length_m,
@@ -84,6 +96,8 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         covered_area_m2=plan.covered_area_m2,
         covered_fraction=plan.covered_fraction,
         largest_hole_m2=plan.largest_hole_m2,
+        separation_m=request.separation_m,
+        objective_value=OBJECTIVE_VALUES[request.objective](plan),
         minimum_separation_m=plan.minimum_separation_m,
     )
     message.header.frame_id = EARTH_FRAME
@@ -152,27 +166,65 @@ def _vehicle(vehicle: msg.VehicleSpec) -> Vehicle:
         descent_rate_mps=vehicle.descent_rate_mps,
         hover_s=vehicle.hover_s,
         endurance_s=vehicle.endurance_s,
+        battery_swap_s=_known(vehicle.battery_swap_s),
+        end=_only_place(f'{vehicle.name} end', vehicle.end),
+        is_open=vehicle.is_open,
+        sensors=tuple(vehicle.sensors),
+        cruise_power_w=vehicle.cruise_power_w,
+        hover_power_w=vehicle.hover_power_w,
     )
 
 
-def _known(overlap_fraction: float) -> float | None:
+def _only_place(name: str, points: list[msg.GeoPoint]) -> GeoPosition | None:
+    """Return the one position of a list, None if it is empty."""
+    if len(points) > 1:
+        raise ValueError(f'{name} has {len(points)} places: must be one at most')
+    return position_of_point(points[0]) if points else None
+
+
+def _region(region: SurveyRegion) -> msg.Region:
+    message = region_of_area(region.area)
+    message.sensors = list(region.sensors)
+    return message
+
+
+def _known(number: float) -> float | None:
     """Return None for the negative number that stands for no value."""
-    return None if overlap_fraction < 0.0 else overlap_fraction
+    return None if number < 0.0 else number
 
 
-def _route(route: Route) -> msg.Route:
-    """Return a route of one flight: goals cannot ask for battery swaps or open routes."""
-    bends = route.sorties[0].bends if route.sorties else ((),)
+def _route(route: Route, request: SurveyRequest) -> msg.Route:
+    """Return a route; what stands beside its flights is about all of them, and the last."""
+    vehicle = route.vehicle
+    flights = [_flight(sortie) for sortie in route.sorties]
     return msg.Route(
-        vehicle=route.vehicle.name,
-        home=point_of_position(route.vehicle.home),
-        viewpoints=[
-            _viewpoint(viewpoint, approach)
-            for viewpoint, approach in zip(route.viewpoints, bends[:-1], strict=True)
-        ],
-        homeward=[point_of_position(bend) for bend in bends[-1]],
+        vehicle=vehicle.name,
+        home=point_of_position(vehicle.home),
+        viewpoints=[viewpoint for flight in flights for viewpoint in flight.viewpoints],
+        homeward=flights[-1].homeward if flights else [],
+        exclusions=[region_of_area(zone).boundary for zone in request.exclusions],
+        clearance_m=request.clearance_m,
         length_m=route.length_m,
         duration_s=route.duration_s,
+        flights=flights,
+        end=[] if vehicle.end is None else [point_of_position(vehicle.end)],
+        is_open=vehicle.is_open,
+        delay_s=route.delay_s,
+        flight_height_m=route.flight_height_m,
+    )
+
+
+def _flight(sortie: Sortie) -> msg.Flight:
+    to_viewpoints = sortie.bends[: len(sortie.viewpoints)]
+    homeward = sortie.bends[len(sortie.viewpoints) :]
+    return msg.Flight(
+        viewpoints=[
+            _viewpoint(viewpoint, approach)
+            for viewpoint, approach in zip(sortie.viewpoints, to_viewpoints, strict=True)
+        ],
+        homeward=[point_of_position(bend) for bends in homeward for bend in bends],
+        length_m=sortie.length_m,
+        duration_s=sortie.duration_s,
     )
 
 

@@ -2,6 +2,7 @@
 """The method `solver`: routes that a search improves from the best of the simple methods on."""
 
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -23,6 +24,8 @@ Watch = Callable[[float, float], bool]
 # Of a search without a time limit: proposals a point, and at most.
 _PROPOSALS_A_POINT = 20_000
 _MOST_PROPOSALS = 4_000_000
+# How often it is asked whether to go on.
+_ASK_S = 0.05
 # Vehicles that are tried alone.
 _MOST_ALONE = 10
 
@@ -63,16 +66,15 @@ def optimised(
     problem: FleetProblem, effort: Effort, watch: Watch = lambda _value, _bound: True
 ) -> Optimised:
     """Return routes that are no worse than those of any survey tool's method."""
-    reporter = _Reporter(watch)
-    options = _options(len(problem.points), effort, reporter)
+    watcher = _Watcher(watch)
     starts = [method(problem) for method in (boustrophedon_minmax, boustrophedon_equal, strips)]
     if effort.objective not in PEAK_OBJECTIVES:
         starts += _alone(problem)
     solution = solve(
         routing_problem(problem, effort.objective),
-        options,
-        reporter.report,
-        reporter.stop,
+        _options(len(problem.points), effort),
+        watcher.report,
+        watcher,
         [tuple(tuple(order) for order in orders) for orders in starts],
     )
     return Optimised(
@@ -90,39 +92,44 @@ def _alone(problem: FleetProblem) -> list[list[Order]]:
     return [with_sensors(problem, [tour if k == one else [] for k in every]) for one in vehicles]
 
 
-def _options(points: int, effort: Effort, reporter: '_Reporter') -> SearchOptions:
+def _options(points: int, effort: Effort) -> SearchOptions:
     # The solver's seeds are of 63 bits, a request's of 64.
     seed = effort.seed % 2**63
     if effort.budget_s > 0.0:
-        # Lanes look at the clock every few milliseconds: at the watch too.
-        clock = reporter.watched(SearchOptions().clock)
-        return SearchOptions(budget_s=effort.budget_s, seed=seed, clock=clock)
+        return SearchOptions(budget_s=effort.budget_s, seed=seed)
     proposals = effort.proposals or min(_PROPOSALS_A_POINT * points, _MOST_PROPOSALS)
-    return SearchOptions(proposals=proposals, seed=seed, bound_share=0.0)
+    return SearchOptions(proposals=proposals, seed=seed)
 
 
-class _Reporter:
-    """Passes on what the search has reached, and stops it when told to."""
+class _Watcher(threading.Event):
+    """Passes on what the search has reached; is set when that is answered with False.
+
+    The search asks it every few milliseconds whether to stop, from several threads.
+    """
 
     def __init__(self, watch: Watch) -> None:
-        self.stop = threading.Event()
+        super().__init__()
         self._watch = watch
         self._reached: tuple[float, float] | None = None
+        self._asking = threading.Lock()
+        self._next_s = 0.0
 
     def report(self, progress: Progress) -> None:
         """Take note of a better plan or bound."""
-        self._reached = (progress.value, progress.bound.value)
-        self._look()
+        with self._asking:
+            self._reached = (progress.value, progress.bound.value)
+            self._ask()
 
-    def watched(self, clock: Callable[[], float]) -> Callable[[], float]:
-        """Return a clock that looks at the watch whenever it is read."""
+    def is_set(self) -> bool:
+        """Return whether to stop, having asked if that was some time ago."""
+        if time.monotonic() >= self._next_s and self._asking.acquire(blocking=False):
+            try:
+                self._ask()
+            finally:
+                self._asking.release()
+        return super().is_set()
 
-        def read() -> float:
-            self._look()
-            return clock()
-
-        return read
-
-    def _look(self) -> None:
+    def _ask(self) -> None:
+        self._next_s = time.monotonic() + _ASK_S
         if self._reached is not None and not self._watch(*self._reached):
-            self.stop.set()
+            self.set()

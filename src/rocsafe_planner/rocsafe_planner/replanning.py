@@ -7,18 +7,17 @@ seconds, so that all who know the same situation find the same plan, each for it
 """
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.planning import Progress, plan_survey
 from rocsafe_planner.request import SurveyRequest
 from rocsafe_planner.vehicle import Aloft, Vehicle
-from rocsafe_planner.viewpoint import Viewpoint
+from rocsafe_planner.viewpoint import Viewpoint, viewpoints_over
 
 _PROPOSALS_A_POINT = 2500
 _LEAST_PROPOSALS = 200_000
@@ -72,7 +71,12 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
     known = _all_viewpoints(plan)
     _check(situation, known, request)
     left = [view for view in known.values() if view.id not in situation.visited]
-    left += _new_viewpoints(request, situation, first_id=max(known, default=-1) + 1)
+    left += viewpoints_over(
+        situation.new_places,
+        request.camera,
+        request.height_agl_m,
+        first_id=max(known, default=-1) + 1,
+    )
     if not left:
         raise NothingLeftError('no viewpoint is left: all are photographed')
     done = [view for view in known.values() if view.id in situation.visited]
@@ -126,21 +130,3 @@ def _check(situation: Situation, known: Mapping[int, Viewpoint], request: Survey
 
 def _now(vehicle: Vehicle, aloft: Aloft | None) -> Vehicle:
     return dataclasses.replace(vehicle, aloft=aloft)
-
-
-def _new_viewpoints(
-    request: SurveyRequest, situation: Situation, first_id: int
-) -> list[Viewpoint]:
-    """Return viewpoints over new places, the image's top to the north as the grid's usually is."""
-    across, along = request.camera.footprint_m(request.height_agl_m)
-    corners = [(-across, -along), (across, -along), (across, along), (-across, along)]
-    return [
-        Viewpoint(
-            id=first_id + number,
-            position=place,
-            height_agl_m=request.height_agl_m,
-            yaw_rad=0.5 * math.pi,
-            footprint=tuple(offset(place, 0.5 * east, 0.5 * north) for east, north in corners),
-        )
-        for number, place in enumerate(situation.new_places)
-    ]

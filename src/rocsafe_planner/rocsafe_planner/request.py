@@ -33,7 +33,7 @@ from rocsafe_planner.terrain import Terrain
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_planner.viewpoint import Viewpoint
 
-DEFAULT_METHOD = 'paper_greedy'
+DEFAULT_METHOD = 'solver'
 DEFAULT_MAX_VIEWPOINTS = 5000
 MAX_VEHICLES = 1000
 MAX_REGIONS = 1000
@@ -42,6 +42,7 @@ MAX_CLEARANCE_M = 1000.0
 OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
 DEFAULT_OBJECTIVE = OBJECTIVES[0]
 SEPARATIONS = ('delay', 'layers')
+DEFAULT_SEPARATION = SEPARATIONS[0]
 _IDENTITY_VERSION = 3
 
 
@@ -112,7 +113,7 @@ class SurveyRequest:
     clearance_m: float = 2.0
     wind_mps: tuple[float, float] = (0.0, 0.0)
     separation_m: float = 0.0
-    separation_by: str = SEPARATIONS[0]
+    separation_by: str = DEFAULT_SEPARATION
     terrain: Terrain | None = None
     terrain_clearance_m: float = 10.0
     budget_s: float = 0.0

@@ -11,7 +11,7 @@ refused. Example::
                    "acceleration_mps2": 2.5, "climb_rate_mps": 3, "descent_rate_mps": 2,
                    "hover_s": 2, "endurance_s": 1500}],
      "height_agl_m": 32, "spacing_rule": "iou", "overlap_fraction": 0.2,
-     "method": "paper_greedy", "seed": 1, "max_viewpoints": 5000,
+     "method": "solver", "seed": 1, "max_viewpoints": 5000,
      "output_directory": "runs/plan"}
 """
 
@@ -27,9 +27,11 @@ from rocsafe_planner.request import (
     DEFAULT_MAX_VIEWPOINTS,
     DEFAULT_METHOD,
     DEFAULT_OBJECTIVE,
+    DEFAULT_SEPARATION,
     SurveyRequest,
 )
 from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_planner.terrain_file import read_terrain
 from rocsafe_planner.vehicle import Vehicle
 
 Place = Annotated[list[float], Field(min_length=2, max_length=3)]
@@ -100,7 +102,11 @@ class RequestJson(_Strict):
     clearance_m: float = 2.0
     wind_mps: tuple[float, float] = (0.0, 0.0)
     separation_m: float = 0.0
+    separation_by: str = DEFAULT_SEPARATION
+    terrain_file: str = ''
+    terrain_clearance_m: float = 10.0
     budget_s: float = 0.0
+    proposals: int = 0
     seed: int = 0
     max_viewpoints: int = DEFAULT_MAX_VIEWPOINTS
     output_directory: str = ''
@@ -108,7 +114,7 @@ class RequestJson(_Strict):
     def survey_request(self) -> SurveyRequest:
         """Return the request proper; ValueError naming the value and the limit."""
         camera = self.camera
-        apart = {'region', 'other_regions', 'exclusions', 'camera', 'vehicles', 'output_directory'}
+        apart = {'region', 'other_regions', 'exclusions', 'camera', 'vehicles', 'terrain_file'}
         return SurveyRequest(
             regions=(
                 _region('region', self.region),
@@ -123,7 +129,8 @@ class RequestJson(_Strict):
                 camera.image_height_px,
             ),
             vehicles=tuple(_vehicle(vehicle) for vehicle in self.vehicles),
-            **self.model_dump(exclude=apart),
+            terrain=read_terrain(self.terrain_file) if self.terrain_file else None,
+            **self.model_dump(exclude={*apart, 'output_directory'}),
         )
 
 

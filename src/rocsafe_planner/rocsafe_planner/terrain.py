@@ -9,6 +9,7 @@ from pyproj import CRS, Transformer
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.projection import columns as as_columns
 from rocsafe_planner.errors import TerrainError
 from rocsafe_planner.relief import Relief
 
@@ -61,8 +62,11 @@ class Terrain:
 
         Within half a pixel of the raster's rim the height is that of the nearest pixel.
         """
-        x, y = self._to_crs.transform(np.asarray(longitudes_deg), np.asarray(latitudes_deg))
-        place = np.stack([np.asarray(x, float), np.asarray(y, float), np.ones_like(x, float)], -1)
+        latitudes, longitudes = as_columns(latitudes_deg, longitudes_deg)
+        # Two at least: of one, pyproj makes a scalar and warns.
+        pair = (np.append(values, values[-1:]) for values in (longitudes, latitudes))
+        x, y = (np.asarray(values)[:-1] for values in self._to_crs.transform(*pair))
+        place = np.stack([x, y, np.ones_like(x)], -1)
         column = np.nan_to_num(place @ np.array(self.to_column), posinf=-1.0, neginf=-1.0)
         row = np.nan_to_num(place @ np.array(self.to_row), posinf=-1.0, neginf=-1.0)
         rows, columns = self.heights_m.shape

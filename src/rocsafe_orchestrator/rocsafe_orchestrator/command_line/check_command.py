@@ -9,6 +9,7 @@ from rich.table import Table
 from rocsafe_geo.position import distance_m
 from rocsafe_orchestrator.errors import EXIT_COMPLETE
 from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_checks import flight_mistakes
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_orchestrator.scenario.survey_size import area_m2, fewest_viewpoints, spacing_m
 
@@ -22,6 +23,8 @@ def check(path: Path, console: Console) -> int:
     """
     scenario = read_scenario(path)
     console.print(f'{path}: valid', style='bold green', highlight=False)
+    for line in flight_mistakes(scenario):
+        console.print(line, style='yellow', highlight=False, soft_wrap=True)
     console.print(_survey_table(scenario))
     console.print(_vehicle_table(scenario))
     if scenario.radiation.sources:

@@ -28,6 +28,21 @@ def budget(text: str) -> float:
     return _number(text, 0.0, LARGEST_BUDGET_S, ' s')
 
 
+def metres(text: str) -> float:
+    """Return a distance in metres; an error names value and limits."""
+    return _number(text, 0.0, 10_000.0, ' m')
+
+
+def seconds(text: str) -> float:
+    """Return a time of up to a day in seconds; an error names value and limits."""
+    return _number(text, 0.0, 86_400.0, ' s')
+
+
+def wind(text: str) -> float:
+    """Return a component of the wind; an error names value and limits."""
+    return _number(text, -100.0, 100.0, ' m/s')
+
+
 def seed(text: str) -> int:
     """Return a seed; an error names value and limits."""
     return _whole(text, 0, LARGEST_SEED)

@@ -3,9 +3,18 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import budget, count, height
+from rocsafe_orchestrator.command_line.numbers import (
+    budget,
+    count,
+    height,
+    metres,
+    seconds,
+    seed,
+    wind,
+)
 
 
 def add_to(commands: Commands) -> None:
@@ -61,7 +70,54 @@ def add_to(commands: Commands) -> None:
         metavar='M',
         help='metres above the ground, of a region file (default: 32)',
     )
+    _add_survey_options(parser)
+    _add_vehicle_options(parser)
     parser.set_defaults(command=_plan)
+
+
+def _add_survey_options(parser: argparse.ArgumentParser) -> None:
+    """Add what replaces keys of a scenario's survey."""
+    group = parser.add_argument_group('survey', "instead of the scenario's own values")
+    names = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
+    group.add_argument('--objective', choices=names, help='what is to be small')
+    group.add_argument('--grid', choices=('axis_aligned', 'rotated', 'best'), help='its angle')
+    group.add_argument(
+        '--wind',
+        type=wind,
+        nargs=2,
+        metavar=('EAST', 'NORTH'),
+        help='m/s that the air moves towards',
+    )
+    group.add_argument(
+        '--separation', type=metres, metavar='M', help='least distance of two vehicles in the air'
+    )
+    group.add_argument(
+        '--separation-by',
+        choices=('delay', 'layers'),
+        help='how it is kept: take-offs are delayed, or vehicles fly at unlike heights',
+    )
+    group.add_argument(
+        '--terrain', type=Path, metavar='TIF', help='GeoTIFF of heights that the flights follow'
+    )
+    group.add_argument(
+        '--terrain-clearance', type=metres, metavar='M', help='that legs keep above it'
+    )
+    group.add_argument('--seed', type=seed, metavar='N', help='of the search')
+
+
+def _add_vehicle_options(parser: argparse.ArgumentParser) -> None:
+    """Add what replaces keys of all of a scenario's vehicles."""
+    group = parser.add_argument_group('vehicles', 'for all of them')
+    group.add_argument(
+        '--swap',
+        type=seconds,
+        metavar='S',
+        help='batteries are changed at home in so many seconds',
+    )
+    group.add_argument(
+        '--open', action='store_true', default=None, help='each lands at its last viewpoint'
+    )
+    group.add_argument('--endurance', type=seconds, metavar='S', help='of a full battery')
 
 
 def _plan(arguments: argparse.Namespace) -> int:
@@ -75,7 +131,27 @@ def _plan(arguments: argparse.Namespace) -> int:
         vehicles=arguments.vehicles,
         height_agl_m=arguments.height,
         parent=arguments.out,
-        budget_s=arguments.budget,
         exclusions=tuple(arguments.exclude),
+        seed=arguments.seed,
+        survey=_given(
+            objective=arguments.objective,
+            grid=arguments.grid,
+            wind_mps=arguments.wind and tuple(arguments.wind),
+            separation_m=arguments.separation,
+            separation_by=arguments.separation_by,
+            terrain_file=arguments.terrain and str(arguments.terrain),
+            terrain_clearance_m=arguments.terrain_clearance,
+            budget_s=arguments.budget,
+        ),
+        vehicle=_given(
+            battery_swap_s=arguments.swap,
+            is_open=arguments.open,
+            endurance_s=arguments.endurance,
+        ),
     )
     return plan(request, Console())
+
+
+def _given(**options: Any) -> dict[str, Any]:
+    """Return the options that are given."""
+    return {key: value for key, value in options.items() if value is not None}

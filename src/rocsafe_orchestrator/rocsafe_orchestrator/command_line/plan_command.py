@@ -4,7 +4,8 @@
 import json
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,9 @@ class PlanRequest:
     method: routing method; empty: the scenario's, else the planner's own.
     vehicles, height_agl_m: of a region, which says neither.
     parent: folder below which the plans are written, None: nowhere.
-    budget_s: time to improve each plan; None: the scenario's.
     exclusions: region files that no leg crosses, besides the scenario's own.
+    seed: of the search; None: the scenario's.
+    survey, vehicle: keys of the scenario's survey, and of all its vehicles, with other values.
     """
 
     files: tuple[Path, ...]
@@ -44,8 +46,10 @@ class PlanRequest:
     vehicles: int = 3
     height_agl_m: float = 32.0
     parent: Path | None = None
-    budget_s: float | None = None
     exclusions: tuple[Path, ...] = ()
+    seed: int | None = None
+    survey: Mapping[str, Any] = field(default_factory=dict)
+    vehicle: Mapping[str, Any] = field(default_factory=dict)
 
 
 def plan(request: PlanRequest, console: Console) -> int:
@@ -97,11 +101,13 @@ def _with_options(
     scenario: Scenario, request: PlanRequest, zones: tuple[RegionBlock, ...]
 ) -> Scenario:
     """Return the scenario with what the command line says besides."""
-    survey = scenario.survey
-    if request.budget_s is not None:
-        survey = survey.model_copy(update={'budget_s': request.budget_s})
-    exclusions = (*scenario.exclusions, *zones)
-    return scenario.model_copy(update={'survey': survey, 'exclusions': exclusions})
+    changes = {
+        'survey': scenario.survey.model_copy(update=request.survey),
+        'vehicles': tuple(v.model_copy(update=request.vehicle) for v in scenario.vehicles),
+        'exclusions': (*scenario.exclusions, *zones),
+        'seed': scenario.seed if request.seed is None else request.seed,
+    }
+    return scenario.model_copy(update=changes)
 
 
 def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
@@ -110,7 +116,13 @@ def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, 
     method = method or survey.method
     return {
         'region': {'name': scenario.name, **scenario.region.model_dump(exclude={'file'})},
-        'exclusions': [zone.model_dump(exclude={'file'}) for zone in scenario.exclusions],
+        'other_regions': [
+            {'name': f'{scenario.name} {index}', **region.model_dump(exclude={'file'})}
+            for index, region in enumerate(scenario.other_regions, start=2)
+        ],
+        'exclusions': [
+            zone.model_dump(exclude={'file', 'sensors'}) for zone in scenario.exclusions
+        ],
         'camera': camera.model_dump(exclude={'jpeg_quality', 'ground'}),
         'vehicles': [_vehicle(scenario, vehicle) for vehicle in scenario.vehicles],
         **survey.model_dump(exclude={'method'}),
@@ -122,8 +134,9 @@ def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, 
 
 def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:
     return {
-        **vehicle.model_dump(exclude={'home', 'endurance_s', 'reserve_fraction'}),
+        **vehicle.model_dump(exclude={'home', 'end', 'endurance_s', 'reserve_fraction'}),
         'home': [*vehicle.home, scenario.origin.ground_altitude_m],
+        'end': None if vehicle.end is None else [*vehicle.end, scenario.origin.ground_altitude_m],
         'endurance_s': vehicle.usable_endurance_s,
     }
 
@@ -160,19 +173,37 @@ def _quality_table(path: Path, document: dict[str, Any]) -> Table:
         f'{clock_text(document["lower_bound_s"])} ({document["lower_bound_method"]}), '
         f'at most {100.0 * document["gap_fraction"]:.1f} % above optimal',
     )
-    table.add_row('flown in all', f'{document["total_length_m"] / 1000.0:.2f} km')
+    table.add_row(
+        'flown in all',
+        f'{document["total_length_m"] / 1000.0:.2f} km with '
+        f'{document["total_energy_wh"]:.0f} Wh; objective {document["objective"]}',
+    )
+    nearest = document['minimum_separation_m']
+    if nearest is not None:
+        table.add_row('nearest', f'{nearest:.1f} m between two vehicles in the air')
     return table
 
 
 def _route_table(document: dict[str, Any]) -> Table:
     table = Table(box=None, pad_edge=False, header_style='dim')
-    for column in ('vehicle', 'viewpoints', 'length', 'duration'):
+    for column in (
+        'vehicle',
+        'viewpoints',
+        'flights',
+        'length',
+        'duration',
+        'takes off',
+        'height',
+    ):
         table.add_column(column, justify='left' if column == 'vehicle' else 'right')
     for route in document['routes']:
         table.add_row(
             route['vehicle'],
             str(len(route['viewpoints'])),
+            str(len(route['sorties'])),
             f'{route["length_m"]:.0f} m',
             clock_text(route['duration_s']),
+            f'after {clock_text(route["delay_s"])}' if route['delay_s'] else 'at once',
+            f'{route["flight_height_m"]:.0f} m',
         )
     return table

@@ -30,6 +30,7 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
 from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_checks import flight_mistakes
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 
 # How far ROS looks for other participants; the user who sets one of these has decided.
@@ -63,6 +64,9 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     OrchestratorError: if it cannot be flown at all.
     """
     scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
+    lines = flight_mistakes(scenario)
+    if lines:
+        raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
     if request.config is not None and not request.config.is_file():
         raise ScenarioError(f'{request.config}: no such file')
     _stay_on_this_machine()

@@ -9,7 +9,7 @@ import yaml
 
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
 
 Parameters = dict[str, Any]
 
@@ -118,7 +118,7 @@ def _vehicle_participants(scenario: Scenario) -> list[str]:
 
 def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
-    own_keys = {'name', 'home'}
+    own_keys = {'name', 'home', *PLANNING_KEYS}
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),

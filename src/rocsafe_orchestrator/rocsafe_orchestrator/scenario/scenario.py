@@ -32,6 +32,7 @@ class Scenario(Block):
     clock: ClockBlock = ClockBlock()
     origin: OriginBlock = OriginBlock()
     region: RegionBlock
+    other_regions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
     exclusions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
     survey: SurveyBlock
     camera: CameraBlock = CameraBlock()
@@ -65,7 +66,16 @@ class Scenario(Block):
         ------
         ValueError: naming the key, and saying what is wrong with its polygon.
         """
-        return tuple(map(_exclusion, range(len(self.exclusions)), self.exclusions))
+        return _areas('exclusions', self.exclusions)
+
+    def other_areas(self) -> tuple[SurveyArea, ...]:
+        """Return the regions to survey besides the first.
+
+        Raises
+        ------
+        ValueError: naming the key, and saying what is wrong with its polygon.
+        """
+        return _areas('other_regions', self.other_regions)
 
     def origin_position(self) -> GeoPosition:
         """Return the origin of the local frame, on the ground."""
@@ -97,13 +107,17 @@ class Scenario(Block):
         return yaml.safe_dump(_plain(content), sort_keys=False, default_flow_style=False)
 
 
-def _exclusion(index: int, block: RegionBlock) -> SurveyArea:
+def _areas(key: str, blocks: tuple[RegionBlock, ...]) -> tuple[SurveyArea, ...]:
+    return tuple(_area(f'{key}[{index}]', block) for index, block in enumerate(blocks))
+
+
+def _area(key: str, block: RegionBlock) -> SurveyArea:
     try:
         return SurveyArea(
             boundary=_ring(block.polygon or ()), holes=tuple(map(_ring, block.holes))
         )
     except ValueError as error:
-        raise ValueError(f'exclusions[{index}].polygon: {error}') from error
+        raise ValueError(f'{key}.polygon: {error}') from error
 
 
 def _ring(places: tuple[LatLon, ...]) -> tuple[GeoPosition, ...]:

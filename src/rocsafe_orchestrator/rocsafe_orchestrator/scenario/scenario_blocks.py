@@ -19,6 +19,11 @@ RESERVED_NAMES = frozenset(
      'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
 
+# What the planner needs to know of a vehicle, and the simulation does not.
+PLANNING_KEYS = (
+    'battery_swap_s', 'end', 'is_open', 'sensors', 'cruise_power_w', 'hover_power_w',
+)  # fmt: skip
+
 
 def _within(name: str, low: float, high: float) -> Callable[[float], float]:
     def check(value: float) -> float:
@@ -49,6 +54,7 @@ def in_utc(start: datetime) -> datetime:
 Latitude = Annotated[float, AfterValidator(_within('latitude', -90.0, 90.0))]
 Longitude = Annotated[float, AfterValidator(_within('longitude', -180.0, 180.0))]
 LatLon = tuple[Latitude, Longitude]
+SensorName = Annotated[str, Field(pattern=r'^[A-Za-z][A-Za-z0-9_]*$', max_length=64)]
 VehicleName = Annotated[str, Field(max_length=32), AfterValidator(_vehicle_name)]
 
 
@@ -78,11 +84,15 @@ class OriginBlock(Block):
 
 
 class RegionBlock(Block):
-    """A polygon with holes, written here or in a GeoJSON or KML file."""
+    """A polygon with holes, written here or in a GeoJSON or KML file.
+
+    Only vehicles that carry all `sensors` survey it.
+    """
 
     polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=10_000)
     holes: tuple[Annotated[tuple[LatLon, ...], Field(min_length=3)], ...] = ()
     file: str | None = None
+    sensors: tuple[SensorName, ...] = ()
 
 
 class SurveyBlock(Block):
@@ -94,8 +104,15 @@ class SurveyBlock(Block):
     front_overlap_fraction: float | None = Field(default=None, ge=0.0, le=0.95)
     grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
     method: str = ''
-    objective: str = 'longest_time'
+    objective: Literal[
+        'longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy'
+    ] = 'longest_time'
     clearance_m: float = Field(default=2.0, ge=0.0, le=1000.0)
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+    separation_m: float = Field(default=0.0, ge=0.0, le=10_000.0)
+    separation_by: Literal['delay', 'layers'] = 'delay'
+    terrain_file: str = ''
+    terrain_clearance_m: float = Field(default=10.0, gt=0.0, le=LARGEST_HEIGHT_M)
     budget_s: float = Field(default=0.0, ge=0.0, le=LARGEST_BUDGET_S)
     max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
 
@@ -133,6 +150,12 @@ class VehicleBlock(Block):
     hover_s: float = Field(default=1.0, ge=0.0, le=600.0)
     endurance_s: float = Field(default=1500.0, gt=0.0, le=604_800.0)
     reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
+    battery_swap_s: float | None = Field(default=None, ge=0.0, le=86_400.0)
+    end: LatLon | None = None
+    is_open: bool = False
+    sensors: tuple[SensorName, ...] = ()
+    cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
+    hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
 
     @property
     def usable_endurance_s(self) -> float:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a scenario's blocks say together: polygons, names, distances, size of the survey."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
@@ -8,6 +9,7 @@ from itertools import pairwise
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import distance_m
 from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_blocks import PLANNING_KEYS
 from rocsafe_orchestrator.scenario.survey_size import fewest_viewpoints
 
 # The local frame is flat: beyond this its error grows above the noise of a GPS fix.
@@ -24,6 +26,9 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_too_many_processes(scenario),
         *_half_origin(scenario),
         *_unclear_strengths(scenario),
+        *_two_ends(scenario),
+        *_too_much_wind(scenario),
+        *_missing_sensors(scenario),
         *_unclear_places(scenario),
         *_unused_shields(scenario),
     ]
@@ -31,10 +36,11 @@ def mistakes(scenario: Scenario) -> list[str]:
         area = scenario.area()
     except ValueError as error:
         return [*lines, f'region.polygon: {error}']
-    try:
-        scenario.exclusion_areas()
-    except ValueError as error:
-        lines.append(str(error))
+    for areas in (scenario.exclusion_areas, scenario.other_areas):
+        try:
+            areas()
+        except ValueError as error:
+            lines.append(str(error))
     return [*lines, *_far_places(scenario, area), *_too_large(scenario, area)]
 
 
@@ -56,7 +62,7 @@ def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
     first = scenario.vehicles[0]
     for index, vehicle in enumerate(scenario.vehicles):
         for key in type(vehicle).model_fields:
-            is_own = key in ('name', 'home')
+            is_own = key in ('name', 'home', *PLANNING_KEYS)
             if not is_own and getattr(vehicle, key) != getattr(first, key):
                 value, limit = getattr(vehicle, key), getattr(first, key)
                 yield (
@@ -72,6 +78,30 @@ def _too_many_processes(scenario: Scenario) -> Iterator[str]:
             f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
             'simulation.processes = per_vehicle; fleet flies more in one process'
         )
+
+
+def _two_ends(scenario: Scenario) -> Iterator[str]:
+    for index, vehicle in enumerate(scenario.vehicles):
+        if vehicle.is_open and vehicle.end is not None:
+            yield f'vehicles[{index}]: has an end and is_open, must have one of them at most'
+
+
+def _too_much_wind(scenario: Scenario) -> Iterator[str]:
+    wind = math.hypot(*scenario.survey.wind_mps)
+    slowest = min(vehicle.cruise_speed_mps for vehicle in scenario.vehicles)
+    if wind >= slowest:
+        yield (
+            f'survey.wind_mps = {list(scenario.survey.wind_mps)}: is {wind:g} m/s, must be below '
+            f'the slowest cruise_speed_mps, {slowest:g}'
+        )
+
+
+def _missing_sensors(scenario: Scenario) -> Iterator[str]:
+    blocks = {'region': scenario.region}
+    blocks |= {f'other_regions[{i}]': block for i, block in enumerate(scenario.other_regions)}
+    for key, block in blocks.items():
+        if not any(set(block.sensors) <= set(v.sensors) for v in scenario.vehicles):
+            yield f'{key}.sensors = {list(block.sensors)}: no vehicle carries all of them'
 
 
 def _half_origin(scenario: Scenario) -> Iterator[str]:
@@ -158,3 +188,22 @@ def _too_large(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
             f'region.polygon: needs at least {points} viewpoints at survey.height_agl_m = '
             f'{scenario.survey.height_agl_m:g}, must be at most survey.max_viewpoints = {limit}'
         )
+
+
+def flight_mistakes(scenario: Scenario) -> list[str]:
+    """Return one line for each thing that can be planned, but that no mission flies yet."""
+    lines = []
+    for index, vehicle in enumerate(scenario.vehicles):
+        for key in ('battery_swap_s', 'end', 'is_open'):
+            value = getattr(vehicle, key)
+            if value is not None and value is not False:
+                lines.append(
+                    f'vehicles[{index}].{key} = {value}: is for plans only (rocsafe plan); in a '
+                    'mission each vehicle flies once, from home to home'
+                )
+    if scenario.survey.separation_m > 0.0:
+        lines.append(
+            f'survey.separation_m = {scenario.survey.separation_m:g}: is for plans only (rocsafe '
+            'plan); in a mission all vehicles take off at once'
+        )
+    return lines

@@ -33,7 +33,7 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
     scenario = _validated(path.name, _with_options(content, speed, seed))
-    scenario = _with_ground(_with_region(scenario, path), path)
+    scenario = _with_terrain(_with_ground(_with_region(scenario, path), path), path)
     lines = mistakes(scenario)
     if lines:
         raise _error([f'{path.name}: {line}' for line in lines])
@@ -68,12 +68,15 @@ def _with_options(
 
 def _with_region(scenario: Scenario, path: Path) -> Scenario:
     """Return `scenario` with the polygons of the region files that it names."""
-    exclusions = tuple(
-        _drawn(f'exclusions[{index}]', block, path)
-        for index, block in enumerate(scenario.exclusions)
-    )
+    drawn = {
+        key: tuple(
+            _drawn(f'{key}[{index}]', block, path)
+            for index, block in enumerate(getattr(scenario, key))
+        )
+        for key in ('exclusions', 'other_regions')
+    }
     region = _drawn('region', scenario.region, path)
-    return scenario.model_copy(update={'region': region, 'exclusions': exclusions})
+    return scenario.model_copy(update={'region': region, **drawn})
 
 
 def _drawn(key: str, region: RegionBlock, path: Path) -> RegionBlock:
@@ -87,7 +90,8 @@ def _drawn(key: str, region: RegionBlock, path: Path) -> RegionBlock:
     place = f'{path.name}: {key}.file = {region.file!r}'
     source = path.parent / region.file
     try:
-        return region_block(read_area(source))
+        block = region_block(read_area(source))
+        return block.model_copy(update={'sensors': region.sensors})
     except ValueError as error:
         reason = str(error).removeprefix(f'{source}: ')
         raise ScenarioError(f'{place}: {reason}') from error
@@ -115,3 +119,16 @@ def _with_ground(scenario: Scenario, path: Path) -> Scenario:
         raise ScenarioError(f'{path.name}: {line}; no such file')
     camera = scenario.camera.model_copy(update={'ground': str(image)})
     return scenario.model_copy(update={'camera': camera})
+
+
+def _with_terrain(scenario: Scenario, path: Path) -> Scenario:
+    """Return `scenario` with the absolute path of its elevation model, if it names one."""
+    terrain = scenario.survey.terrain_file
+    if not terrain:
+        return scenario
+    file = (path.parent / terrain).resolve()
+    if not file.is_file():
+        line = f'survey.terrain_file = {terrain!r}: must be the path of a GeoTIFF of heights'
+        raise ScenarioError(f'{path.name}: {line}; no such file')
+    survey = scenario.survey.model_copy(update={'terrain_file': str(file)})
+    return scenario.model_copy(update={'survey': survey})

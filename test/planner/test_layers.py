@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Vehicles kept apart by layers of height instead of waiting."""
+
+import dataclasses
+import math
+
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+
+from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
+from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.planning import plan_survey
+
+from .fleets import STARTS, request, vehicle
+from .surveys import surveys
+
+# From one meadow, a few metres apart, all to the same rows.
+CROWD = tuple(vehicle(f'rav{k}', (STARTS[0][0] + 2e-4 * k, STARTS[0][1])) for k in range(1, 5))
+
+
+def crowded(**changes):
+    """Return the plan of four neighbours whose routes cross."""
+    return plan_survey(request(vehicles=CROWD, separation_m=15.0, **changes))
+
+
+def test_layers_keep_apart():
+    """Nobody comes nearer than asked for, some fly higher by whole separations, fewer wait."""
+    waiting, layered = crowded(), crowded(separation_by='layers')
+    for plan in (waiting, layered):
+        assert plan.minimum_separation_m >= 15.0
+        assert check_plan(plan) == []
+    heights = {route.flight_height_m for route in layered.routes}
+    assert heights > {32.0}
+    assert all((height - 32.0) % 15.0 == 0.0 for height in heights)
+    assert {route.flight_height_m for route in waiting.routes} == {32.0}
+    assert layered.makespan_s <= waiting.makespan_s + 1e-6
+
+
+def test_a_layer_is_in_heights_footprints_and_times():
+    """From a higher layer the camera is higher, sees more, and the climb takes longer."""
+    layered, base = crowded(separation_by='layers'), plan_survey(request(vehicles=CROWD))
+    high = next(r for r in layered.routes if r.flight_height_m > 32.0)
+    low = next(r for r in base.routes if r.vehicle.name == high.vehicle.name)
+    more = high.flight_height_m - 32.0
+    assert high.duration_s - low.duration_s == pytest.approx(more / 3.0 + more / 2.0)
+    for above, below in zip(high.viewpoints, low.viewpoints, strict=True):
+        assert above.position.altitude_m == pytest.approx(below.position.altitude_m + more)
+        assert above.height_agl_m == 32.0 + more
+        wide = above.footprint[1].longitude_deg - above.footprint[0].longitude_deg
+        narrow = below.footprint[1].longitude_deg - below.footprint[0].longitude_deg
+        assert wide / narrow == pytest.approx(high.flight_height_m / 32.0, rel=1e-6)
+
+
+def test_a_weak_battery_stays_low():
+    """Who has no time for the climb waits instead."""
+    free = plan_survey(request(vehicles=CROWD))
+    longest = max(route.duration_s for route in free.routes)
+    fleet = tuple(dataclasses.replace(v, endurance_s=longest + 1.0) for v in CROWD)
+    plan = plan_survey(request(vehicles=fleet, separation_m=15.0, separation_by='layers'))
+    assert plan.minimum_separation_m >= 15.0
+    assert check_plan(plan) == []
+    assert all(s.duration_s <= longest + 1.0 for r in plan.routes for s in r.sorties)
+
+
+def test_the_checker_sees_who_flies_in_another_layer():
+    """A height that was not asked for is a fault, also where it is stated."""
+    plan = crowded(separation_by='layers')
+    denied = dataclasses.replace(plan.request, separation_by='delay')
+    assert 'm high: height_agl_m is 32' in ' '.join(
+        check_plan(dataclasses.replace(plan, request=denied))
+    )
+
+
+@settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
+@given(surveys(separation_m=8.0, separation_by='layers'))
+def test_layered_plans_are_valid(survey):
+    """All kinds of regions, exclusions, fleets and wind: the checker accepts the plan."""
+    try:
+        plan = plan_survey(dataclasses.replace(survey, method='nearest_to_shortest'))
+    except (BeyondEnduranceError, NoWayError, ValueError) as error:
+        assume(not any(word in str(error) for word in ('exclusion', 'endurance')))
+        raise
+    assert check_plan(plan) == []
+    assert plan.minimum_separation_m >= 8.0 or math.isinf(plan.minimum_separation_m)
