@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'bridge = rocsafe_mavlink.bridge_node:main',
+            'preflight = rocsafe_mavlink.preflight_command:main',
         ],
     },
 )

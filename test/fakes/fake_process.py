@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fake copters as a process of its own: they speak MAVLink to a bridge over UDP.
 
-    python -m test.fakes.fake_process --to 127.0.0.1:14550 --systems 1 2 --rate 5
+    python test/fakes/fake_process.py --to 127.0.0.1:14550 --systems 1 2 --rate 5
 
 Time runs `--rate` times as fast as on the wall. What was commanded is printed, a line each; the
 camera, if there is one, leaves a JPEG file a shot.
@@ -13,6 +13,12 @@ import socket
 import sys
 import time
 from pathlib import Path
+
+import test
+
+# The standard library has a package of this name, which would hide ours.
+if str(Path(__file__).parents[1]) not in test.__path__:
+    test.__path__.append(str(Path(__file__).parents[1]))
 
 from test.fakes.fake_autopilot import HOME, FakeCopter
 
@@ -45,7 +51,8 @@ class Served:
             )
             for system in arguments.systems
         }
-        self.frame = (arguments.images / 'frame.jpg').read_bytes() if arguments.images else b''
+        frame = arguments.images and arguments.images.parent / 'frame.jpg'
+        self.frame = frame.read_bytes() if frame else b''
 
     def step(self):
         """Let the wall's time pass."""

@@ -313,8 +313,8 @@ def test_unready_vehicle_fails_by_name(changes, name):
         (
             {'longest_s': 60.0},
             (
-                'duration is 80 s: must be at most 60 s; energy is 80% charged: must be 143% for this '
-                'flight, its reserve included'
+                'duration is 80 s: must be at most 60 s; '
+                'energy is 80% charged: must be 143% for this flight, its reserve included'
             ),
         ),
         (

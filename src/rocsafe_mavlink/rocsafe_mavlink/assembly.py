@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From options to lines and drones."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from rocsafe_mavlink.bridge_options import BridgeOptions
@@ -9,6 +10,9 @@ from rocsafe_mavlink.endpoint import parse_endpoint
 from rocsafe_mavlink.flight_journal import FlightJournal
 from rocsafe_mavlink.line import Line
 from rocsafe_mavlink.link import Link, LinkRules
+from rocsafe_mavlink.photograph import PhotographStore
+from rocsafe_mavlink.photographer import Photographer
+from rocsafe_mavlink.pictures import open_source
 from rocsafe_mavlink.signing import SignatureGate, Signer, read_key
 from rocsafe_mavlink.station import Station
 from rocsafe_mavlink.stream_rates import StreamRates
@@ -53,6 +57,23 @@ def make_drones(options: BridgeOptions, lines: dict[str, Line]) -> list[Drone]:
     return drones
 
 
+def make_photographer(
+    options: BridgeOptions, index: int, clock: Callable[[], float]
+) -> Photographer:
+    """Return who follows the camera of vehicle `index`.
+
+    Raises
+    ------
+    ValueError: if its pictures are to come from nowhere.
+    """
+    folder = options.state_path(options.vehicles[index])
+    return Photographer(
+        PhotographStore(None if folder is None else folder / 'shots'),
+        open_source(options.text_of('image_folders', index), clock),
+        None if folder is None else folder / 'shots.csv',
+    )
+
+
 def _line(text: str, options: BridgeOptions) -> Line:
     endpoint = parse_endpoint(text, allow_network=options.allow_network)
     members = [index for index, link in enumerate(options.links) if link == text]
@@ -60,6 +81,7 @@ def _line(text: str, options: BridgeOptions) -> Line:
     called = () if endpoint.kind.value == 'udp' else (address_of(endpoint),)
     rules = LinkRules(
         allowed=frozenset((*endpoint.peers, *called)),
+        called=frozenset(called),
         is_discovering=bool(is_listening) and endpoint.is_loopback,
         is_stream=endpoint.is_stream,
     )

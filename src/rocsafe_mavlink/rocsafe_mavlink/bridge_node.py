@@ -9,7 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import MissionState
-from rocsafe_mavlink.assembly import make_drones, make_lines
+from rocsafe_mavlink.assembly import make_drones, make_lines, make_photographer
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.conversions import link_status
 from rocsafe_mavlink.dialect import Message
@@ -19,6 +19,8 @@ from rocsafe_mavlink.errors import MavlinkError
 from rocsafe_mavlink.events import Event
 from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.order_node import OrderServices
+from rocsafe_mavlink.photographer import Photographer
+from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -34,16 +36,20 @@ SUPERVISOR_LEASE_S = 3.0
 class DroneInterface:
     """Everything of a vehicle's namespace: topics, services and the action."""
 
-    def __init__(self, node: VehicleScopeNode, drone: Drone) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, drone: Drone, photographer: Photographer, fov_rad: float
+    ) -> None:
         self.drone = drone
-        self._telemetry = DroneTelemetry(node, drone, self._shots)
+        self.shots = ShotSender(node, drone, photographer, fov_rad)
+        self._telemetry = DroneTelemetry(node, drone, lambda: self.shots.counts)
         self._orders = OrderServices(node, drone, time.monotonic)
-        self._flights = FlyRouteServer(node, drone, self._stored)
+        self._flights = FlyRouteServer(node, drone, lambda: self.shots.delivered)
 
     def on_message(self, message: Message) -> None:
         """Take a message of the vehicle."""
         self.drone.on_message(message)
         self._telemetry.on_message(message, time.monotonic())
+        self.shots.on_message(message)
 
     def on_event(self, event: Event) -> None:
         """Take something that happened to the vehicle."""
@@ -55,12 +61,7 @@ class DroneInterface:
         self._flights.step(now_s, time_s)
         self._orders.step()
         self._telemetry.step(now_s)
-
-    def _shots(self) -> tuple[int, int]:
-        return 0, 0
-
-    def _stored(self) -> int:
-        return 0
+        self.shots.step(now_s, time_s)
 
 
 class BridgeNode(Node):
@@ -76,12 +77,17 @@ class BridgeNode(Node):
         try:
             self._lines = make_lines(self._options)
             drones = make_drones(self._options, self._lines)
+            photographers = [
+                make_photographer(self._options, index, time.time) for index in range(len(drones))
+            ]
         except (MavlinkError, ValueError) as error:
             raise ParameterError(f'bridge: {error}') from error
         self.vehicle_nodes = [self._vehicle_node(drone, node_options) for drone in drones]
         self._interfaces = [
-            DroneInterface(node, drone)
-            for node, drone in zip(self.vehicle_nodes, drones, strict=True)
+            DroneInterface(node, drone, photographer, self._options.horizontal_fov_rad)
+            for node, drone, photographer in zip(
+                self.vehicle_nodes, drones, photographers, strict=True
+            )
         ]
         for interface, link in zip(self._interfaces, self._options.links, strict=True):
             target = interface.drone.spec.target
@@ -98,6 +104,8 @@ class BridgeNode(Node):
         """Give sockets and devices back."""
         for line in self._lines.values():
             line.close()
+        for interface in self._interfaces:
+            interface.shots.close()
         super().destroy_node()
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:

@@ -47,7 +47,10 @@ class BridgeOptions:
         metadata={'doc': 'flight time of each on a full battery, s (1500)', 'min': 1.0},
     )
     image_folders: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'where the camera of each leaves its JPEG files; empty: none'}
+        default=(),
+        metadata={
+            'doc': 'folder of the JPEG files of each, rtsp://... or /dev/video...; empty: none'
+        },
     )
     signing_key_files: tuple[str, ...] = field(
         default=(), metadata={'doc': 'signing key of each, mode 0600; empty: unsigned'}
@@ -113,8 +116,6 @@ class BridgeOptions:
         default=60.0,
         metadata={'doc': 'angle across the image width, degrees', 'min': 5.0, 'max': 150.0},
     )
-    image_width_px: int = field(default=640, metadata={'doc': 'image width, pixels', 'min': 16})
-    image_height_px: int = field(default=480, metadata={'doc': 'image height, pixels', 'min': 16})
 
     def __post_init__(self) -> None:
         """Refuse lists that do not belong together."""
@@ -153,6 +154,11 @@ class BridgeOptions:
                 self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
             )
         )
+
+    @property
+    def horizontal_fov_rad(self) -> float:
+        """Angle across the image width."""
+        return math.radians(self.camera_horizontal_fov_deg)
 
     def state_path(self, vehicle: str) -> Path | None:
         """Return the folder that keeps what a vehicle must not forget; None: nowhere."""

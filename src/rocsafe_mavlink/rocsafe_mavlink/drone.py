@@ -9,6 +9,7 @@ from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.flight import Flight
 from rocsafe_mavlink.flight_journal import Assignment, Entry, FlightJournal
 from rocsafe_mavlink.flight_outcome import Outcome
+from rocsafe_mavlink.flight_plan import FlightPlan
 from rocsafe_mavlink.line import Line
 from rocsafe_mavlink.observation import FlightSummary, Left, Observation, Sight, left_of, observe
 from rocsafe_mavlink.operator_orders import OperatorOrders
@@ -155,6 +156,10 @@ class Drone:
         ValueError: if it was never heard, or is of no kind that is known.
         """
         plan = None if self.assignment is None else self.assignment.plan
+        return self.checks_of(plan, now_s)
+
+    def checks_of(self, plan: FlightPlan | None, now_s: float) -> tuple[Check, ...]:
+        """Return every look before a flight of `plan`; raises as `checks`."""
         return self._line.station.checks(self.spec.target, plan, self.spec.limits, now_s)
 
     # Flights.

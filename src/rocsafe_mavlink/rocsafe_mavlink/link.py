@@ -38,11 +38,13 @@ class LinkRules:
     Attributes
     ----------
     allowed: addresses that are listened to from the start.
+    called: those of them that are greeted before they were heard: we call, they answer.
     is_discovering: whether any other address may become a peer; for loopback only.
     is_stream: whether bytes come without borders.
     """
 
     allowed: frozenset[Address] = frozenset()
+    called: frozenset[Address] = frozenset()
     is_discovering: bool = False
     is_stream: bool = False
 
@@ -81,8 +83,8 @@ class Link:
 
     @property
     def peers(self) -> tuple[Address, ...]:
-        """Addresses that were heard and believed."""
-        return tuple(self._peers)
+        """Addresses that were heard and believed, and those that we call."""
+        return tuple(dict.fromkeys((*self._peers, *self._rules.called)))
 
     def receive(self, address: Address, data: bytes, now_s: float, time_s: float) -> list[Message]:
         """Return the believable messages in `data` from `address`.

@@ -18,7 +18,7 @@ from rocsafe_radiation.conversions import (
 )
 from rocsafe_radiation.counting import WindowCounter
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
-from rocsafe_radiation.options import GROUND_TRUTH, FieldOptions
+from rocsafe_radiation.options import FieldOptions
 from rocsafe_radiation.pairing import StampPairing
 from rocsafe_radiation.survey_field import SurveyField
 from rocsafe_ros import topics
@@ -50,7 +50,7 @@ class Detector:
         self._unanswered = 0
         self._reported_lost = 0
         self._readings = topics.create_publisher(node, topics.RADIATION, vehicle)
-        if options.position_source == GROUND_TRUTH:
+        if options.uses_truth(vehicle):
             topics.create_subscription(node, topics.GROUND_TRUTH_FIX, self._on_truth, vehicle)
             topics.create_subscription(node, topics.FIX, self._on_fix, vehicle)
         else:

@@ -189,6 +189,10 @@ class FieldOptions:
         default=GROUND_TRUTH,
         metadata={'doc': 'where a dose rate is taken: at the ground_truth or at the fix'},
     )
+    vehicles_at_their_fix: tuple[str, ...] = field(
+        default=(),
+        metadata={'doc': 'vehicles of which nobody publishes the truth: real ones'},
+    )
     lock_step: bool = field(
         default=True, metadata={'doc': 'take part in lock-step simulation as radiation_field'}
     )
@@ -206,6 +210,11 @@ class FieldOptions:
         if TRACK in self.source_shapes and not self.corner_times_s:
             raise ValueError('corner_times_s must be given with a track')
         self.survey_field()
+
+    def uses_truth(self, vehicle: str) -> bool:
+        """Whether the dose rates of `vehicle` are those at its true place."""
+        is_real = vehicle in self.vehicles_at_their_fix
+        return self.position_source == GROUND_TRUTH and not is_real
 
     def _require_parallel(self, leader: str, name: str, *, may_be_empty: bool) -> None:
         count, wanted = len(getattr(self, name)), len(getattr(self, leader))

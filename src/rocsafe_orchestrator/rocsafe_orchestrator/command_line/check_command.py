@@ -66,8 +66,8 @@ def _vehicle_table(scenario: Scenario) -> Table:
         distance = distance_m(centroid, scenario.ground_position(vehicle.home))
         table.add_row(
             vehicle.name,
-            f'{vehicle.home[0]:.6f}, {vehicle.home[1]:.6f}',
-            f'{distance:.0f} m',
+            f'{vehicle.home[0]:.6f}, {vehicle.home[1]:.6f}' if vehicle.has_home else vehicle.link,
+            f'{distance:.0f} m' if vehicle.has_home else 'told by the vehicle',
             f'{vehicle.cruise_speed_mps:g} m/s',
             f'{vehicle.endurance_s / 60.0:.0f} min',
         )

@@ -12,6 +12,8 @@ from rocsafe_orchestrator.scenario.limits import (
     LARGEST_SPEED,
 )
 
+LARGEST_PATIENCE_S = 300.0
+
 
 def speed(text: str) -> float:
     """Return simulated seconds a second; an error names value and limits."""
@@ -51,6 +53,11 @@ def seed(text: str) -> int:
 def count(text: str) -> int:
     """Return a number of vehicles; an error names value and limits."""
     return _whole(text, 1, LARGEST_FLEET)
+
+
+def patience(text: str) -> float:
+    """Return a time to wait in seconds; an error names value and limits."""
+    return _number(text, 0.0, LARGEST_PATIENCE_S, ' s')
 
 
 def _number(text: str, low: float, high: float, unit: str) -> float:

@@ -18,7 +18,12 @@ from rocsafe_orchestrator.command_line.progress import clock_text
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import RegionBlock, SurveyBlock, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import (
+    LINK_KEYS,
+    RegionBlock,
+    SurveyBlock,
+    VehicleBlock,
+)
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario, region_block
 
 REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
@@ -67,7 +72,7 @@ def plan(request: PlanRequest, console: Console) -> int:
     for path, scenario in scenarios:
         with tempfile.TemporaryDirectory(prefix='rocsafe-plan-') as scratch:
             folder = Path(scratch) if request.parent is None else request.parent / path.stem
-            document = _planned(path, scenario, request.method, folder)
+            document = planned(path, scenario, request.method, folder)
         console.print(_quality_table(path, document))
         console.print(_route_table(document))
         if request.parent is not None:
@@ -132,16 +137,20 @@ def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, 
     }
 
 
+# Of a vehicle, in the planner's own words.
+KEYS_SAID_OTHERWISE = frozenset({'home', 'end', 'endurance_s', 'reserve_fraction'})
+
+
 def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:
     return {
-        **vehicle.model_dump(exclude={'home', 'end', 'endurance_s', 'reserve_fraction'}),
+        **vehicle.model_dump(exclude={*KEYS_SAID_OTHERWISE, *LINK_KEYS}),
         'home': [*vehicle.home, scenario.origin.ground_altitude_m],
         'end': None if vehicle.end is None else [*vehicle.end, scenario.origin.ground_altitude_m],
         'endurance_s': vehicle.usable_endurance_s,
     }
 
 
-def _planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
+def planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
     """Return the plan as its JSON file says it."""
     command = [str(find_executable('rocsafe_planner', 'plan_file'))]
     request = json.dumps(planner_request(scenario, method, folder))

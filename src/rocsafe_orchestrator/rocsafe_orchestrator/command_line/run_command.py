@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from rocsafe_orchestrator.command_line.mission_run import MissionRun, Parts
+from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, ScenarioError
 from rocsafe_orchestrator.mission.mission import Mission
@@ -40,6 +41,8 @@ REACH_VARIABLES = (
     'ROS_DISCOVERY_SERVER',
     'ROS_LOCALHOST_ONLY',
 )
+# How long real vehicles may take to be heard and ready.
+PREFLIGHT_S = 60.0
 # Vehicles report once a simulated second.
 BEATS_PERIOD_S = 2.0
 
@@ -72,6 +75,8 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     _stay_on_this_machine()
     require_executables(process_table(scenario, RunDirectory(request.parent)))
     with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
+        if scenario.linked:
+            scenario = cleared(scenario, PREFLIGHT_S, datetime.now().astimezone())
         return _run(request, scenario, console)
 
 

@@ -17,6 +17,8 @@ def field_parameters(scenario: Scenario) -> Parameters:
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
         'vehicles': list(scenario.vehicle_names),
+        # Nobody knows where a real vehicle truly is.
+        'vehicles_at_their_fix': [vehicle.name for vehicle in scenario.linked],
         'start_time_s': scenario.clock.start.timestamp(),
         **_sources(scenario),
         **_boxes(scenario),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario to the ROS parameters of each node."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,11 @@ import yaml
 
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 
 Parameters = dict[str, Any]
 
-FIELD, RECORDER, FLEET = 'radiation_field', 'recorder', 'fleet'
+FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
 LOCALIZER = 'localizer'
 LOCK_STEP = {'lock_step': True}
 
@@ -31,14 +32,18 @@ def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 
 def world_parameters(scenario: Scenario) -> Parameters:
-    """Return the parameters of the world: time stands still until the routes are accepted."""
+    """Return the parameters of the world: time stands still until the routes are accepted.
+
+    Not where a real vehicle takes part: time runs as on the wall then, and does not wait.
+    """
+    is_real = bool(scenario.linked)
     return {
         'step_s': scenario.clock.step_s,
-        'speed': scenario.clock.speed,
+        'speed': 1.0 if is_real else scenario.clock.speed,
         'start_time_s': scenario.clock.start.timestamp(),
         'participants': [*_vehicle_participants(scenario), FIELD, RECORDER],
-        'autostart': False,
-        'pause_when_idle': True,
+        'autostart': is_real,
+        'pause_when_idle': not is_real,
         'scene': scenario.scene,
         'seed': scenario.seed,
         **_origin(scenario),
@@ -58,11 +63,33 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
 def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the one process of all simulated vehicles, which are alike."""
     return {
-        'vehicles': list(scenario.vehicle_names),
-        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.vehicles],
-        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.vehicles],
-        **_vehicle_model(scenario, scenario.vehicles[0]),
+        'vehicles': [vehicle.name for vehicle in scenario.simulated],
+        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.simulated],
+        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.simulated],
+        **_vehicle_model(scenario, scenario.simulated[0]),
         'spool_directory': str(run.spool),
+    }
+
+
+def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
+    """Return the parameters of the bridge to all real vehicles."""
+    linked, camera = scenario.linked, scenario.camera
+    separations = [vehicle.drone.geoid_separation_m for vehicle in linked]
+    return {
+        'vehicles': [vehicle.name for vehicle in linked],
+        'links': [vehicle.link for vehicle in linked],
+        'systems': [vehicle.drone.system for vehicle in linked],
+        'components': [vehicle.drone.component for vehicle in linked],
+        'speeds_mps': [vehicle.cruise_speed_mps for vehicle in linked],
+        'hovers_s': [vehicle.hover_s for vehicle in linked],
+        'endurances_s': [vehicle.endurance_s for vehicle in linked],
+        'image_folders': [vehicle.drone.image_folder for vehicle in linked],
+        'signing_key_files': [vehicle.drone.signing_key_file for vehicle in linked],
+        'geoid_separations_m': [math.nan if s is None else s for s in separations],
+        'state_directory': state_directory,
+        'needs_supervisor': True,
+        'camera_horizontal_fov_deg': camera.horizontal_fov_deg,
+        **_origin(scenario),
     }
 
 
@@ -113,12 +140,13 @@ def write_parameters(path: Path, node: str, parameters: Mapping[str, Any]) -> No
 
 def _vehicle_participants(scenario: Scenario) -> list[str]:
     is_fleet = scenario.simulation.processes == 'fleet'
-    return [FLEET] if is_fleet else list(scenario.vehicle_names)
+    names = [vehicle.name for vehicle in scenario.simulated]
+    return [FLEET] if is_fleet and names else names
 
 
 def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
-    own_keys = {'name', 'home', *PLANNING_KEYS}
+    own_keys = {'name', 'home', *PLANNING_KEYS, *LINK_KEYS}
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),

@@ -63,15 +63,18 @@ class ProcessSpec:
 
 def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
     """Return every process that flies `scenario`."""
-    return (*_fleet_level(scenario, run), *_vehicles(scenario, run))
+    return (*_fleet_level(scenario, run), *_vehicles(scenario, run), *_bridge(scenario, run))
 
 
 def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
     """Return who takes part, as the mission needs to know it."""
     is_fleet = scenario.simulation.processes == 'fleet'
-    names = scenario.vehicle_names
+    simulated = (vehicle.name for vehicle in scenario.simulated)
     return Crew(
-        vehicle_processes={name: node_parameters.FLEET if is_fleet else name for name in names},
+        vehicle_processes={
+            **{name: node_parameters.FLEET if is_fleet else name for name in simulated},
+            **{vehicle.name: node_parameters.BRIDGE for vehicle in scenario.linked},
+        },
         processes=frozenset(spec.name for spec in table),
     )
 
@@ -147,9 +150,20 @@ def _process(
     )
 
 
+def _bridge(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
+    """Return the one process of all real vehicles."""
+    if not scenario.linked:
+        return ()
+    endpoints = (e for vehicle in scenario.linked for e in _vehicle_endpoints(vehicle.name))
+    parameters = node_parameters.bridge_parameters(scenario, str(run.spool))
+    return (
+        _process(node_parameters.BRIDGE, ('rocsafe_mavlink', 'bridge'), parameters, *endpoints),
+    )
+
+
 def _vehicles(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
-    if scenario.simulation.processes == 'fleet':
-        endpoints = (e for name in scenario.vehicle_names for e in _vehicle_endpoints(name))
+    if scenario.simulation.processes == 'fleet' and scenario.simulated:
+        endpoints = (e for vehicle in scenario.simulated for e in _vehicle_endpoints(vehicle.name))
         parameters = node_parameters.fleet_parameters(scenario, run)
         return (_process(node_parameters.FLEET, ('rocsafe_sim', 'fleet'), parameters, *endpoints),)
     return tuple(
@@ -161,7 +175,7 @@ def _vehicles(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
             namespace=f'/{vehicle.name}',
             node='rav',
         )
-        for vehicle in scenario.vehicles
+        for vehicle in scenario.simulated
     )
 
 

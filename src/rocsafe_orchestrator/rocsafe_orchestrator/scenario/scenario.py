@@ -46,6 +46,16 @@ class Scenario(Block):
         """Names of all vehicles, in the order of the file."""
         return tuple(vehicle.name for vehicle in self.vehicles)
 
+    @property
+    def simulated(self) -> tuple[VehicleBlock, ...]:
+        """Vehicles that are simulated."""
+        return tuple(vehicle for vehicle in self.vehicles if not vehicle.link)
+
+    @property
+    def linked(self) -> tuple[VehicleBlock, ...]:
+        """Real vehicles."""
+        return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
+
     def area(self) -> SurveyArea:
         """Return the region.
 

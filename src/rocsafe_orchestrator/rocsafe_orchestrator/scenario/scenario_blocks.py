@@ -138,11 +138,35 @@ class SimulationBlock(Block):
     attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
 
 
+# Of a real vehicle whose home the scenario leaves out: it is told by the vehicle.
+HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
+# Keys of a vehicle that say where it is found, not what it can do.
+LINK_KEYS = frozenset({'link', 'drone'})
+
+
+class DroneBlock(Block):
+    """More of a real vehicle: its MAVLink numbers, its camera's folder, its signing key.
+
+    `geoid_separation_m`: of the geoid above the ellipsoid, where the vehicle does not tell.
+    """
+
+    system: int = Field(default=1, ge=1, le=255)
+    component: int = Field(default=1, ge=1, le=255)
+    image_folder: str = ''
+    signing_key_file: str = ''
+    geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
+
+
 class VehicleBlock(Block):
-    """A vehicle: its name, which is its ROS namespace, its home and what it can do."""
+    """A vehicle: its name, which is its ROS namespace, its home and what it can do.
+
+    One with a `link` is real, and may leave its home to be told by the vehicle.
+    """
 
     name: VehicleName
-    home: LatLon
+    link: str = ''
+    drone: DroneBlock = DroneBlock()
+    home: LatLon = HOME_OF_VEHICLE
     cruise_speed_mps: float = Field(default=5.0, gt=0.0, le=100.0)
     acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0)
     climb_rate_mps: float = Field(default=2.5, gt=0.0, le=50.0)
@@ -156,6 +180,11 @@ class VehicleBlock(Block):
     sensors: tuple[SensorName, ...] = ()
     cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
     hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
+
+    @property
+    def has_home(self) -> bool:
+        """Whether its home is known."""
+        return self.home != HOME_OF_VEHICLE
 
     @property
     def usable_endurance_s(self) -> float:

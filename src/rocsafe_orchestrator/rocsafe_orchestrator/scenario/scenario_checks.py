@@ -23,6 +23,8 @@ def mistakes(scenario: Scenario) -> list[str]:
     lines = [
         *_double_names(scenario),
         *_unequal_fleet(scenario),
+        *_missing_homes(scenario),
+        *_unreal_time(scenario),
         *_too_many_processes(scenario),
         *_half_origin(scenario),
         *_unclear_strengths(scenario),
@@ -59,8 +61,9 @@ def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
     """One process simulates vehicles of one kind."""
     if scenario.simulation.processes != 'fleet':
         return
-    first = scenario.vehicles[0]
-    for index, vehicle in enumerate(scenario.vehicles):
+    simulated = [i for i, vehicle in enumerate(scenario.vehicles) if not vehicle.link]
+    for index in simulated:
+        first, vehicle = scenario.vehicles[simulated[0]], scenario.vehicles[index]
         for key in type(vehicle).model_fields:
             is_own = key in ('name', 'home', *PLANNING_KEYS)
             if not is_own and getattr(vehicle, key) != getattr(first, key):
@@ -71,8 +74,21 @@ def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
                 )
 
 
+def _missing_homes(scenario: Scenario) -> Iterator[str]:
+    for index, vehicle in enumerate(scenario.vehicles):
+        if not vehicle.has_home and not vehicle.link:
+            yield f'vehicles[{index}].home: must be given, or a link to a vehicle that tells it'
+
+
+def _unreal_time(scenario: Scenario) -> Iterator[str]:
+    speed = scenario.clock.speed
+    if scenario.linked and speed not in (0.0, 1.0):
+        name = scenario.linked[0].name
+        yield f'clock.speed = {speed:g}: must be 1, {name} is real (it has a link)'
+
+
 def _too_many_processes(scenario: Scenario) -> Iterator[str]:
-    count = len(scenario.vehicles)
+    count = len(scenario.simulated)
     if scenario.simulation.processes == 'per_vehicle' and count > MOST_VEHICLE_PROCESSES:
         yield (
             f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
@@ -152,7 +168,7 @@ def _unused_shields(scenario: Scenario) -> Iterator[str]:
 def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
     """Catch swapped coordinates, and missions for which the flat frame is wrong."""
     centroid = area.centroid()
-    places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles)}
+    places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles) if v.has_home}
     for index, source in enumerate(scenario.radiation.sources):
         key = f'radiation.sources[{index}]'
         places.update({f'{key}.{shape}': source.place for shape in source.shapes[:1]})

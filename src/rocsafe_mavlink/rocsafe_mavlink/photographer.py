@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From shots and pictures to photographs of a plan, and a table of the shots of each flight."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
+from rocsafe_geo.position import distance_m
+from rocsafe_mavlink.camera_shot import CameraShot, ShotLog
+from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_mavlink.photograph import Photograph, PhotographStore
+from rocsafe_mavlink.picture_pairing import Pair, PicturePairing
+from rocsafe_mavlink.pictures import PictureSource
+from rocsafe_mavlink.vehicle import Gps, Vehicle
+
+COLUMNS = ('index', 'unix_s', 'latitude_deg', 'longitude_deg', 'altitude_ellipsoid_m',
+           'height_above_home_m', 'roll_rad', 'pitch_rad', 'yaw_rad', 'source',
+           'is_interpolated')  # fmt: skip
+NS_PER_S = 1e9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exposure:
+    """What a photograph takes from its vehicle at the moment.
+
+    Attributes
+    ----------
+    vehicle: its name.
+    assignment: the plan it flies; None: none.
+    gps: how good its position is.
+    clock_s: time of the mission less the time of day.
+    """
+
+    vehicle: str
+    assignment: Assignment | None
+    gps: Gps
+    clock_s: float
+
+
+class Photographer:
+    """Follows the camera of one vehicle.
+
+    Parameters
+    ----------
+    store: keeps the photographs.
+    source: where the pictures come from; None: there are none, only shots are counted.
+    table: CSV file of the shots; None: none is written.
+    """
+
+    def __init__(
+        self, store: PhotographStore, source: PictureSource | None, table: Path | None
+    ) -> None:
+        self.store = store
+        self._source = source
+        self._table = table
+        self._log = ShotLog()
+        self._pairing = PicturePairing()
+        self._new: list[CameraShot] = []
+        self.shot_count = 0
+
+    @property
+    def delivered(self) -> int:
+        """Photographs that are, or will be, in the image store."""
+        return self.store.next_sequence
+
+    def on_message(self, message: Message, vehicle: Vehicle, unix_s: float) -> list[CameraShot]:
+        """Take a message of the vehicle; return the shots that it tells of."""
+        shots = self._log.take(message, vehicle, unix_s)
+        self.shot_count += len(shots)
+        self._new += shots
+        for shot in shots:
+            self._note(shot)
+        return shots
+
+    def develop(self, exposure: Exposure) -> list[Photograph]:
+        """Return the photographs whose picture and shot are both here now; they are kept."""
+        if self._source is None:
+            self._new.clear()
+            return []
+        shots, self._new = self._new, []
+        pictures = self._source.take()
+        streamed = [picture for shot in shots if (picture := self._source.at(shot.unix_s))]
+        pairs = self._pairing.add(shots, pictures or streamed)
+        made = []
+        for pair in pairs:
+            photograph = self._photograph(pair, exposure)
+            if photograph is not None:
+                self.store.add(photograph)
+                made.append(photograph)
+        return made
+
+    def close(self) -> None:
+        """Give the source back."""
+        if self._source is not None:
+            self._source.close()
+
+    def _photograph(self, pair: Pair, exposure: Exposure) -> Photograph | None:
+        size = _size_of(pair.picture.jpeg)
+        if size is None:
+            return None
+        shot, attitude = pair.shot, pair.shot.attitude
+        angles = (0.0, 0.0, 0.0)
+        if attitude is not None:
+            angles = (attitude.yaw_rad, attitude.pitch_rad, attitude.roll_rad)
+        x, y, z, w = quaternion_of_rotation(rotation_enu_from_optical(*angles)).tolist()
+        return Photograph(
+            vehicle=exposure.vehicle,
+            sequence=self.store.next_sequence,
+            viewpoint_id=viewpoint_of(shot, exposure.assignment),
+            time_ns=round((shot.unix_s + exposure.clock_s) * NS_PER_S),
+            position=shot.position,
+            horizontal_std_m=exposure.gps.horizontal_std_m,
+            vertical_std_m=exposure.gps.vertical_std_m,
+            height_m=shot.height_m,
+            quaternion_xyzw=(x, y, z, w),
+            width_px=size[0],
+            height_px=size[1],
+            jpeg=pair.picture.jpeg,
+        )
+
+    def _note(self, shot: CameraShot) -> None:
+        if self._table is None:
+            return
+        is_new = not self._table.exists()
+        self._table.parent.mkdir(parents=True, exist_ok=True)
+        attitude = shot.attitude
+        angles = ('', '', '')
+        if attitude is not None:
+            angles = tuple(  # type: ignore[assignment]
+                f'{angle:.5f}'
+                for angle in (attitude.roll_rad, attitude.pitch_rad, attitude.yaw_rad)
+            )
+        with self._table.open('a', encoding='utf-8', newline='') as file:
+            writer = csv.writer(file)
+            if is_new:
+                writer.writerow(COLUMNS)
+            place = shot.position
+            writer.writerow(
+                [
+                    shot.index,
+                    f'{shot.unix_s:.3f}',
+                    f'{place.latitude_deg:.7f}',
+                    f'{place.longitude_deg:.7f}',
+                    f'{place.altitude_m:.3f}',
+                    f'{shot.height_m:.3f}',
+                    *angles,
+                    shot.source,
+                    int(shot.is_interpolated),
+                ]
+            )
+
+
+def viewpoint_of(shot: CameraShot, assignment: Assignment | None) -> int:
+    """Return the viewpoint of the plan that a shot was taken nearest to; 0 without a plan."""
+    if assignment is None:
+        return 0
+    stops = zip(assignment.viewpoint_ids, assignment.plan.stops, strict=True)
+    return min(stops, key=lambda stop: distance_m(shot.position, stop[1].position))[0]
+
+
+def _size_of(jpeg: bytes) -> tuple[int, int] | None:
+    """Return width and height of an image file, from its head; None if it is none."""
+    try:
+        with Image.open(io.BytesIO(jpeg)) as image:
+            return int(image.width), int(image.height)
+    except (OSError, SyntaxError):
+        return None

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`rocsafe preflight`: real vehicles looked at before a flight."""
+
+import json
+import math
+import subprocess
+import tempfile
+from collections.abc import Iterable
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from rocsafe_orchestrator.command_line.plan_command import planned
+from rocsafe_orchestrator.errors import (
+    EXIT_COMPLETE,
+    EXIT_FAILED,
+    OrchestratorError,
+    ScenarioError,
+)
+from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
+from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+
+# What starting the executable and ending it may take besides.
+SPARE_S = 30.0
+STYLES = {'pass': 'green', 'warn': 'yellow', 'fail': 'bold red'}
+
+
+def preflight(path: Path, patience_s: float, console: Console) -> int:
+    """Print every check of the real vehicles of the scenario at `path`; return the exit code.
+
+    Raises
+    ------
+    OrchestratorError: if the scenario is not valid, has no real vehicle, or a link cannot be used.
+    """
+    scenario = read_scenario(path)
+    if not scenario.linked:
+        raise ScenarioError(f'{path}: no vehicle is real (has a link): nothing to check')
+    first = look(scenario, patience_s)
+    scenario = with_homes(scenario, first)
+    unknown = [vehicle.name for vehicle in scenario.linked if not vehicle.has_home]
+    answers = first if unknown else look(scenario, patience_s, planned_routes(path, scenario))
+    for answer in answers:
+        console.print(_table(answer))
+    failed = [answer['name'] for answer in answers if not answer['may_fly']]
+    words = f'must not fly: {", ".join(failed)}' if failed else 'all may fly'
+    console.print(words, style='bold red' if failed else 'bold green')
+    return EXIT_FAILED if failed else EXIT_COMPLETE
+
+
+def look(
+    scenario: Scenario, patience_s: float, routes: dict[str, Any] | None = None
+) -> list[dict[str, Any]]:
+    """Return what the executable `preflight` says of each real vehicle.
+
+    Raises
+    ------
+    OrchestratorError: saying why it says nothing.
+    """
+    bridge = {key: _json_value(value) for key, value in bridge_parameters(scenario, '').items()}
+    request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': patience_s}
+    command = [str(find_executable('rocsafe_mavlink', 'preflight'))]
+    try:
+        done = subprocess.run(
+            command,
+            input=json.dumps(request),
+            capture_output=True,
+            text=True,
+            timeout=patience_s + SPARE_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise OrchestratorError(f'preflight: no answer within {error.timeout:g} s') from error
+    if not done.stdout:
+        words = done.stderr.strip().splitlines() or [f'preflight ended with {done.returncode}']
+        raise OrchestratorError(words[-1].removeprefix('error: '))
+    answers: list[dict[str, Any]] = json.loads(done.stdout)['vehicles']
+    return answers
+
+
+def cleared(scenario: Scenario, patience_s: float, now: datetime) -> Scenario:
+    """Return `scenario` as it is flown with real vehicles: at their homes, by the clock.
+
+    Raises
+    ------
+    OrchestratorError: if a vehicle must not fly, with every reason.
+    """
+    answers = look(scenario, patience_s)
+    reasons = [
+        f'{answer["name"]} must not fly: {check["name"]} is {check["value"]}: must be '
+        f'{check["limit"]}'
+        for answer in answers
+        for check in answer['checks']
+        if check['verdict'] == 'fail'
+    ]
+    if reasons:
+        raise OrchestratorError('\n'.join(reasons))
+    is_given = 'start' in scenario.clock.model_fields_set
+    start = scenario.clock.start if is_given else now.astimezone(timezone.utc)
+    clock = scenario.clock.model_copy(update={'speed': 1.0, 'start': start})
+    return with_homes(scenario, answers).model_copy(update={'clock': clock})
+
+
+def with_homes(scenario: Scenario, answers: Iterable[dict[str, Any]]) -> Scenario:
+    """Return the scenario with the homes that real vehicles told, where it has none."""
+    told = {answer['name']: answer['home'] for answer in answers if answer['home']}
+    vehicles = tuple(
+        vehicle
+        if vehicle.has_home or vehicle.name not in told
+        else vehicle.model_copy(update={'home': tuple(told[vehicle.name])})
+        for vehicle in scenario.vehicles
+    )
+    return scenario.model_copy(update={'vehicles': vehicles})
+
+
+def planned_routes(path: Path, scenario: Scenario) -> dict[str, Any]:
+    """Return what each real vehicle would fly, as the executable `preflight` reads it."""
+    with tempfile.TemporaryDirectory(prefix='rocsafe-preflight-') as scratch:
+        document = planned(path, scenario, '', Path(scratch))
+    ground_m = scenario.origin.ground_altitude_m
+    homes = {vehicle.name: vehicle.home for vehicle in scenario.linked}
+    return {
+        route['vehicle']: {
+            'home': list(homes[route['vehicle']]),
+            'waypoints': [_waypoint(viewpoint, ground_m) for viewpoint in route['viewpoints']],
+        }
+        for route in document['routes']
+        if route['vehicle'] in homes and route['viewpoints']
+    }
+
+
+def _waypoint(viewpoint: dict[str, Any], ground_m: float) -> list[float]:
+    place = (viewpoint['latitude_deg'], viewpoint['longitude_deg'])
+    return [*place, viewpoint['altitude_m'] - ground_m]
+
+
+def _json_value(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_json_value(part) for part in value]
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _table(answer: dict[str, Any]) -> Table:
+    title = answer['name'] + ('' if answer['may_fly'] else ': must not fly')
+    table = Table(title=title, box=None, pad_edge=False, header_style='dim', title_justify='left')
+    for column in ('check', '', 'found', 'must be'):
+        table.add_column(column)
+    for check in answer['checks']:
+        verdict = check['verdict']
+        table.add_row(
+            check['name'],
+            f'[{STYLES[verdict]}]{verdict}[/]',
+            check['value'],
+            check['limit'],
+        )
+    return table
