@@ -152,6 +152,9 @@ def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:
 
 def planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
     """Return the plan as its JSON file says it."""
+    homeless = ', '.join(vehicle.name for vehicle in scenario.vehicles if not vehicle.has_home)
+    if homeless:
+        raise ScenarioError(f'{path}: {homeless}: home must be given to plan without the vehicle')
     command = [str(find_executable('rocsafe_planner', 'plan_file'))]
     request = json.dumps(planner_request(scenario, method, folder))
     try:

@@ -164,8 +164,6 @@ class VehicleBlock(Block):
     """
 
     name: VehicleName
-    link: str = ''
-    drone: DroneBlock = DroneBlock()
     home: LatLon = HOME_OF_VEHICLE
     cruise_speed_mps: float = Field(default=5.0, gt=0.0, le=100.0)
     acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0)
@@ -180,6 +178,8 @@ class VehicleBlock(Block):
     sensors: tuple[SensorName, ...] = ()
     cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
     hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
+    link: str = ''
+    drone: DroneBlock = DroneBlock()
 
     @property
     def has_home(self) -> bool:
