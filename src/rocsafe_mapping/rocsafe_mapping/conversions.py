@@ -6,7 +6,8 @@ import math
 from sensor_msgs.msg import CameraInfo, NavSatFix
 
 from rocsafe_interfaces.msg import GeotaggedImage, Mosaic, ShotReceipt
-from rocsafe_mapping.mosaic import MapExtent
+from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.map_files import MapFiles
 from rocsafe_mapping.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.store import Answer, Status
 from rocsafe_ros.conversions import (
@@ -84,18 +85,26 @@ def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:
     )
 
 
-def mosaic_message(extent: MapExtent, images_placed: int, preview_png: bytes) -> Mosaic:
-    """Return the map as a message, without a stamp and a file."""
+def mosaic_message(live: LiveMap, files: MapFiles) -> Mosaic:
+    """Return the map as a message, without a stamp."""
+    south_west, north_east = live.preview.corners()
     message = Mosaic(
-        images_placed=images_placed,
-        epsg_code=extent.epsg,
-        ground_resolution_m=extent.resolution_m,
-        south_west=point_of_position(extent.south_west),
-        north_east=point_of_position(extent.north_east),
+        path=files.geotiff,
+        is_final=files.is_final,
+        images_placed=len(live),
+        images_by_features=live.by_features,
+        epsg_code=live.maker.epsg,
+        ground_resolution_m=files.ground_resolution_m,
+        south_west=point_of_position(south_west),
+        north_east=point_of_position(north_east),
+        stated_error_m=files.stated_error_m,
+        is_georeferenced=files.is_georeferenced,
+        tiles_path=files.tiles,
+        quality_path=files.quality,
     )
     message.header.frame_id = EARTH_FRAME
     message.preview.format = 'png'
-    message.preview.data = preview_png
+    message.preview.data = live.preview.png()
     return message
 
 

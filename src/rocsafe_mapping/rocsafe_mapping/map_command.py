@@ -2,7 +2,6 @@
 """`map`: the map of a folder of photographs, without ROS."""
 
 import argparse
-import resource
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -12,14 +11,11 @@ from typing import Any
 
 from rocsafe_geo.area_files import read_area
 from rocsafe_mapping.catalogue import MANIFEST, StoredShot, read_store
-from rocsafe_mapping.durable import write_whole
 from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.handover import Handover, hand_over
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.photograph_files import photographs_of
-from rocsafe_mapping.products.cog import write_cog
-from rocsafe_mapping.products.overlays import write_mbtiles, write_overlays
-from rocsafe_mapping.products.quality import quality
-from rocsafe_mapping.products.quality_page import quality_page, quality_text
+from rocsafe_mapping.products.overlays import write_mbtiles
 
 EXIT_OK, EXIT_FAILED, EXIT_REFUSED = 0, 1, 2
 NAME = 'mosaic'
@@ -78,27 +74,20 @@ def make_map(options: argparse.Namespace) -> int:
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
     watch.lap('read')
-    alignment = maker.align(watch.lap)
-    renderer = maker.renderer()
-    watch.lap('seams')
     folder = options.output or options.folder / 'map'
-    cog = folder / f'{NAME}.tif'
-    write_cog(cog, renderer.grid, renderer.window, renderer.tiles())
-    watch.lap('draw')
     region = None
     if options.region is not None:
         region = read_area(options.region).polygon(maker.frame.frame)
-    document = quality(alignment, maker.survey.state, renderer, region)
-    watch.lap('quality')
+    wanted = Handover(
+        geotiff=folder / f'{NAME}.tif',
+        folder=folder,
+        region=region,
+        with_overlays=not options.only_geotiff,
+    )
+    alignment = maker.align(watch.lap)
+    document = hand_over(maker, alignment, wanted, watch.lap, watch.costs)
     if not options.only_geotiff:
-        write_overlays(cog, folder / NAME)
-        write_mbtiles(cog, folder / f'{NAME}.mbtiles')
-        watch.lap('overlays')
-    document['costs'] = watch.costs
-    document['peak_memory_mb'] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-    write_whole(folder / 'quality.json', quality_text(document))
-    picture = '' if options.only_geotiff else f'{NAME}.png'
-    write_whole(folder / 'quality.html', quality_page(document, picture).encode())
+        write_mbtiles(wanted.geotiff, folder / f'{NAME}.mbtiles')
     return _conclude(document, folder)
 
 

@@ -3,7 +3,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,6 +100,15 @@ class Mapmaker:
     def __len__(self) -> int:
         return len(self.survey)
 
+    def __contains__(self, name: str) -> bool:
+        return name in self.survey
+
+    @property
+    def finest_resolution_m(self) -> float:
+        """Side of the ground that a pixel of the photographs shows."""
+        sizes = [photo.ground_resolution_m for photo in self.survey.photos.values()]
+        return round(float(np.median(sizes)), 4)
+
     def add(self, record: ShotRecord, read: ReadImage) -> Photo:
         """Take in a photograph: it lies where its fix says until it is aligned.
 
@@ -107,7 +116,7 @@ class Mapmaker:
         ------
         PlacementError: if its position, height or attitude is unknown or outside UTM.
         """
-        frame = self.frame or ground_frame_of([record])
+        frame = self.frame or ground_frame_of(record)
         photo = photo_of_record(record, frame)
         epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
         self.frame, self.epsg = frame, epsg
@@ -145,8 +154,8 @@ class Mapmaker:
             held_out_px=residuals_px(photos, pairs, state, held_out=True),
         )
 
-    def sheets(self) -> dict[str, Sheet]:
-        """Return the photographs as they lie now."""
+    def sheets(self, names: Collection[str] | None = None) -> dict[str, Sheet]:
+        """Return the photographs, or some of them, as they lie now."""
         state = self.survey.state
         return {
             name: Sheet(
@@ -155,7 +164,7 @@ class Mapmaker:
                 lens=state.lenses.get(self.survey.photo(name).lens, Lens()),
                 surface=state.surface,
             )
-            for name, placement in self.survey.placements().items()
+            for name, placement in self.survey.placements(names).items()
         }
 
     def renderer(self) -> Renderer:
@@ -179,8 +188,7 @@ class Mapmaker:
             raise PlacementError('no photograph is placed yet')
         wished = self._options.ground_resolution_m
         if wished == 0.0:
-            finest = [sheet.photo.ground_resolution_m for sheet in sheets.values()]
-            wished = round(float(np.median(finest)), 4)
+            wished = self.finest_resolution_m
         grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
         corners = np.concatenate([sheet.corners_m for sheet in sheets.values()])
         while True:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``mosaic``: the stored photographs as one map, while they come in."""
 
+import dataclasses
 from collections import deque
 from pathlib import Path
 from typing import Any
@@ -13,34 +14,41 @@ from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.conversions import mosaic_message
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
-from rocsafe_mapping.geotiff import write_geotiff
-from rocsafe_mapping.mosaic import Mosaic
+from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.map_files import TILES, files_after, files_before
+from rocsafe_mapping.mapmaker import MapOptions
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 
-# Between two photographs of a backlog: long enough to serve a request.
+# Between two pieces of work: long enough to serve a request.
 PAUSE_S = 0.001
+# Between two previews while photographs come.
+PREVIEW_S = 0.5
 
 
 class MosaicNode(Node):
-    """Places each stored photograph on the map and writes the map when asked.
+    """Shows each stored photograph on the map at once, then where it fits, and writes the map.
 
-    Subscribes: ``shots/receipts``. Publishes: ``mosaic`` with a preview, as often as work was
-    done that makes one worth its cost. Service: ``mosaic/save`` places all that is stored, writes
-    the GeoTIFF and publishes it as final. A restarted node makes the map again from the store.
+    Subscribes: ``shots/receipts``. Publishes: ``mosaic`` with a preview, at most twice a second.
+    Service: ``mosaic/save`` places all that is stored, writes the GeoTIFF with its quality and
+    publishes it as final. A restarted node makes the map again from the store.
     """
 
     def __init__(self, **node_options: Any) -> None:
         super().__init__('mosaic', **node_options)
-        options = declare_options(self, MosaicOptions)
-        self._store = Path(options.store_directory)
-        self._output = Path(options.output_path).absolute()
-        self._mosaic = Mosaic(
-            ground_resolution_m=options.ground_resolution_m,
-            max_pixels=options.max_pixels,
-            notice=self.get_logger().warning,
+        self._options = declare_options(self, MosaicOptions)
+        self._store = Path(self._options.store_directory)
+        self._files = files_before(self._options)
+        self._live = LiveMap(
+            MapOptions(
+                ground_resolution_m=self._options.ground_resolution_m,
+                max_pixels=self._options.max_pixels,
+            ),
+            self._options.products / TILES if self._options.live_tiles else None,
+            self.get_logger().warning,
         )
         self._waiting: deque[str] = deque()
         self._refused: set[str] = set()
@@ -49,7 +57,13 @@ class MosaicNode(Node):
         self.create_service(topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name, self._on_save)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._worker = self.create_timer(PAUSE_S, self._on_worker, clock=steady)
+        self.create_timer(PREVIEW_S, self._on_preview, clock=steady)
         self._find_stored()
+
+    def destroy_node(self) -> None:
+        """End the thread of the map with the node."""
+        self._live.close()
+        super().destroy_node()
 
     def _on_receipt(self, receipt: ShotReceipt) -> None:
         if receipt.status != ShotReceipt.REJECTED:
@@ -57,28 +71,43 @@ class MosaicNode(Node):
             self._worker.reset()
 
     def _on_worker(self) -> None:
-        if not self._waiting:
+        if self._waiting:
+            self._receive_next()
+        elif not self._work() and not self._live.is_busy:
             self._worker.cancel()
-            return
-        self._place_next()
-        if self._mosaic.is_preview_due:
-            self._publish(is_final=False)
+
+    def _on_preview(self) -> None:
+        if self._live.preview.is_due:
+            self._publish()
 
     def _on_save(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         try:
-            self._find_stored()
-            while self._waiting:
-                self._place_next()
-            write_geotiff(self._mosaic, self._output)
+            quality = self._saved()
         except MappingError as error:
             response.message = str(error)
             return response
-        self._publish(is_final=True)
+        self._files = files_after(self._files, self._options, quality)
+        self._publish()
         response.success = True
-        response.message = f'{len(self._mosaic)} photographs in {self._output}'
+        response.message = f'{len(self._live)} photographs in {self._files.geotiff}'
         if self._refused:
             response.message += f', {len(self._refused)} could not be placed'
         return response
+
+    def _saved(self) -> dict[str, Any]:
+        """Place all that is stored, write the map and return its quality."""
+        self._find_stored()
+        while self._waiting:
+            self._receive_next()
+        self._live.finish()
+        alignment = self._live.maker.align()
+        wanted = Handover(
+            geotiff=Path(self._options.output_path).absolute(), folder=self._options.products
+        )
+        quality = hand_over(self._live.maker, alignment, wanted)
+        self._live.mark_all()
+        self._worker.reset()
+        return quality
 
     def _find_stored(self) -> None:
         """Queue what the store holds: after a restart, or where a receipt was lost."""
@@ -89,26 +118,30 @@ class MosaicNode(Node):
             return
         self._waiting.extend(shot.record.shot_id for shot in shots)
 
-    def _place_next(self) -> None:
+    def _receive_next(self) -> None:
         shot_id = self._waiting.popleft()
-        if shot_id in self._mosaic or shot_id in self._refused:
+        if shot_id in self._live or shot_id in self._refused:
             return
         try:
             shot = read_shot(self._store, shot_id)
-            self._mosaic.place(shot.record, shot.read_image)
+            self._live.receive(shot.record, shot.read_image)
         except PlacementError as error:
             self._refused.add(shot_id)
             self.get_logger().warning(f'not on the map: {error}')
         except StoreError as error:
             self.get_logger().error(str(error))
+        self._files = dataclasses.replace(self._files, is_final=False)
 
-    def _publish(self, *, is_final: bool) -> None:
-        message = mosaic_message(
-            self._mosaic.extent, len(self._mosaic), self._mosaic.preview_png()
-        )
+    def _work(self) -> bool:
+        try:
+            return self._live.work()
+        except MappingError as error:
+            self.get_logger().error(str(error))
+            return False
+
+    def _publish(self) -> None:
+        message = mosaic_message(self._live, self._files)
         message.header.stamp = self.get_clock().now().to_msg()
-        message.path = str(self._output) if self._output.exists() else ''
-        message.is_final = is_final
         self._maps.publish(message)
 
 

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 
 # Room for any one photograph, however its edges fall on the map's grid.
 SMALLEST_MAX_PIXELS = 512 * 512
@@ -32,9 +33,22 @@ class MosaicOptions:
     output_path: str = field(
         default='mosaic.tif', metadata={'doc': 'GeoTIFF that the service mosaic/save writes'}
     )
+    products_directory: str = field(
+        default='',
+        metadata={
+            'doc': 'where quality, overlays and live tiles go; empty: map, beside the GeoTIFF'
+        },
+    )
+    live_tiles: bool = field(
+        default=True, metadata={'doc': 'keep tiles for web maps up to date while images come'}
+    )
     ground_resolution_m: float = field(
         default=0.1,
-        metadata={'doc': 'side of a pixel of the map, metres', 'min': 1e-3, 'max': 1e3},
+        metadata={
+            'doc': 'side of a pixel of the map, metres; 0: that of the images',
+            'min': 0.0,
+            'max': 1e3,
+        },
     )
     max_pixels: int = field(
         default=25_000_000,
@@ -48,10 +62,17 @@ class MosaicOptions:
     def __post_init__(self) -> None:
         _require_text('store_directory', self.store_directory)
         _require_text('output_path', self.output_path)
-        if not 0.0 < self.ground_resolution_m < math.inf:
+        if not 0.0 <= self.ground_resolution_m < math.inf:
             raise ValueError(
-                f'ground_resolution_m = {self.ground_resolution_m} must be positive and finite'
+                f'ground_resolution_m = {self.ground_resolution_m} must be at least 0 and finite'
             )
+
+    @property
+    def products(self) -> Path:
+        """Folder of what goes with the GeoTIFF."""
+        if self.products_directory:
+            return Path(self.products_directory).absolute()
+        return Path(self.output_path).absolute().parent / 'map'
 
 
 def _require_text(name: str, value: str) -> None:

@@ -34,7 +34,7 @@ BASELINE_STDS = 4.0
 BASELINE_SHARE = 0.3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Pair:
     """Two photographs of the same ground.
 

@@ -6,7 +6,6 @@ ground. The curvature of the earth is left out of `up`, so that level ground is 
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +26,9 @@ DEFAULT_YAW_STD_RAD = math.radians(10.0)
 # Nobody knows better than this where a lens is, whatever a receiver claims.
 LEAST_POSITION_STD_M = 0.02
 LEAST_ANGLE_STD_RAD = math.radians(0.1)
+# Farthest ground that is drawn, in heights: beyond it, 79 degrees off nadir, a pixel of the
+# photograph smears over more than twenty times its size below the camera.
+LONGEST_REACH = 5.0
 # Above this a yaw says nothing.
 UNKNOWN_YAW_STD_RAD = math.radians(60.0)
 
@@ -106,21 +108,20 @@ class GroundFrame:
         return self.frame.to_geodetic(enu)[:, :2]
 
 
-def ground_frame_of(records: Iterable[ShotRecord]) -> GroundFrame:
-    """Return the frame about the first record that has a position.
+def ground_frame_of(record: ShotRecord) -> GroundFrame:
+    """Return the frame about the ground below a photograph.
 
     Raises
     ------
-    PlacementError: if none has one.
+    PlacementError: if it has no position.
     """
-    for record in records:
-        if math.isfinite(record.latitude_deg + record.longitude_deg):
-            altitude_m = record.altitude_m - record.height_agl_m
-            ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
-            return GroundFrame(
-                LocalFrame(GeoPosition(record.latitude_deg, record.longitude_deg, ground_m))
-            )
-    raise PlacementError('no photograph has a position')
+    if not math.isfinite(record.latitude_deg + record.longitude_deg):
+        raise PlacementError(f'{record.shot_id} was taken without a fix')
+    altitude_m = record.altitude_m - record.height_agl_m
+    ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
+    return GroundFrame(
+        LocalFrame(GeoPosition(record.latitude_deg, record.longitude_deg, ground_m))
+    )
 
 
 def photo_of_record(record: ShotRecord, frame: GroundFrame) -> Photo:
@@ -140,6 +141,7 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame) -> Photo:
     except ValueError as error:
         raise PlacementError(f'{record.shot_id} has no orientation: {error}') from error
     east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    _require_downward(record, rotation)
     turn = record.orientation_covariance_rad2
     fix = record.position_covariance_m2
     lens = f'{record.lens or record.vehicle}/{record.camera.width_px}x{record.camera.height_px}'
@@ -190,6 +192,18 @@ def footprint(photo: Photo, pose: Pose) -> FloatArray:
     steepness = np.maximum(-rays[:, 2], 0.2 * np.hypot(rays[:, 0], rays[:, 1]))
     reach: FloatArray = rays[:, :2] / np.maximum(steepness, 1e-9)[:, np.newaxis] * pose.centre[2]
     return pose.centre[:2] + reach
+
+
+def _require_downward(record: ShotRecord, rotation: FloatArray) -> None:
+    """Raise PlacementError unless all of the image shows ground that is not too far away."""
+    camera = record.camera
+    right, bottom = camera.width_px - 0.5, camera.height_px - 0.5
+    corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
+    rays = rays_of_pixels(camera, corners) @ rotation.T
+    if not np.all(rays[:, 2] < 0.0):
+        raise PlacementError(f'{record.shot_id} looks at or above the horizon')
+    if np.max(np.hypot(rays[:, 0], rays[:, 1]) / -rays[:, 2]) > LONGEST_REACH:
+        raise PlacementError(f'{record.shot_id} looks farther than {LONGEST_REACH:g} heights')
 
 
 def _std(variance: float, default: float, least: float) -> float:

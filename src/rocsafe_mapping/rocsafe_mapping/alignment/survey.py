@@ -8,7 +8,7 @@ are adjusted together from the beginning: that result depends on the set of phot
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +46,22 @@ class Placement:
     placed_by: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution:
+    """An adjustment of all photographs.
+
+    Attributes
+    ----------
+    state: that fits best.
+    unbelieved: photographs whose yaws are wrong alike.
+    rejected: pairs that do not agree with the others.
+    """
+
+    state: State
+    unbelieved: frozenset[str]
+    rejected: tuple[Pair, ...]
+
+
 class Survey:
     """All photographs, their ties and their poses.
 
@@ -68,6 +84,9 @@ class Survey:
 
     def __len__(self) -> int:
         return len(self._photos)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._photos
 
     @property
     def photos(self) -> Mapping[str, Photo]:
@@ -123,21 +142,21 @@ class Survey:
 
     def place(self, name: str) -> frozenset[str]:
         """Adjust a tied photograph with its neighbours; return the names of those that moved."""
-        near = self._partners(name) & set(self.state.poses)
-        if not near:
-            partners = self._partners(name)
-            if partners:
-                return self.place_all()
+        partners = self._partners(name)
+        if not partners:
             return frozenset()
-        first = self._start({name} | near)
-        # The group's own start is loose; only its shape is taken, laid on the neighbours' poses.
+        placed = partners & set(self.state.poses)
+        fresh = ({name} | partners) - placed
+        first = self._start(fresh | placed)
         poses = dict(self.state.poses)
-        poses[name] = _carried(first.poses, poses, name, near)
-        free = {name} | near
+        for other in sorted(fresh & set(first.poses)):
+            # A start is loose: only its shape is taken, laid on poses that are known.
+            poses[other] = _carried(first.poses, poses, other, placed)
+        free = (fresh | placed) & set(poses)
         pairs = [
-            p
-            for p in self.pairs
-            if (p.first in free or p.second in free) and p.first in poses and p.second in poses
+            pair
+            for key, pair in sorted(self._pairs.items())
+            if pair and key not in self._rejected and free & set(key) and poses.keys() >= set(key)
         ]
         state = dataclasses.replace(self.state, poses=poses)
         self.state = adjusted(self.photos, pairs, state, free)
@@ -145,19 +164,24 @@ class Survey:
 
     def place_all(self) -> frozenset[str]:
         """Adjust all photographs from the beginning; return the names of those that are tied."""
-        first = self._start(None)
-        if not first.poses:
-            return frozenset()
-        self._unbelieved = frozenset(
-            name
-            for names, is_believed in zip(first.groups, first.is_yaw_believed, strict=True)
-            for name in names
-            if not is_believed
-        )
-        agreeing = {(pair.first, pair.second) for pair in first.pairs}
-        self._rejected = {key for key, pair in self._pairs.items() if pair and key not in agreeing}
-        self.state = adjusted(self.photos, first.pairs, State(poses=first.poses))
+        self.adopt(self.global_solution()())
         return frozenset(self.state.poses)
+
+    def global_solution(self) -> Callable[[], 'Solution']:
+        """Return the adjustment of all photographs, to be carried out, also by another thread."""
+        photos, pairs = dict(self._photos), self.pairs
+        return lambda: _solved(photos, pairs)
+
+    def adopt(self, solution: 'Solution') -> None:
+        """Take over a solution; photographs that came since keep their place among the others."""
+        before = self.state
+        self._unbelieved = solution.unbelieved
+        self._rejected = {
+            (pair.first, pair.second) for pair in self.pairs if pair in solution.rejected
+        }
+        self.state = solution.state
+        for name in sorted(before.poses.keys() - solution.state.poses.keys()):
+            self.place(name)
 
     def complete(self) -> None:
         """Look for all pairs that the full set of photographs suggests, hardest for the lonely."""
@@ -174,20 +198,17 @@ class Survey:
                 self._sift_tried.add(pair)
                 self._pairs[pair] = self._match_sift(*pair)
 
-    def placements(self) -> dict[str, Placement]:
-        """Return where every photograph is."""
-        found = {
-            name: Placement(pose=pose, placed_by=BY_FEATURES)
-            for name, pose in self.state.poses.items()
+    def placements(self, names: Collection[str] | None = None) -> dict[str, Placement]:
+        """Return where every photograph is, or some of them."""
+        return {
+            name: Placement(pose=self.state.poses[name], placed_by=BY_FEATURES)
+            if name in self.state.poses
+            else Placement(pose=self._corrected(name), placed_by=BY_GPS)
+            for name in (self._photos if names is None else names)
         }
-        for name in set(self._photos) - set(found):
-            found[name] = Placement(pose=self._corrected(name), placed_by=BY_GPS)
-        return found
 
     def _believed(self, photo: Photo) -> Photo:
-        if photo.name not in self._unbelieved:
-            return photo
-        return dataclasses.replace(photo, yaw_std_rad=math.pi)
+        return _without_yaw(photo, self._unbelieved)
 
     def _partners(self, name: str) -> set[str]:
         found = set()
@@ -243,14 +264,40 @@ class Survey:
         return Pose(centre=centre, rotation=photo.prior.rotation)
 
 
+def _solved(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Solution:
+    """Return the adjustment of all photographs that `pairs` tie, from the beginning."""
+    first = initial.start(photos, pairs)
+    unbelieved = frozenset(
+        name
+        for names, is_believed in zip(first.groups, first.is_yaw_believed, strict=True)
+        for name in names
+        if not is_believed
+    )
+    kept = {id(pair) for pair in first.pairs}
+    state = State(poses=first.poses)
+    if first.poses:
+        believed = {name: _without_yaw(photos[name], unbelieved) for name in first.poses}
+        state = adjusted(believed, first.pairs, state)
+    return Solution(
+        state=state,
+        unbelieved=unbelieved,
+        rejected=tuple(pair for pair in pairs if id(pair) not in kept),
+    )
+
+
+def _without_yaw(photo: Photo, unbelieved: frozenset[str]) -> Photo:
+    if photo.name not in unbelieved:
+        return photo
+    return dataclasses.replace(photo, yaw_std_rad=math.pi)
+
+
 def _carried(
     loose: Mapping[str, Pose], placed: Mapping[str, Pose], name: str, near: set[str]
 ) -> Pose:
-    """Return the pose of `name` when `loose` is laid on the poses of its neighbours."""
-    tied = sorted(near & set(loose)) if name in loose else []
+    """Return the pose of `name` when `loose` is laid on the poses of neighbours, if there are."""
+    tied = sorted(near & set(loose))
     if not tied:
-        other = min(near)
-        return Pose(centre=placed[other].centre, rotation=placed[other].rotation)
+        return loose[name]
     turn = sum(
         (_plane_turn(placed[other].rotation @ loose[other].rotation.T) for other in tied), 0j
     )

@@ -16,7 +16,7 @@ from rasterio.errors import RasterioError
 from rocsafe_mapping.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.errors import MappingError
 
-LONGEST_SIDE_PX = 4096
+LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>
 <kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://www.google.com/kml/ext/2.2">
 <GroundOverlay>
@@ -31,7 +31,7 @@ KML = """<?xml version="1.0" encoding="UTF-8"?>
 def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
     """Write `stem`.png, its world file, its projection and `stem`.kml; return their paths.
 
-    The picture's longer side is at most 4096 pixels.
+    The picture's longer side is at most 2048 pixels.
 
     Raises
     ------
