@@ -174,3 +174,30 @@ def test_a_rejected_photograph_and_an_unknown_one_are_not_placed(bench):
     bench.receipts.publish(ShotReceipt(shot_id='rav1-00010', status=ShotReceipt.STORED))
     bench.put(0)
     assert bench.save().message.startswith('1 photographs')
+
+
+def test_saving_again_answers_at_once(bench):
+    """A client that repeats its request does not have the same map made twice."""
+    bench.start()
+    bench.put(0)
+    first = bench.save()
+    written = bench.output.stat().st_mtime_ns
+    again = bench.save()
+    assert (again.success, again.message) == (True, first.message)
+    assert bench.output.stat().st_mtime_ns == written
+    bench.put(1)
+    assert bench.save().message.startswith('2 photographs')
+    assert bench.output.stat().st_mtime_ns > written
+
+
+def test_the_final_map_tells_its_quality_and_tiles(bench):
+    """Paths of both, and that a map of three lonely photographs is not georeferenced."""
+    bench.start()
+    for number in range(3):
+        bench.put(number)
+    bench.save()
+    message = bench.wait_for_final()
+    assert pathlib.Path(message.quality_path).exists()
+    assert message.tiles_path == str(bench.directory / 'map' / 'tiles')
+    assert (message.images_by_features, message.is_georeferenced) == (0, False)
+    assert message.stated_error_m > 0.0

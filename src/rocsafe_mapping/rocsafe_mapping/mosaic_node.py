@@ -82,23 +82,24 @@ class MosaicNode(Node):
 
     def _on_save(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         try:
-            quality = self._saved()
+            self._save()
         except MappingError as error:
             response.message = str(error)
             return response
-        self._files = files_after(self._files, self._options, quality)
-        self._publish()
         response.success = True
         response.message = f'{len(self._live)} photographs in {self._files.geotiff}'
         if self._refused:
             response.message += f', {len(self._refused)} could not be placed'
         return response
 
-    def _saved(self) -> dict[str, Any]:
-        """Place all that is stored, write the map and return its quality."""
+    def _save(self) -> None:
+        """Place all that is stored, write the map and publish it, unless that is done."""
         self._find_stored()
         while self._waiting:
             self._receive_next()
+        # An impatient client asks again while the first request is carried out.
+        if self._files.is_final and Path(self._files.geotiff).exists():
+            return
         self._live.finish()
         alignment = self._live.maker.align()
         wanted = Handover(
@@ -107,7 +108,8 @@ class MosaicNode(Node):
         quality = hand_over(self._live.maker, alignment, wanted)
         self._live.mark_all()
         self._worker.reset()
-        return quality
+        self._files = files_after(self._files, self._options, quality)
+        self._publish()
 
     def _find_stored(self) -> None:
         """Queue what the store holds: after a restart, or where a receipt was lost."""
@@ -130,7 +132,8 @@ class MosaicNode(Node):
             self.get_logger().warning(f'not on the map: {error}')
         except StoreError as error:
             self.get_logger().error(str(error))
-        self._files = dataclasses.replace(self._files, is_final=False)
+        else:
+            self._files = dataclasses.replace(self._files, is_final=False)
 
     def _work(self) -> bool:
         try:
