@@ -48,6 +48,8 @@ ROSDEP_KEYS = {
     'scipy': 'python3-scipy',
     'yaml': 'python3-yaml',
 }
+# Without a rosdep key: set-up brings it where it can, and without it the flat camera works.
+OPTIONAL = {'panda3d'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
@@ -259,7 +261,7 @@ def test_package_declares_what_it_imports(manifest):
     """A package that imports another names it in package.xml, by its rosdep key."""
     modules = [module for module in MODULES if module.package == manifest.parent.name]
     imported = {root for module in modules for root in module.roots} - STANDARD
-    wanted = {ROSDEP_KEYS.get(root, root) for root in imported - {manifest.parent.name}}
+    wanted = {ROSDEP_KEYS.get(root, root) for root in imported - {manifest.parent.name} - OPTIONAL}
     assert wanted - declared(manifest) == set()
 
 

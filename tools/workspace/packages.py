@@ -24,6 +24,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
     'numba': ('numba', (0, 58)),
+    'panda3d': ('panda3d', (1, 10, 13)),
     'PIL': ('pillow', (10, 2)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),

@@ -16,3 +16,11 @@ class JournalError(SimError):
 
 class GroundError(SimError):
     """The ground picture cannot be read, or does not show what is asked for."""
+
+
+class SceneError(SimError):
+    """A scene cannot be read or built; one line says what is wrong."""
+
+
+class EngineError(SimError):
+    """The camera's engine cannot start or did not deliver a picture."""

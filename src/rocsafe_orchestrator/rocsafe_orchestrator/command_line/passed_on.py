@@ -40,6 +40,12 @@ PASSED_ON = (
         executable='map',
         summary='map a folder of photographs',
     ),
+    PassedOn(
+        word='scene',
+        package='rocsafe_sim',
+        executable='scene',
+        summary='check, list and render the scenes that cameras see',
+    ),
 )
 
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light, shadows, haze and the tone curve, shared by all surfaces.
+
+uniform vec3 sun_direction;
+uniform vec3 sun_light;
+uniform vec3 zenith;
+uniform vec3 horizon;
+uniform vec3 bounce;
+uniform vec4 air;               // haze per metre, wetness, exposure, brightness of the clouds
+uniform sampler2DShadow near_shadow;
+uniform sampler2DShadow far_shadow;
+uniform mat4 near_sun;          // world -> shadow map, 0 to 1
+uniform mat4 far_sun;
+uniform sampler2D canopy;       // blurred height of all that stands on the ground, metres
+uniform vec4 canopy_area;       // west, south, 1 / width, 1 / height
+
+vec3 sky(vec3 d) {
+    float up = max(d.z, 0.0);
+    vec3 colour = mix(horizon, zenith, 1.0 - exp(-3.6 * up));
+    float near = max(dot(d, sun_direction), 0.0);
+    float n8 = near * near; n8 *= n8; n8 *= n8;
+    return colour + sun_light * (0.05 * n8);
+}
+
+float shadow(vec3 world, float slope) {
+    vec3 at = (near_sun * vec4(world, 1.0)).xyz;
+    vec2 edge = abs(at.xy - 0.5);
+    if (max(edge.x, edge.y) < 0.497) {
+        vec2 texel = vec2(0.75) / vec2(textureSize(near_shadow, 0));
+        float z = at.z - 0.00035 - 0.0006 * slope;
+        return 0.25 * (texture(near_shadow, vec3(at.xy + texel * vec2(0.7, 0.3), z))
+                     + texture(near_shadow, vec3(at.xy + texel * vec2(-0.3, 0.7), z))
+                     + texture(near_shadow, vec3(at.xy + texel * vec2(-0.7, -0.3), z))
+                     + texture(near_shadow, vec3(at.xy + texel * vec2(0.3, -0.7), z)));
+    }
+    at = (far_sun * vec4(world, 1.0)).xyz;
+    edge = abs(at.xy - 0.5);
+    if (max(edge.x, edge.y) > 0.497) return 1.0;
+    return texture(far_shadow, vec3(at.xy, at.z - 0.0008 - 0.002 * slope));
+}
+
+float one_shadow(vec3 world) {
+    vec3 at = (near_sun * vec4(world, 1.0)).xyz;
+    vec2 edge = abs(at.xy - 0.5);
+    if (max(edge.x, edge.y) < 0.497) return texture(near_shadow, vec3(at.xy, at.z - 0.0006));
+    at = (far_sun * vec4(world, 1.0)).xyz;
+    edge = abs(at.xy - 0.5);
+    return max(edge.x, edge.y) > 0.497 ? 1.0 : texture(far_shadow, vec3(at.xy, at.z - 0.001));
+}
+
+float openness(vec3 world) {
+    vec2 at = (world.xy - canopy_area.xy) * canopy_area.zw;
+    float cover = max(texture(canopy, at).r - world.z, 0.0);
+    return 1.0 / (1.0 + 0.42 * cover);
+}
+
+// look: gloss, sharpness, grain, through
+vec3 lit(vec3 albedo, vec3 n, vec3 view, vec4 look, float sun_share, float open_share) {
+    float facing = dot(n, sun_direction);
+    float direct = max(facing, 0.0) + look.w * max(0.25 - 0.75 * facing, 0.0);
+    vec3 ambient = mix(bounce, mix(horizon, zenith, 0.55) * 1.15, 0.5 + 0.5 * n.z) * open_share;
+    vec3 colour = albedo * (sun_light * (direct * sun_share) + ambient);
+    float gloss = look.x;
+    if (gloss > 0.09) {
+        float grazing = 1.0 - max(dot(n, view), 0.0);
+        float fresnel = 0.06 + 0.94 * grazing * grazing * grazing * grazing;
+        vec3 mirrored = reflect(-view, n);
+        vec3 around = mirrored.z > 0.0 ? sky(mirrored) : bounce + 0.2 * horizon;
+        float glint = max(dot(n, normalize(sun_direction + view)), 0.0);
+        glint = pow(glint, look.y) * (0.012 * look.y + 0.15);
+        colour += gloss * (fresnel * 1.6 * around * open_share + sun_light * (glint * sun_share));
+    }
+    return colour;
+}
+
+vec3 seen(vec3 colour, vec3 to_eye, float range) {
+    float clear = exp(-air.x * range);
+    vec3 veil = horizon * 0.92 + sun_light * 0.02;
+    colour = mix(veil, colour, clear) * air.z;
+    colour *= 0.5;
+    colour = colour * (2.51 * colour + 0.03) / (colour * (2.43 * colour + 0.59) + 0.14);
+    return sqrt(clamp(colour, 0.0, 1.0));
+}

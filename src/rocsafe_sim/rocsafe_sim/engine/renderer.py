@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a scene from any pose: picture, depth, labels and normals in one pass."""
+
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from panda3d import core
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_sim.engine.lens import node_matrix, pinhole_lens
+from rocsafe_sim.engine.outputs import Frame
+from rocsafe_sim.engine.pipe import Pipe, open_pipe
+from rocsafe_sim.engine.shade import Shade
+from rocsafe_sim.engine.smoothing import smoothed
+from rocsafe_sim.engine.stage import EYE, Stage
+from rocsafe_sim.errors import EngineError
+from rocsafe_sim.scene.environment import Environment
+from rocsafe_sim.scene.light import Lighting
+from rocsafe_sim.scene.mesh import Floats
+
+_PLANES = (
+    core.GraphicsOutput.RTPColor,
+    core.GraphicsOutput.RTPAuxRgba0,
+    core.GraphicsOutput.RTPAuxRgba1,
+    core.GraphicsOutput.RTPAuxRgba2,
+)
+_CLASS_SHIFT, _NUMBER_MASK = 24, 0xFFFFFF
+
+
+class Renderer:
+    """One scene on one pipe; all its calls must come from the thread that made it.
+
+    Parameters
+    ----------
+    environment : what there is.
+    lighting : its light.
+    weather : of the sky.
+    """
+
+    def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
+        self._thread = threading.get_ident()
+        self.pipe: Pipe = open_pipe()
+        self.stage = Stage(environment, weather)
+        self.stage.light(lighting)
+        self._shade = Shade(self.pipe, self.stage, lighting)
+        self._time_s: float | None = None
+
+    def set_time(self, time_s: float) -> None:
+        """Put what moves where it is at a time, seconds after the start; shadows follow."""
+        self._require_thread()
+        if time_s != self._time_s and self.stage.has_motion:
+            self.stage.move(time_s)
+            self._shade.refresh()
+        self._time_s = time_s
+
+    def camera(self, lens: PinholeCamera) -> 'Eye':
+        """Return a camera of this scene."""
+        self._require_thread()
+        return Eye(self, lens)
+
+    def _require_thread(self) -> None:
+        if threading.get_ident() != self._thread:
+            raise EngineError(
+                'the engine was asked from another thread than the one it started in'
+            )
+
+
+class Eye:
+    """A camera with its buffer; make it once and use it again."""
+
+    def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
+        self.lens = lens
+        self._renderer = renderer
+        engine = renderer.pipe.engine
+        self._textures = [core.Texture(f'plane {number}') for number in range(len(_PLANES))]
+        self._buffer = self._make_buffer(renderer.pipe)
+        node = core.Camera('eye', pinhole_lens(lens))
+        node.setScene(renderer.stage.root)
+        node.setCameraMask(EYE)
+        self._node = renderer.stage.root.attachNewNode(node)
+        self._buffer.makeDisplayRegion().setCamera(self._node)
+        self._buffer.setActive(False)
+        self._engine = engine
+
+    def _make_buffer(self, pipe: Pipe) -> Any:
+        properties = core.FrameBufferProperties()
+        properties.setRgbaBits(8, 8, 8, 8)
+        properties.setDepthBits(24)
+        properties.setAuxRgba(3)
+        size = core.WindowProperties.size(self.lens.image_width_px, self.lens.image_height_px)
+        buffer = pipe.engine.makeOutput(
+            pipe.host.getPipe(), 'eye', 0, properties, size, core.GraphicsPipe.BFRefuseWindow,
+            pipe.host.getGsg(), pipe.host,
+        )  # fmt: skip
+        if buffer is None:
+            raise EngineError(
+                f'no picture of {self.lens.image_width_px} x {self.lens.image_height_px} px: '
+                f'{pipe.renderer} refuses it'
+            )
+        for texture, plane in zip(self._textures, _PLANES, strict=True):
+            buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
+            buffer.setClearActive(plane, True)
+            buffer.setClearValue(plane, core.LVecBase4f(0.0))
+        return buffer
+
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+        """Return what is seen from a pose.
+
+        Parameters
+        ----------
+        position_enu : of the camera, metres, (3,).
+        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        """
+        self._renderer._require_thread()
+        self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
+        self._renderer.stage.sky.setPos(*(float(value) for value in position_enu))
+        self._buffer.setActive(True)
+        self._engine.renderFrame()
+        self._buffer.setActive(False)
+        return self._frame()
+
+    def close(self) -> None:
+        """Give the buffer back."""
+        self._engine.removeWindow(self._buffer)
+        self._node.removeNode()
+
+    def _plane(self, number: int) -> NDArray[np.uint8]:
+        data = self._textures[number].getRamImage()
+        if not data:
+            raise EngineError('the engine returned no picture')
+        raw = np.frombuffer(memoryview(data).cast('B'), np.uint8)
+        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, 4)[::-1]
+
+    def _frame(self) -> Frame:
+        depth = np.ascontiguousarray(self._plane(1)).view(np.float32)[..., 0]
+        labels = np.ascontiguousarray(self._plane(2)).view(np.uint32)[..., 0]
+        numbers = labels & np.uint32(_NUMBER_MASK)
+        normals = np.ascontiguousarray(self._plane(3)[..., 2::-1])
+        return Frame(
+            image=smoothed(np.ascontiguousarray(self._plane(0)[..., :3]), numbers, normals),
+            depth_m=np.where(numbers == 0, np.float32(np.inf), depth),
+            numbers=numbers,
+            classes=(labels >> np.uint32(_CLASS_SHIFT)).astype(np.uint8),
+            normals=normals,
+        )

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The virtual environment as data: terrain, meshes, labels, materials, rays. No engine."""

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tile of dirt and wear that lies on all things: fine, blotched, streaked, rusted."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_sim.scene.mesh import Floats
+
+TILE_PX = 1024
+
+
+def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
+    """Return noise without seams, (1024, 1024, 4): of centimetres, of hands, in streaks, in spots.
+
+    Each is shaped from white noise by its spectrum, and spread evenly over 0 to 255.
+    """
+    rng = np.random.default_rng(seed)
+    along = np.fft.fftfreq(TILE_PX, 1.0 / TILE_PX)
+    fx, fy = np.meshgrid(along, along)
+    radius = np.hypot(fx, fy) + 1e-9
+    fine = _shaped(rng, radius**-0.55 * (radius > 12.0))
+    blotches = _shaped(rng, np.exp(-((radius / 60.0) ** 2)) * radius**-1.0 * (radius > 1.5))
+    stretched = np.hypot(fx, 7.0 * fy) + 1e-9
+    streaks = _shaped(rng, stretched**-0.9 * (stretched > 6.0))
+    coarse = _shaped(rng, radius**-1.25 * (radius > 2.5))
+    layers = [_levelled(fine), _levelled(blotches), _levelled(streaks), _levelled(coarse)]
+    return np.stack(layers, axis=-1)
+
+
+def _shaped(rng: np.random.Generator, spectrum: Floats) -> Floats:
+    noise = np.fft.fft2(rng.standard_normal((TILE_PX, TILE_PX)))
+    return np.asarray(np.fft.ifft2(noise * spectrum).real)
+
+
+def _levelled(values: Floats) -> NDArray[np.uint8]:
+    scaled = (values - values.mean()) / values.std()
+    return np.clip(127.5 + 48.0 * scaled, 0.0, 255.0).astype(np.uint8)

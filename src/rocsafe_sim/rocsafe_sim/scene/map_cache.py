@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Painted ground kept between runs: painting takes half a minute, reading a moment."""
+
+import os
+from collections.abc import Callable, Sequence
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_sim.scene.ground_kinds import GroundWork
+from rocsafe_sim.scene.ground_picture import GroundMap, inner_map, outer_map
+
+Painter = Callable[[], GroundMap]
+
+# Rises with every change of what is painted.
+_VERSION = 4
+
+
+def maps(
+    works: Sequence[GroundWork], seed: int, description: SceneDescription, cache: Path | None
+) -> tuple[GroundMap, GroundMap]:
+    """Return the inner and the outer ground map, from `cache` where they are kept there."""
+    if cache is None:
+        return inner_map(works, seed), outer_map(works, seed)
+    entries = [entry.model_dump_json() for entry in description.ground]
+    content = '\n'.join([str(_VERSION), str(seed), str(description.yaw_deg), *entries])
+    key = sha256(content.encode()).hexdigest()[:24]
+    inner = _kept(cache / f'{key}-inner.npz', lambda: inner_map(works, seed))
+    outer = _kept(cache / f'{key}-outer.npz', lambda: outer_map(works, seed))
+    return inner, outer
+
+
+def _kept(path: Path, paint: Painter) -> GroundMap:
+    try:
+        return _read(path)
+    except (OSError, ValueError, KeyError):
+        ground = paint()
+    try:
+        _write(path, ground)
+    except OSError:
+        # A full or read-only disk costs time at the next start, nothing else.
+        path.unlink(missing_ok=True)
+    return ground
+
+
+def _read(path: Path) -> GroundMap:
+    with np.load(path, allow_pickle=False) as content:
+        west, south, texel = content['place'].tolist()
+        return GroundMap(west, south, texel, content['colours'], content['classes'])
+
+
+def _write(path: Path, ground: GroundMap) -> None:
+    """Write the file whole or not at all: others may be reading and writing the same one."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f'{path.stem}.{os.getpid()}.part.npz')
+    place = np.array([ground.west_m, ground.south_m, ground.texel_m])
+    np.savez(part, place=place, colours=ground.colours, classes=ground.classes)
+    part.replace(path)
+
+
+def default_folder() -> Path:
+    """Return where painted ground of all projects of this user is kept."""
+    return Path.home() / '.cache' / 'rocsafe' / 'scenes'

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``rocsafe scene``: check, list and render scene files."""
+
+import argparse
+import math
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
+from rocsafe_sim.errors import SceneError, SimError
+from rocsafe_sim.scene.building import check, ground_works
+from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_sim.scene.label_picture import truth_sheet
+from rocsafe_sim.scene.map_cache import default_folder
+from rocsafe_sim.scene.mesh import Floats
+from rocsafe_sim.scene.placing import to_world
+from rocsafe_sim.scene.scene_file import read_scene
+
+EXIT_MISTAKE = 2
+_WEATHERS = ('clear', 'overcast', 'wet', 'fog', 'dusk')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class View:
+    """From where, and at what, a picture is taken; metres in the scene's own frame."""
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float] | None
+    size_px: tuple[int, int]
+    fov_deg: float
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit code."""
+    arguments = _parser().parse_args(argv)
+    try:
+        arguments.run(arguments)
+    except SimError as error:
+        for line in str(error).splitlines():
+            sys.stderr.write(f'rocsafe: {line}\n')
+        return EXIT_MISTAKE
+    except ModuleNotFoundError as error:
+        sys.stderr.write(f'rocsafe: Python module {error.name} is missing: run `make setup`\n')
+        return EXIT_MISTAKE
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='rocsafe scene', description='Look after the scenes that simulated cameras see.'
+    )
+    commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
+    checking = commands.add_parser('check', help='is a scene file valid, and what is in it?')
+    checking.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
+    checking.set_defaults(run=_check)
+    listing = commands.add_parser('list', help='every object: number, name, class, place')
+    listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
+    listing.set_defaults(run=_list)
+    _add_render(commands)
+    return parser
+
+
+def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]') -> None:
+    parser = commands.add_parser('render', help='take a picture of a scene')
+    parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
+    parser.add_argument('--out', type=Path, default=Path('scene.png'), metavar='FILE')
+    parser.add_argument(
+        '--eye',
+        type=_triple,
+        default=(0.0, -60.0, 35.0),
+        metavar='X,Y,Z',
+        help='of the camera: metres in the frame of the scene, Z above its ground',
+    )
+    parser.add_argument('--target', type=_triple, default=(0.0, 5.0, 0.0), metavar='X,Y,Z')
+    parser.add_argument('--nadir', action='store_true', help='look straight down')
+    parser.add_argument('--size', type=_size, default=(1280, 800), metavar='WxH')
+    parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
+    parser.add_argument('--weather', choices=_WEATHERS, help="in place of the scene's")
+    parser.add_argument(
+        '--truth',
+        action='store_true',
+        help='classes, instances, depth and normals beside the picture',
+    )
+    parser.add_argument(
+        '--quality',
+        type=int,
+        default=2,
+        metavar='N',
+        help='1 to 4: draws N x N as many pixels (default: 2)',
+    )
+    parser.set_defaults(run=_render)  # fmt: skip
+
+
+def _triple(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(','))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text}: must be three numbers, X,Y,Z') from None
+    return x, y, z
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().split('x'))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text}: must be WxH, for instance 1280x800') from None
+    if not (16 <= width <= 8192 and 16 <= height <= 8192):
+        raise argparse.ArgumentTypeError(f'{text}: sides must be within 16 to 8192 px')
+    return width, height
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    description = read_scene(arguments.scene)
+    objects = check(description)
+    triangles = sum(thing.triangle_count for thing in objects)
+    works = len(ground_works(description, description.seed))
+    lines = [f'{description.name}: {description.description}'.rstrip(': ')]
+    lines.append(f'{len(objects)} objects of {triangles} triangles, {works} kinds of ground')
+    counts = Counter(thing.label for thing in objects)
+    lines.append(', '.join(f'{count} {label}' for label, count in counts.most_common()))
+    sys.stdout.write('\n'.join(lines) + '\n')
+
+
+def _list(arguments: argparse.Namespace) -> None:
+    rows = ['number  class         east_m  north_m    up_m  name']
+    for thing in check(read_scene(arguments.scene)):
+        east, north, up = thing.bounds.mean(axis=0).tolist()
+        place = f'{east:6.1f}  {north:7.1f}  {up:6.1f}'
+        rows.append(f'{thing.number:6d}  {thing.label:12s}  {place}  {thing.name}')
+    sys.stdout.write('\n'.join(rows) + '\n')
+
+
+def _render(arguments: argparse.Namespace) -> None:
+    description = read_scene(arguments.scene)
+    if arguments.weather:
+        light = description.light.model_copy(update={'weather': arguments.weather})
+        description = description.model_copy(update={'light': light})
+    view = View(
+        eye=arguments.eye,
+        target=None if arguments.nadir else arguments.target,
+        size_px=arguments.size,
+        fov_deg=arguments.fov,
+    )
+    for path in _drawn(description, view, arguments):
+        sys.stdout.write(f'{path}\n')
+
+
+def _drawn(description: SceneDescription, view: View, arguments: argparse.Namespace) -> list[Path]:
+    # Only here, so that check and list work where the engine is not installed.
+    from rocsafe_sim.engine.studio import Studio, open_scene
+
+    renderer = open_scene(description, cache=default_folder())
+    if renderer.pipe.notice:
+        sys.stderr.write(f'rocsafe: {renderer.pipe.notice}\n')
+    lens = PinholeCamera(math.radians(view.fov_deg), *view.size_px)
+    frame = Studio(renderer, lens, arguments.quality).expose(*_pose(description, view))
+    written = [_written(arguments.out, frame.image)]
+    if arguments.truth:
+        sheet = truth_sheet(frame.classes, frame.numbers, frame.depth_m, frame.normals)
+        path = arguments.out.with_name(f'{arguments.out.stem}-truth{arguments.out.suffix}')
+        written.append(_written(path, sheet))
+    return written
+
+
+def _pose(description: SceneDescription, view: View) -> tuple[Floats, Floats]:
+    from rocsafe_sim.engine.lens import looking
+
+    eye = np.array([*to_world(description, [view.eye[:2]])[0], view.eye[2]])
+    if view.target is None:
+        return eye, rotation_enu_from_optical(math.radians(description.yaw_deg + 90.0))
+    target = np.array([*to_world(description, [view.target[:2]])[0], view.target[2]])
+    if np.allclose(eye, target):
+        raise SceneError(f'--target is {view.target}: must differ from --eye')
+    return eye, looking(target - eye)
+
+
+def _written(path: Path, image: Floats) -> Path:
+    try:
+        is_done = cv2.imwrite(str(path), image)
+    except cv2.error:
+        is_done = False
+    if not is_done:
+        raise SceneError(f'--out = {path}: cannot be written; must end in .png or .jpg')
+    return path
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

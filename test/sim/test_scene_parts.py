@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What scenes are made of: sound meshes, the same from the same seed."""
+
+import numpy as np
+import pytest
+
+from rocsafe_sim.scene import shapes
+from rocsafe_sim.scene.catalogue import MAKERS
+from rocsafe_sim.scene.mesh import joined
+from rocsafe_sim.scene.parts.plants import coarser
+
+COURSE = np.column_stack([np.linspace(0.0, 18.0, 13), np.linspace(0.0, 3.0, 13), np.zeros(13)])
+SOLIDS = {
+    'box': (shapes.box(2.0, 1.0, 0.5, 0.01), 1.0),
+    'cylinder': (shapes.cylinder(0.5, 2.0, 64), np.pi * 0.5),
+    'upright cone': (shapes.upright(1.0, 3.0, 64, 0.0), np.pi),
+    'ball': (shapes.ball(1.0, 48), 4.0 / 3.0 * np.pi),
+    'prism': (shapes.prism([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)], 3.0), 6.0),
+}
+
+
+def made(name: str, seed: int = 1):
+    """Return what the maker called `name` makes."""
+    maker, rng = MAKERS[name], np.random.default_rng(seed)
+    return maker.make_along(rng, COURSE, {}) if maker.piece_m else maker.make(rng, {})
+
+
+def corners_of(mesh):
+    """Return the corners of all triangles, (m, 3, 3)."""
+    return mesh.points[mesh.triangles]
+
+
+@pytest.mark.parametrize('name', MAKERS)
+def test_meshes_are_finite_lit_from_outside_and_of_a_sane_size(name):
+    """Normals have length one and, but for leaves, agree with the winding of their triangles."""
+    mesh = made(name)
+    assert np.isfinite(mesh.points).all()
+    assert np.allclose(np.linalg.norm(mesh.normals, axis=1), 1.0, atol=1e-6)
+    assert 0.1 < np.ptp(mesh.points, axis=0).max() < 40.0
+    if not MAKERS[name].is_foliage:
+        a, b, c = corners_of(mesh).swapaxes(0, 1)
+        across = np.cross(b - a, c - a)
+        facing = np.einsum('ij,ij->i', across, mesh.normals[mesh.triangles[:, 0]])
+        assert np.count_nonzero(facing < -1e-9) <= 0.01 * len(facing)
+
+
+@pytest.mark.parametrize('name', MAKERS)
+def test_the_same_seed_makes_the_same_mesh(name):
+    """Nothing comes from anywhere but the generator."""
+    assert np.array_equal(made(name).points, made(name).points)
+
+
+@pytest.mark.parametrize('name', SOLIDS)
+def test_solids_enclose_their_volume(name):
+    """The volume inside the surface is that of the formula, within the facets' share."""
+    mesh, volume = SOLIDS[name]
+    a, b, c = corners_of(mesh).swapaxes(0, 1)
+    assert np.einsum('ij,ij->i', np.cross(a, b), c).sum() / 6.0 == pytest.approx(volume, rel=0.02)
+
+
+def test_a_mesh_refuses_corners_it_does_not_have():
+    """A triangle that names a corner beyond the last is no mesh."""
+    box = shapes.box(1.0, 1.0, 1.0)
+    with pytest.raises(ValueError, match='corners outside 0 to 23'):
+        type(box)(
+            points=box.points, normals=box.normals, places=box.places, colours=box.colours,
+            triangles=box.triangles + 1,
+        )  # fmt: skip
+
+
+def test_joining_keeps_every_triangle():
+    """The parts' triangles are all there, each over its own corners."""
+    one, two = shapes.box(1.0, 1.0, 1.0), shapes.ball(1.0).moved(x=5.0)
+    both = joined([one, two])
+    assert len(both.triangles) == len(one.triangles) + len(two.triangles)
+    assert np.allclose(corners_of(both)[len(one.triangles) :], corners_of(two))
+
+
+def test_thinned_trees_are_lighter_and_as_large():
+    """Each step has a fraction of the triangles, and the crown keeps its size."""
+    full, thin, thinner = coarser(made('tree'))
+    assert len(thin.triangles) < 0.45 * len(full.triangles)
+    assert len(thinner.triangles) < len(thin.triangles)
+    assert np.allclose(np.ptp(thin.points, axis=0), np.ptp(full.points, axis=0), rtol=0.15)
