@@ -23,6 +23,7 @@ CORNERS = [
     (53.2801009832, -9.0648776011),
     (53.2791748417, -9.0644775368),
 ]
+CRANE = [(53.2797, -9.0632), (53.2799, -9.0632), (53.2798, -9.0635)]
 HOMES = {'rav1': (53.2800, -9.0700), 'rav2': (53.2860, -9.0588), 'rav3': (53.2798, -9.0565)}
 SCENARIO = {
     'name': 'derailment',
@@ -250,7 +251,10 @@ class SyntheticRun:
                        'boundary': [self._place((*corner, 0.0)) for corner in CORNERS]},
             'camera': {'horizontal_fov_rad': math.radians(60.0), 'image_width_px': 640,
                        'image_height_px': 480},
-            'routes': routes,
+            'routes': routes, 'objective': 'longest_time', 'largest_hole_m2': 0.0,
+            'minimum_separation_m': 26.5, 'separation_m': 12.0,
+            'exclusions': [{'name': 'crane', 'holes': [], 'boundary': [
+                self._place((*corner, 0.0)) for corner in CRANE]}],
         }  # fmt: skip
 
     def _place(self, position):

@@ -114,6 +114,18 @@ def test_map_has_every_layer(outline):
     assert len(outline.with_class('track')) == len(outline.with_class('route')) == 3
 
 
+def test_the_plan_is_drawn_and_told(page, outline):
+    """Exclusions, planned footprints, and what the plan promises are on the page."""
+    assert len(outline.with_class('exclusion')) == 1
+    planned = outline.with_class('survey-footprint')
+    assert len(planned) == 3
+    # A footprint is four corners, closed.
+    assert all(path['d'].count('L') == 3 * path['d'].count('M') for path in planned)
+    text = ' '.join(outline.text)
+    assert 'longest time' in text
+    assert 'by plan' in text
+
+
 def test_mosaic_lies_where_it_belongs(finished, outline):
     """The picture's corners are those of the GeoTIFF, in metres east and south of the origin."""
     import numpy as np

@@ -37,15 +37,11 @@ def read_plan(path: Path) -> Plan:
 
 
 def _plan(document: dict[str, Any]) -> Plan:
-    region, camera = document['region'], document['camera']
+    camera = document['camera']
     return Plan(
         plan_id=document['plan_id'],
         method=document['method'],
-        region=SurveyArea(
-            boundary=_ring(region['boundary']),
-            holes=tuple(map(_ring, region['holes'])),
-            name=region['name'],
-        ),
+        region=_area(document['region']),
         height_agl_m=document['height_agl_m'],
         spacing_rule=document['spacing_rule'],
         overlap_fraction=document['overlap_fraction'],
@@ -61,6 +57,26 @@ def _plan(document: dict[str, Any]) -> Plan:
         horizontal_fov_rad=camera['horizontal_fov_rad'],
         image_width_px=camera['image_width_px'],
         image_height_px=camera['image_height_px'],
+        other_regions=tuple(map(_area, document.get('other_regions', ()))),
+        exclusions=tuple(map(_area, document.get('exclusions', ()))),
+        objective=document.get('objective', 'longest_time'),
+        objective_value=_number(document.get('objective_value')),
+        largest_hole_m2=_number(document.get('largest_hole_m2')),
+        separation_m=document.get('separation_m', 0.0),
+        minimum_separation_m=_number(document.get('minimum_separation_m')),
+    )
+
+
+def _number(value: float | None) -> float:
+    """Return NaN for null, which stands for what is not known, or endless."""
+    return math.nan if value is None else value
+
+
+def _area(area: dict[str, Any]) -> SurveyArea:
+    return SurveyArea(
+        boundary=_ring(area['boundary']),
+        holes=tuple(map(_ring, area['holes'])),
+        name=area['name'],
     )
 
 
@@ -75,11 +91,35 @@ def _route(route: dict[str, Any]) -> PlannedRoute:
         viewpoints=tuple(map(_viewpoint, route['viewpoints'])),
         length_m=route['length_m'],
         duration_s=route['duration_s'],
+        way=_way(route),
+        delay_s=route.get('delay_s', 0.0),
     )
 
 
+def _way(route: dict[str, Any]) -> tuple[GeoPosition, ...]:
+    """Return the places of all flights, or of one straight flight if no flights are told."""
+    places = {view['id']: _position(view) for view in route['viewpoints']}
+    home = _position(route['home'])
+    if 'sorties' not in route:
+        return (home, *places.values(), home)
+    way = []
+    for sortie in route['sorties']:
+        way.append(home)
+        bends = [list(map(_position, leg)) for leg in sortie['bends']]
+        for number, viewpoint in enumerate(sortie['viewpoint_ids']):
+            way += [*bends[number], places[viewpoint]]
+        if len(bends) > len(sortie['viewpoint_ids']):
+            way += [*bends[-1], home]
+    return tuple(way)
+
+
 def _viewpoint(viewpoint: dict[str, Any]) -> PlannedViewpoint:
-    return PlannedViewpoint(id=viewpoint['id'], position=_position(viewpoint))
+    return PlannedViewpoint(
+        id=viewpoint['id'],
+        position=_position(viewpoint),
+        height_agl_m=_number(viewpoint['height_agl_m']),
+        yaw_rad=viewpoint['yaw_rad'],
+    )
 
 
 def _position(place: dict[str, Any]) -> GeoPosition:

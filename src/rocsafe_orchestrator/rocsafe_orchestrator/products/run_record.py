@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is known of a finished run: values read from its files, before anything is made of them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,21 +28,25 @@ STATE_NAMES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedViewpoint:
-    """A place to photograph from; `position` is the camera's."""
+    """A place to photograph from; `position` is the camera's, `yaw_rad` 0 for a nose to east."""
 
     id: int
     position: GeoPosition
+    height_agl_m: float = math.nan
+    yaw_rad: float = 0.5 * math.pi
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedRoute:
-    """What one vehicle is to fly, home to home."""
+    """What one vehicle is to fly; `way` are the places of its flights, bends included."""
 
     vehicle: str
     home: GeoPosition
     viewpoints: tuple[PlannedViewpoint, ...]
     length_m: float
     duration_s: float
+    way: tuple[GeoPosition, ...] = ()
+    delay_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +71,13 @@ class Plan:
     horizontal_fov_rad: float
     image_width_px: int
     image_height_px: int
+    other_regions: tuple[SurveyArea, ...] = ()
+    exclusions: tuple[SurveyArea, ...] = ()
+    objective: str = 'longest_time'
+    objective_value: float = math.nan
+    largest_hole_m2: float = math.nan
+    separation_m: float = 0.0
+    minimum_separation_m: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,18 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
-from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
+from rocsafe_orchestrator.report.plan_data import (
+    Point,
+    Rings,
+    exclusion_rings,
+    planned_footprints,
+    points,
+    region_rings,
+    route_lines,
+)
 
 FloatArray = NDArray[np.float64]
-Point = tuple[float, float]
 # Tracks keep what is seen at the closest zoom.
 TRACK_TOLERANCE_M = 0.1
 # All readings on the page, and all positions of the replay.
@@ -84,8 +91,10 @@ class MapData:
 
     frame: LocalFrame
     vehicles: tuple[str, ...]
-    region: tuple[tuple[Point, ...], ...]
+    region: Rings
+    exclusions: Rings
     routes: Mapping[str, tuple[Point, ...]]
+    planned: Mapping[str, Rings]
     viewpoints: Mapping[str, tuple[Point, ...]]
     tracks: Mapping[str, tuple[Point, ...]]
     replay: Mapping[str, ReplayTrack]
@@ -105,8 +114,10 @@ def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
     return MapData(
         frame=frame,
         vehicles=record.vehicles,
-        region=_region(record, frame),
-        routes=_routes(record, frame),
+        region=region_rings(record, frame),
+        exclusions=exclusion_rings(record, frame),
+        routes=route_lines(record, frame),
+        planned=planned_footprints(record, frame),
         viewpoints=_viewpoints(record, frame),
         tracks={name: _thinned(frame, track) for name, track in tracks.items()},
         replay=_replay(tracks, frame, start_ns),
@@ -119,43 +130,9 @@ def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
     )
 
 
-def points(frame: LocalFrame, positions: Iterable[GeoPosition]) -> tuple[Point, ...]:
-    """Return `positions` in map coordinates."""
-    listed = list(positions)
-    if not listed:
-        return ()
-    return _xy(
-        frame,
-        np.array([p.latitude_deg for p in listed]),
-        np.array([p.longitude_deg for p in listed]),
-        np.array([p.altitude_m for p in listed]),
-    )
-
-
 def _xy(frame: LocalFrame, lat: FloatArray, lon: FloatArray, alt: FloatArray) -> tuple[Point, ...]:
     enu = frame.to_enu(lat, lon, alt)
     return tuple(zip(enu[:, 0].tolist(), (-enu[:, 1]).tolist(), strict=True))
-
-
-def _region(record: RunRecord, frame: LocalFrame) -> tuple[tuple[Point, ...], ...]:
-    if record.plan is not None:
-        area = record.plan.region
-    elif record.scenario is not None:
-        area = record.scenario.area()
-    else:
-        return ()
-    return tuple(points(frame, ring) for ring in (area.boundary, *area.holes))
-
-
-def _routes(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
-    routes = record.plan.routes if record.plan else ()
-    return {
-        route.vehicle: points(
-            frame, (route.home, *(v.position for v in route.viewpoints), route.home)
-        )
-        for route in routes
-        if route.viewpoints
-    }
 
 
 def _viewpoints(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:

@@ -47,6 +47,30 @@ def region_layer(data: MapData) -> Markup:
     )
 
 
+def exclusions_layer(data: MapData) -> Markup:
+    """Return the zones that no leg crosses."""
+    rings = ' '.join(f'{_polyline(ring)}Z' for ring in data.exclusions)
+    return layer('exclusions', element('path', class_='exclusion', d=rings) if rings else '')
+
+
+def planned_layer(data: MapData, colours: Mapping[str, str]) -> Markup:
+    """Return the ground that the photographs are planned to show, by vehicle."""
+    return layer(
+        'planned',
+        (
+            element(
+                'path',
+                class_='survey-footprint',
+                d=''.join(f'{_polyline(ring)}Z' for ring in rings),
+                stroke=colours[name],
+                fill=colours[name],
+            )
+            for name, rings in data.planned.items()
+            if rings
+        ),
+    )
+
+
 def routes_layer(data: MapData) -> Markup:
     """Return the planned routes, dashed."""
     return layer(

@@ -17,8 +17,10 @@ SWITCHES = (
     ('readings', 'Dose-rate readings'),
     ('tracks', 'Flown tracks'),
     ('routes', 'Planned routes'),
+    ('planned', 'Footprints planned'),
     ('photos', 'Photographs'),
     ('region', 'Region'),
+    ('exclusions', 'Exclusions'),
     ('highest', 'Highest reading'),
     ('sources', 'True sources (scenario)'),
     ('estimates', 'Estimated sources, 95 %'),
@@ -26,12 +28,13 @@ SWITCHES = (
 )
 # What each button shows; without script everything but the photographs is visible.
 VIEWS = {
-    'Everything': 'ground readings tracks routes region highest sources estimates homes labels',
+    'Everything': 'ground readings tracks routes region exclusions highest sources estimates '
+    'homes labels',
     'Radiation': 'ground readings region highest sources estimates',
-    'Routes': 'ground tracks routes region homes labels',
+    'Routes': 'ground tracks routes planned region exclusions homes labels',
     'Photographs': 'ground photos region',
 }
-HIDDEN_AT_FIRST = frozenset({'photos'})
+HIDDEN_AT_FIRST = frozenset({'photos', 'planned'})
 _MARGIN = 0.06
 _LEAST_BOX_M = 20.0
 # A map of usual width before the script has measured it.
@@ -51,6 +54,8 @@ def map_section(
     place = _highest_place(data, highest)
     layers = (
         map_layers.ground_layer(picture),
+        map_layers.planned_layer(data, colours),
+        map_layers.exclusions_layer(data),
         map_layers.readings_layer(data, scale),
         map_layers.tracks_layer(data, colours),
         map_layers.routes_layer(data),

@@ -236,8 +236,27 @@ def _survey_facts(plan: Plan) -> list[tuple[str, Content]]:
         ('Makespan', formats.duration(plan.makespan_s)),
         ('Lower bound', bound),
         ('Gap', f'at most {formats.upper_percent(plan.gap_fraction)} above optimal'),
+        ('Objective', plan.objective.replace('_', ' ')),
+        ('Nearest two vehicles', _nearest(plan)),
+        ('Largest hole', _hole(plan)),
+        *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
         ('Plan', element('code', plan.plan_id)),
     ]
+
+
+def _nearest(plan: Plan) -> str:
+    """Return the least distance of two vehicles in the air by plan, and what was asked for."""
+    if math.isnan(plan.minimum_separation_m):
+        return 'never two in the air' if len(plan.routes) < 2 else formats.UNKNOWN
+    asked = f', {formats.length(plan.separation_m)} asked for' if plan.separation_m else ''
+    return f'{formats.length(plan.minimum_separation_m)} by plan{asked}'
+
+
+def _hole(plan: Plan) -> str:
+    """Return the area of the largest part of the regions that no photograph is to show."""
+    if math.isnan(plan.largest_hole_m2):
+        return formats.UNKNOWN
+    return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
 
 
 def _field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
