@@ -14,6 +14,7 @@ from rocsafe_planner.boustrophedon import (
     strips,
 )
 from rocsafe_planner.fleet_problem import FleetProblem, Order
+from rocsafe_planner.optimised import Optimised
 from rocsafe_planner.routing_task import PEAK_OBJECTIVES, routing_problem
 from rocsafe_planner.sensor_repair import with_sensors
 from rocsafe_planner.solver import Progress, SearchOptions, solve
@@ -28,15 +29,6 @@ _MOST_PROPOSALS = 4_000_000
 _ASK_S = 0.05
 # Vehicles that are tried alone.
 _MOST_ALONE = 10
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Optimised:
-    """Routes, and a value that no routes undercut, with the argument that proves it."""
-
-    orders: list[Order]
-    bound: float
-    bound_name: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

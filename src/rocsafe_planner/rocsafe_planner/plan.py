@@ -93,6 +93,8 @@ class SurveyPlan:
         Between neighbouring viewpoints in the direction of the image's width and height.
     lower_bound_s, lower_bound_method
         No plan for these viewpoints and vehicles has a shorter makespan, and what proved it.
+    objective_bound
+        No plan has a smaller value of the request's objective, in its unit; NaN: not known.
     largest_hole_m2
         Area of the largest connected part of the regions that no photograph shows.
     minimum_separation_m
@@ -108,6 +110,7 @@ class SurveyPlan:
     lower_bound_method: str
     region_area_m2: float
     covered_area_m2: float
+    objective_bound: float = math.nan
     largest_hole_m2: float = 0.0
     minimum_separation_m: float = field(default=float('inf'))
 

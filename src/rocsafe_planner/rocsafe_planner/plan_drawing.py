@@ -12,6 +12,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.flight_path import flight_path
+from rocsafe_planner.objective import OBJECTIVE_UNITS, OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.route_colors import EXCLUSION_COLOR, route_color
 
@@ -70,7 +71,7 @@ def plan_drawing(plan: SurveyPlan) -> Drawing:
     """Return the picture of a plan, north up."""
     sheet = _Sheet(plan)
     marks = (*_ground(plan, sheet), *_routes(plan, sheet), *_legend(plan, sheet))
-    lines = 4 + len(plan.routes)
+    lines = 5 + len(plan.routes)
     height = int(sheet.bottom_px + _MARGIN_PX + _LINE_PX * lines)
     return Drawing(width_px=WIDTH_PX, height_px=height, marks=marks)
 
@@ -159,10 +160,13 @@ def _legend(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot | Label]:
     name = plan.request.regions[0].area.name or 'survey'
     gap = 100.0 * plan.gap_fraction
     photographs = f'{plan.viewpoint_count} photographs, {100.0 * plan.covered_fraction:.1f} % of'
+    is_time = plan.request.objective == 'longest_time'
+    claim = f', at most {gap:.1f} % above optimal' if is_time else ' until all have landed'
     proof = f'no plan is shorter than {plan.lower_bound_s:.0f} s ({plan.lower_bound_method})'
     for text in (
         f'{name}: {photographs} {plan.region_area_m2 / 1e4:.2f} ha, method {plan.request.method}',
-        f'{plan.makespan_s:.0f} s, at most {gap:.1f} % above optimal: {proof}',
+        f'{plan.makespan_s:.0f} s{claim}: {proof}',
+        _promises(plan),
     ):
         yield Label(place=(_MARGIN_PX, y), text=text)
         y += _LINE_PX
@@ -170,12 +174,33 @@ def _legend(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot | Label]:
         yield Dot(centre=(_MARGIN_PX + 7.0, y - 5.0), radius=6.0, fill=route_color(index))
         flights = f' in {len(route.sorties)} flights' if len(route.sorties) > 1 else ''
         late = f', takes off after {route.delay_s:.0f} s' if route.delay_s else ''
+        above = route.flight_height_m - plan.request.height_agl_m
+        high = f', {above:g} m above the others' if above > 0.0 else ''
         yield Label(
             place=(_MARGIN_PX + 24.0, y),
             text=f'{route.vehicle.name}: {len(route.viewpoints)} photographs, '
-            f'{route.length_m:.0f} m, {route.duration_s:.0f} s{flights}{late}',
+            f'{route.length_m:.0f} m, {route.duration_s:.0f} s{flights}{late}{high}',
         )
         y += _LINE_PX
+
+
+def _promises(plan: SurveyPlan) -> str:
+    """Return what was to be small, how near vehicles come, and what is not seen."""
+    unit = OBJECTIVE_UNITS[plan.request.objective]
+    value = OBJECTIVE_VALUES[plan.request.objective](plan)
+    gap = objective_gap(plan)
+    proof = '' if math.isnan(gap) else f' (at most {100.0 * gap:.1f} % above optimal)'
+    parts = [f'objective {plan.request.objective} {value:.0f} {unit}{proof}']
+    if math.isfinite(plan.minimum_separation_m):
+        parts.append(f'no two vehicles nearer than {plan.minimum_separation_m:.1f} m')
+    hole = plan.largest_hole_m2
+    parts.append(f'largest hole {hole:.0f} m2' if hole > 0.0 else 'no hole')
+    if plan.request.wind_mps != (0.0, 0.0):
+        east, north = plan.request.wind_mps
+        parts.append(f'wind {east:g} m/s east, {north:g} m/s north')
+    if plan.request.exclusions:
+        parts.append(f'{len(plan.request.exclusions)} exclusions')
+    return ', '.join(parts)
 
 
 def _scale_bar(sheet: _Sheet, y: float) -> Iterator[Shape | Label]:

@@ -16,7 +16,7 @@ from rocsafe_planner.document import (
     vehicle_document,
     viewpoint_document,
 )
-from rocsafe_planner.objective import OBJECTIVE_VALUES
+from rocsafe_planner.objective import OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.plan import Route, Sortie, SurveyPlan
 
 FORMAT_VERSION = 1
@@ -61,6 +61,8 @@ def quality_document(plan: SurveyPlan) -> Document:
         'method': plan.request.method,
         'objective': plan.request.objective,
         'objective_value': OBJECTIVE_VALUES[plan.request.objective](plan),
+        'objective_bound': number(plan.objective_bound),
+        'objective_gap_fraction': number(objective_gap(plan)),
         'viewpoint_count': plan.viewpoint_count,
         'makespan_s': plan.makespan_s,
         'longest_route_m': plan.longest_route_m,

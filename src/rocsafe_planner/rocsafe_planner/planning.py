@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a request to a plan: cover the regions, share out the viewpoints, bound the makespan."""
 
+import dataclasses
 import math
 from collections.abc import Callable
 
 from rocsafe_planner.bound import LowerBound, lower_bound
 from rocsafe_planner.coverage import Sight, sight
 from rocsafe_planner.errors import PlanningCancelledError
-from rocsafe_planner.fleet_problem import Order
 from rocsafe_planner.given_viewpoints import footprints_of
 from rocsafe_planner.keeping_apart import KeptApart, kept_apart
+from rocsafe_planner.optimised import Optimised
 from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
+from rocsafe_planner.route_making import SECONDS_PER_HOUR
 from rocsafe_planner.routing import METHODS
 from rocsafe_planner.survey_site import SurveySite, survey_site
 
@@ -38,12 +40,13 @@ def plan_survey(
     _go_on(on_progress)
     site = survey_site(request)
     _go_on(on_progress)
-    orders, proven = _orders(site, request, on_progress)
-    apart = kept_apart(site, orders)
+    found = _found(site, request, on_progress)
+    apart = kept_apart(site, found.orders)
     makespan = max(route.finish_s for route in apart.routes)
     bound = lower_bound(site.problem, makespan, lambda seconds: on_progress(makespan, seconds))
-    if proven.makespan_s > bound.makespan_s:
-        bound = proven
+    is_time = request.objective == DEFAULT_OBJECTIVE
+    if is_time and found.bound > bound.makespan_s:
+        bound = LowerBound(makespan_s=found.bound, method=found.bound_name)
     sight = _sight(site, apart)
     return SurveyPlan(
         plan_id=request.identity(),
@@ -54,6 +57,7 @@ def plan_survey(
         # A bound that equals the makespan may exceed it by rounding.
         lower_bound_s=min(bound.makespan_s, makespan),
         lower_bound_method=bound.method,
+        objective_bound=min(bound.makespan_s, makespan) if is_time else found.bound,
         region_area_m2=sight.region_area_m2,
         covered_area_m2=sight.covered_area_m2,
         largest_hole_m2=sight.largest_hole_m2,
@@ -70,13 +74,12 @@ def _sight(site: SurveySite, apart: KeptApart) -> Sight:
     return sight(site.polygons, seen)
 
 
-def _orders(
-    site: SurveySite, request: SurveyRequest, on_progress: Progress
-) -> tuple[list[Order], LowerBound]:
-    """Return the routes of the request's method, and the bound that came with them, if any."""
-    unproven = LowerBound(makespan_s=0.0, method='')
+def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> Optimised:
+    """Return the routes of the request's method, and what it proved of its objective, if any."""
     if request.method != 'solver':
-        return METHODS[request.method](site.problem), unproven
+        orders = METHODS[request.method](site.problem)
+        return Optimised(orders=orders, bound=math.nan, bound_name='')
+    # Loaded when it is asked for: compiled code takes a moment that no other method needs.
     from rocsafe_planner.optimising import Effort, optimised
 
     is_time = request.objective == DEFAULT_OBJECTIVE
@@ -91,9 +94,9 @@ def _orders(
         # What is not a time is not told.
         on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
     )
-    if not is_time:
-        return found.orders, unproven
-    return found.orders, LowerBound(makespan_s=found.bound, method=found.bound_name)
+    if request.objective == 'energy':
+        return dataclasses.replace(found, bound=found.bound / SECONDS_PER_HOUR)
+    return found
 
 
 def _go_on(on_progress: Progress) -> None:

@@ -9,10 +9,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rocsafe_orchestrator.products.summary import HighestReading
 from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.map_data import DosePoint, MapData, Point
+from rocsafe_orchestrator.report.map_data import DosePoint, MapData
 from rocsafe_orchestrator.report.markup import Markup, element, number, style
 from rocsafe_orchestrator.report.palette import DoseScale, ramp_colour
 from rocsafe_orchestrator.report.pictures import GroundPicture
+from rocsafe_orchestrator.report.plan_data import Point
 
 COLOUR_STEPS = 32
 # Readings further apart in time are not joined: nothing was measured between them.
@@ -50,7 +51,8 @@ def region_layer(data: MapData) -> Markup:
 def exclusions_layer(data: MapData) -> Markup:
     """Return the zones that no leg crosses."""
     rings = ' '.join(f'{_polyline(ring)}Z' for ring in data.exclusions)
-    return layer('exclusions', element('path', class_='exclusion', d=rings) if rings else '')
+    zones = [element('path', class_='exclusion', d=rings)] if rings else []
+    return layer('exclusions', zones)
 
 
 def planned_layer(data: MapData, colours: Mapping[str, str]) -> Markup:

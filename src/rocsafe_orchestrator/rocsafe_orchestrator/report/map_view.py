@@ -5,10 +5,11 @@ from collections.abc import Iterable, Mapping
 
 from rocsafe_orchestrator.products.summary import HighestReading
 from rocsafe_orchestrator.report import formats, map_layers
-from rocsafe_orchestrator.report.map_data import MapData, Point
+from rocsafe_orchestrator.report.map_data import MapData
 from rocsafe_orchestrator.report.markup import Markup, element, join, number, style
 from rocsafe_orchestrator.report.palette import DoseScale, gradient
 from rocsafe_orchestrator.report.pictures import GroundPicture
+from rocsafe_orchestrator.report.plan_data import Point
 
 Box = tuple[float, float, float, float]
 # Layers that can be switched: name, text, and a class for its swatch.
