@@ -2,7 +2,6 @@
 """The method `solver`: routes that a search improves from the best of the simple methods on."""
 
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -58,13 +57,14 @@ def optimised(
     problem: FleetProblem, effort: Effort, watch: Watch = lambda _value, _bound: True
 ) -> Optimised:
     """Return routes that are no worse than those of any survey tool's method."""
-    watcher = _Watcher(watch)
+    options = _options(len(problem.points), effort)
+    watcher = _Watcher(watch, options.clock)
     starts = [method(problem) for method in (boustrophedon_minmax, boustrophedon_equal, strips)]
     if effort.objective not in PEAK_OBJECTIVES:
         starts += _alone(problem)
     solution = solve(
         routing_problem(problem, effort.objective),
-        _options(len(problem.points), effort),
+        options,
         watcher.report,
         watcher,
         [tuple(tuple(order) for order in orders) for orders in starts],
@@ -99,9 +99,9 @@ class _Watcher(threading.Event):
     The search asks it every few milliseconds whether to stop, from several threads.
     """
 
-    def __init__(self, watch: Watch) -> None:
+    def __init__(self, watch: Watch, clock: Callable[[], float]) -> None:
         super().__init__()
-        self._watch = watch
+        self._watch, self._clock = watch, clock
         self._reached: tuple[float, float] | None = None
         self._asking = threading.Lock()
         self._next_s = 0.0
@@ -114,7 +114,7 @@ class _Watcher(threading.Event):
 
     def is_set(self) -> bool:
         """Return whether to stop, having asked if that was some time ago."""
-        if time.monotonic() >= self._next_s and self._asking.acquire(blocking=False):
+        if self._clock() >= self._next_s and self._asking.acquire(blocking=False):
             try:
                 self._ask()
             finally:
@@ -122,6 +122,6 @@ class _Watcher(threading.Event):
         return super().is_set()
 
     def _ask(self) -> None:
-        self._next_s = time.monotonic() + _ASK_S
+        self._next_s = self._clock() + _ASK_S
         if self._reached is not None and not self._watch(*self._reached):
             self.set()
