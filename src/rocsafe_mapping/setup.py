@@ -21,8 +21,10 @@ setup(
     entry_points={
         'console_scripts': [
             'collector = rocsafe_mapping.collector_node:main',
+            'import = rocsafe_mapping.import_command:main',
             'map = rocsafe_mapping.map_command:main',
             'mosaic = rocsafe_mapping.mosaic_node:main',
+            'repository = rocsafe_mapping.repository_command:main',
         ],
     },
 )

@@ -186,3 +186,13 @@ def test_a_lost_record_leaves_the_others_readable(tmp_path, store, shot, notices
     shots = read_store(tmp_path / 'images', notices.append)
     assert [stored.record.sequence for stored in shots] == [1]
     assert 'rav1-00000.json' in notices[0]
+
+
+def test_the_reserve_of_the_disk_is_left_alone(tmp_path, shot):
+    """Refused with what is free and what is kept, before the disk is full; nothing changes."""
+    store = ImageStore(tmp_path, reserve_bytes=2**62)
+    with pytest.raises(StoreError, match=r'as good as full: \d+ MiB are free, \d+ MiB are kept'):
+        store.put(*shot())
+    assert len(store) == 0
+    assert not list(tmp_path.glob('*.jpg'))
+    store.close()

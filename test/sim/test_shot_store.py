@@ -93,3 +93,36 @@ def test_bursts_are_limited() -> None:
     for sequence in range(3 * RESEND_BURST):
         store.add(shot(sequence))
     assert len(store.overdue(0.0)) == RESEND_BURST
+
+
+def test_full_spool_gives_up_what_was_sent_longest_ago(tmp_path: Path) -> None:
+    """Never what was not sent, however old."""
+    store = ShotStore(tmp_path, most_bytes=3 * len(shot().jpeg))
+    for sequence in range(3):
+        store.add(shot(sequence))
+    store.mark_sent('rav1-00001', 5.0)
+    store.mark_sent('rav1-00002', 4.0)
+    store.add(shot(3))
+    assert [kept.shot_id for kept in ShotStore(tmp_path).overdue(0.0)] == [
+        'rav1-00000',
+        'rav1-00001',
+        'rav1-00003',
+    ]
+
+
+def test_spool_full_of_unsent_photographs_refuses_another(tmp_path: Path) -> None:
+    """With its size and limit; what is there stays."""
+    size = len(shot().jpeg)
+    store = ShotStore(tmp_path, most_bytes=size)
+    store.add(shot(0))
+    with pytest.raises(JournalError, match=f'spool is full: {size} bytes .* exceed {size}'):
+        store.add(shot(1))
+    assert len(store) == len(ShotStore(tmp_path)) == 1
+
+
+def test_photographs_are_brought_to_the_disk(tmp_path: Path, monkeypatch) -> None:
+    """File and folder, for the image and for its record."""
+    synced = []
+    monkeypatch.setattr('rocsafe_sim.journal.os.fsync', synced.append)
+    ShotStore(tmp_path).add(shot())
+    assert len(synced) == 4

@@ -1,19 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``collector``: every photograph into the image store, and a receipt for it."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import GeotaggedImage
+from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.conversions import receipt_of_answer, record_of_message
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.listings import write_listings
 from rocsafe_mapping.options import CollectorOptions
+from rocsafe_mapping.repository.copying import Copier
+from rocsafe_mapping.repository.sink import open_sink
 from rocsafe_mapping.store import Answer, ImageStore, Status
+from rocsafe_mapping.store_index import write_index
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
+
+# The folder's lists are written when no photograph came for so long.
+QUIET_S = 2.0
 
 
 class CollectorNode(Node):
@@ -28,18 +38,49 @@ class CollectorNode(Node):
         super().__init__('collector', **node_options)
         options = declare_options(self, CollectorOptions)
         try:
-            self._store = ImageStore(Path(options.store_directory), self.get_logger().warning)
+            self._folder = Path(options.store_directory)
+            self._store = ImageStore(
+                self._folder, self.get_logger().warning, options.reserve_mb * 2**20
+            )
         except StoreError as error:
             raise ParameterError(f'collector: store_directory: {error}') from error
+        self._copier = None
+        if options.copy_to:
+            self._copier = Copier(
+                self._folder, partial(open_sink, options.copy_to), self.get_logger().warning
+            )
         self._failing = False
+        self._is_listed, self._is_quiet = False, True
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(QUIET_S, self._on_quiet, clock=steady)
         self._receipts = topics.create_publisher(self, topics.RECEIPTS)
         for vehicle in options.vehicles:
             topics.create_subscription(self, topics.SHOT, self._on_shot, vehicle)
 
     def destroy_node(self) -> None:
         """Release the store with the node."""
+        self._list()
+        if self._copier is not None:
+            self._copier.close()
         self._store.close()
         super().destroy_node()
+
+    def _on_quiet(self) -> None:
+        if self._is_quiet:
+            self._list()
+        self._is_quiet = True
+
+    def _list(self) -> None:
+        """Bring the lists of the folder up to date, if they are not."""
+        if self._is_listed:
+            return
+        self._is_listed = True
+        try:
+            shots = read_store(self._folder, self.get_logger().warning)
+            write_listings(self._folder, shots)
+            write_index(self._folder, shots)
+        except StoreError as error:
+            self.get_logger().warning(str(error))
 
     def _on_shot(self, message: GeotaggedImage) -> None:
         try:
@@ -52,6 +93,10 @@ class CollectorNode(Node):
             self.get_logger().info('image store works again')
         if answer.status is Status.REJECTED:
             self.get_logger().error(f'{message.shot_id!r} rejected: {answer.reason}')
+        if answer.status is Status.STORED:
+            self._is_listed = self._is_quiet = False
+            if self._copier is not None:
+                self._copier.wake()
         receipt = receipt_of_answer(message, answer)
         receipt.header.stamp = self.get_clock().now().to_msg()
         self._receipts.publish(receipt)

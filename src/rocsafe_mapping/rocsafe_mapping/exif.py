@@ -14,6 +14,7 @@ from PIL.TiffImagePlugin import IFDRational
 
 from rocsafe_geo.pinhole import rotation_of_quaternion
 from rocsafe_mapping.shot import ShotRecord
+from rocsafe_mapping.xmp import MARK, xmp_segment
 
 MAKE = 'ROCSAFE'
 MODEL = 'ROCSAFE nadir camera'
@@ -40,7 +41,7 @@ Tags = dict[int, Any]
 
 
 def with_exif(jpeg: bytes, record: ShotRecord) -> bytes:
-    """Return `jpeg` with the Exif of `record` in place of its own; no pixel is coded anew.
+    """Return `jpeg` with the Exif and XMP of `record` in place of its own; no pixel changes.
 
     Raises
     ------
@@ -49,10 +50,10 @@ def with_exif(jpeg: bytes, record: ShotRecord) -> bytes:
     block = exif_of(record)
     segment = bytes((0xFF, APP1)) + struct.pack('>H', len(block) + 2) + block
     leading, rest = _split(jpeg)
-    kept = [part for part in leading if part[4:10] != EXIF_MARK]
+    kept = [part for part in leading if not part[4:].startswith((EXIF_MARK, MARK))]
     # A JFIF segment, APP0, keeps its place at the very beginning.
     first = 1 if kept and kept[0][1] == APP0 else 0
-    kept.insert(first, segment)
+    kept[first:first] = [segment, xmp_segment(record)]
     return JPEG_START + b''.join(kept) + rest
 
 

@@ -18,6 +18,20 @@ class CollectorOptions:
         default=(), metadata={'doc': 'namespaces of the vehicles that send photographs'}
     )
     store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
+    reserve_mb: int = field(
+        default=64,
+        metadata={
+            'doc': 'space that photographs leave on the disk, MiB',
+            'min': 0,
+            'max': 1_000_000,
+        },
+    )
+    copy_to: str = field(
+        default='',
+        metadata={
+            'doc': 'where each stored photograph is copied: a folder or http(s) URL; or nowhere'
+        },
+    )
 
     def __post_init__(self) -> None:
         _require_text('store_directory', self.store_directory)

@@ -42,6 +42,9 @@ from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.exif import with_exif
 from rocsafe_mapping.shot import ShotRecord, plain_of_record
 
+# Room for the map and the report of a mission.
+DEFAULT_RESERVE_BYTES = 64 * 2**20
+
 
 class Status(Enum):
     """What became of a photograph that was offered to the store."""
@@ -76,14 +79,22 @@ class ImageStore:
     ----------
     directory: where the store is or shall be.
     notice: is told, in one line each, what was found out of order on opening.
+    reserve_bytes: space that a photograph must leave on the disk; a clear refusal comes before
+        the disk is full.
 
     Raises
     ------
     StoreError: if the directory cannot be used or another process writes to it.
     """
 
-    def __init__(self, directory: Path, notice: Notice = lambda _text: None) -> None:
+    def __init__(
+        self,
+        directory: Path,
+        notice: Notice = lambda _text: None,
+        reserve_bytes: int = DEFAULT_RESERVE_BYTES,
+    ) -> None:
         self._directory = directory.absolute()
+        self._reserve_bytes = reserve_bytes
         self._notice = notice
         try:
             (self._directory / REJECTED).mkdir(parents=True, exist_ok=True)
@@ -97,8 +108,15 @@ class ImageStore:
     def __len__(self) -> int:
         return len(self._entries)
 
-    def put(self, record: ShotRecord, image: bytes) -> Answer:
+    @property
+    def directory(self) -> Path:
+        """Where the store is."""
+        return self._directory
+
+    def put(self, record: ShotRecord, image: bytes, *, is_tagged: bool = False) -> Answer:
         """Store `image`, unless it is stored already, and say what became of it.
+
+        With `is_tagged` the image has Exif of its own, and is stored byte by byte as it is.
 
         Raises
         ------
@@ -115,10 +133,11 @@ class ImageStore:
             return Answer(status=Status.DUPLICATE, sha256=sha256, path=path)
         try:
             _require_decodable(image)
-            stored = with_exif(image, record)
+            stored = image if is_tagged else with_exif(image, record)
         except ValueError as error:
             return self.reject(image, str(error))
         try:
+            self._require_space(len(stored))
             self._write(record, stored)
         except OSError as error:
             raise StoreError(f'cannot store {record.shot_id} at {path}: {error}') from error
@@ -169,6 +188,16 @@ class ImageStore:
         finish_part(image_path)
         sync_directory(self._directory)
         self._add(entry)
+
+    def _require_space(self, size: int) -> None:
+        """Raise StoreError unless `size` bytes leave the reserve of the disk alone."""
+        disk = os.statvfs(self._directory)
+        free = disk.f_bavail * disk.f_frsize
+        if free - size < self._reserve_bytes:
+            raise StoreError(
+                f'disk of {self._directory} is as good as full: {free // 2**20} MiB are free, '
+                f'{self._reserve_bytes // 2**20} MiB are kept in reserve'
+            )
 
     def _add(self, entry: ManifestEntry) -> None:
         self._manifest.append(entry.line())

@@ -6,6 +6,7 @@ A float's shortest decimal form reads back as the same float: nothing is rounded
 
 import json
 import math
+import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,21 @@ def write_atomically(path: Path, content: bytes) -> None:
     part = path.with_name(path.name + '.part')
     part.write_bytes(content)
     part.replace(path)
+
+
+def write_durably(path: Path, content: bytes) -> None:
+    """Write a file as `write_atomically`, and so that it also survives the loss of power."""
+    part = path.with_name(path.name + '.part')
+    with part.open('wb') as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    part.replace(path)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
 
 
 def write_journal(path: Path, record: VehicleRecord) -> None:

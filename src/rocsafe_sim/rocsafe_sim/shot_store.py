@@ -5,13 +5,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rocsafe_sim.errors import JournalError
-from rocsafe_sim.journal import write_atomically
+from rocsafe_sim.journal import write_durably
 from rocsafe_sim.shot import Shot, shot_of, shot_record
 
 # An unacknowledged photograph is sent again after this much wall time,
 RESEND_S = 1.0
 # but no more than so many at once, lest the receiver drowns when it comes back.
 RESEND_BURST = 20
+# A day's photographs of a small camera.
+DEFAULT_MOST_BYTES = 8 * 2**30
 
 
 class ShotStore:
@@ -19,10 +21,21 @@ class ShotStore:
 
     A photograph is on disk as ``<shot_id>.jpg`` and, written after it, ``<shot_id>.json``: one
     without the other is the trace of a kill and does not count.
+
+    The spool is bounded: where a new photograph does not fit, those that were sent longest ago go,
+    for they have been handed over at least once; one that was never sent is never given up.
+
+    Parameters
+    ----------
+    folder: of the spool, None: memory only.
+    most_bytes: of images that are kept.
     """
 
-    def __init__(self, folder: Path | None = None) -> None:
+    def __init__(self, folder: Path | None = None, most_bytes: int = DEFAULT_MOST_BYTES) -> None:
+        if most_bytes < 1:
+            raise ValueError(f'most_bytes = {most_bytes} must be at least 1')
         self._folder = folder
+        self._most_bytes = most_bytes
         self._pending: dict[str, Shot] = {}
         self._sent_s: dict[str, float] = {}
         if folder is not None:
@@ -34,11 +47,23 @@ class ShotStore:
         return len(self._pending)
 
     def add(self, shot: Shot) -> None:
-        """Keep `shot`: once this returns, a kill does not lose it."""
-        self._pending[shot.shot_id] = shot
+        """Keep `shot`: once this returns, neither a kill nor a loss of power loses it.
+
+        Raises
+        ------
+        JournalError: if the spool is full of photographs that were never sent, or cannot be
+            written.
+        """
+        self._make_room(len(shot.jpeg))
         if self._folder is not None:
-            write_atomically(self._folder / f'{shot.shot_id}.jpg', shot.jpeg)
-            write_atomically(self._folder / f'{shot.shot_id}.json', shot_record(shot))
+            try:
+                write_durably(self._folder / f'{shot.shot_id}.jpg', shot.jpeg)
+                write_durably(self._folder / f'{shot.shot_id}.json', shot_record(shot))
+            except OSError as error:
+                raise JournalError(
+                    f'{self._folder}: cannot keep {shot.shot_id}: {error}'
+                ) from error
+        self._pending[shot.shot_id] = shot
 
     def take_receipt(self, shot_id: str, sha256: str) -> bool:
         """Forget a photograph that is safe elsewhere; return whether it was the one kept here.
@@ -48,11 +73,7 @@ class ShotStore:
         shot = self._pending.get(shot_id)
         if shot is None or shot.sha256 != sha256:
             return False
-        del self._pending[shot_id]
-        self._sent_s.pop(shot_id, None)
-        if self._folder is not None:
-            (self._folder / f'{shot_id}.json').unlink(missing_ok=True)
-            (self._folder / f'{shot_id}.jpg').unlink(missing_ok=True)
+        self._forget(shot_id)
         return True
 
     def mark_sent(self, shot_id: str, wall_s: float) -> None:
@@ -68,6 +89,26 @@ class ShotStore:
             if wall_s - self._sent_s.get(shot_id, -RESEND_S) >= RESEND_S
         ]
         return due[:RESEND_BURST]
+
+    def _make_room(self, size: int) -> None:
+        used = sum(len(shot.jpeg) for shot in self._pending.values())
+        for _, shot_id in sorted((sent_s, shot_id) for shot_id, sent_s in self._sent_s.items()):
+            if used + size <= self._most_bytes:
+                return
+            used -= len(self._pending[shot_id].jpeg)
+            self._forget(shot_id)
+        if used + size > self._most_bytes:
+            raise JournalError(
+                f'spool is full: {used} bytes of photographs that were never sent and {size} more '
+                f'exceed {self._most_bytes}'
+            )
+
+    def _forget(self, shot_id: str) -> None:
+        del self._pending[shot_id]
+        self._sent_s.pop(shot_id, None)
+        if self._folder is not None:
+            (self._folder / f'{shot_id}.json').unlink(missing_ok=True)
+            (self._folder / f'{shot_id}.jpg').unlink(missing_ok=True)
 
 
 def _stored_shots(folder: Path) -> Iterator[Shot]:

@@ -46,6 +46,18 @@ PASSED_ON = (
         executable='scene',
         summary='check, list and render the scenes that cameras see',
     ),
+    PassedOn(
+        word='import',
+        package='rocsafe_mapping',
+        executable='import',
+        summary='take photographs into a store',
+    ),
+    PassedOn(
+        word='repository',
+        package='rocsafe_mapping',
+        executable='repository',
+        summary='keep photographs sent over HTTP',
+    ),
 )
 
 

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`repository`: keeps photographs that are sent over HTTP."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.repository.server import Repository
+
+EXIT_OK, EXIT_REFUSED = 0, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Serve until interrupted and return the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        token = options.token_file.read_text().strip() if options.token_file else ''
+        server = Repository(options.folder, (options.host, options.port), token)
+    except (MappingError, ValueError, OSError) as error:
+        sys.stderr.write(f'error: {error}\n')
+        return EXIT_REFUSED
+    host, port = server.server_address[:2]
+    sys.stdout.write(f'serving {options.folder} at http://{host!s}:{port}\n')
+    sys.stdout.flush()
+    try:
+        server.serve_forever()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        server.server_close()
+    return EXIT_OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='rocsafe repository', description='Keep photographs that are sent over HTTP.'
+    )
+    parser.add_argument('folder', type=Path, metavar='FOLDER', help='image store')
+    parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
+    parser.add_argument('--port', type=int, default=8730, help='[8730]; 0: any')
+    parser.add_argument(
+        '--token-file', type=Path, metavar='FILE',
+        help='holds the token that senders must bring; needed beyond loopback',
+    )  # fmt: skip
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

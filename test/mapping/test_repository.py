@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photographs are copied elsewhere, each once, over links that break."""
+
+import dataclasses
+import hashlib
+import http.client
+import threading
+import time
+
+import pytest
+
+from rocsafe_mapping.catalogue import read_store
+from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.repository.copying import Copier
+from rocsafe_mapping.repository.http_sink import HttpSink
+from rocsafe_mapping.repository.server import Repository
+from rocsafe_mapping.repository.sink import FolderSink, open_sink
+from rocsafe_mapping.store import ImageStore, Status
+
+DEADLINE_S = 15.0
+
+
+@pytest.fixture
+def server(tmp_path):
+    """A repository on loopback."""
+    server = Repository(tmp_path / 'far', ('127.0.0.1', 0), token='secret')  # noqa: S106
+    thread = threading.Thread(target=server.serve_forever, kwargs={'poll_interval': 0.01})
+    thread.start()
+    yield server
+    server.shutdown()
+    thread.join(DEADLINE_S)
+    server.server_close()
+
+
+def url_of(server):
+    """Return where a repository is."""
+    return f'http://127.0.0.1:{server.server_address[1]}'
+
+
+def tagged(shot, number=0, **changes):
+    """Return a photograph whose record names the bytes as they are."""
+    record, jpeg = shot(number, **changes)
+    return dataclasses.replace(record, sha256=hashlib.sha256(jpeg).hexdigest()), jpeg
+
+
+def test_a_photograph_is_kept_once(server, shot):
+    """Sent twice it is stored once, byte by byte."""
+    sink = HttpSink(url_of(server), 'secret')
+    record, jpeg = tagged(shot)
+    assert sink.put(record, jpeg).status is Status.STORED
+    assert sink.put(record, jpeg).status is Status.DUPLICATE
+    sink.close()
+    (stored,) = read_store(server.store.directory, pytest.fail)
+    assert stored.record == record
+    assert stored.read_image() == jpeg
+
+
+def test_other_bytes_of_the_same_name_are_refused(server, shot):
+    """For good: sending them again would not help."""
+    sink = HttpSink(url_of(server), 'secret')
+    sink.put(*tagged(shot))
+    record, other = tagged(shot, 1)
+    first = tagged(shot)[0]
+    record = dataclasses.replace(first, sha256=record.sha256)
+    answer = sink.put(record, other)
+    assert answer.status is Status.REJECTED
+    assert 'stored already with another image' in answer.reason
+    sink.close()
+
+
+def test_an_upload_goes_on_where_it_stopped(server, shot):
+    """Bytes that arrived before the link broke are not sent again."""
+    record, jpeg = tagged(shot)
+    part = jpeg[: len(jpeg) // 2]
+    first = HttpSink(url_of(server), 'secret')
+    first._ask('PATCH', f'/uploads/{record.sha256}', part, {'Upload-Offset': '0'})
+    first.close()
+    sent = []
+    second = HttpSink(url_of(server), 'secret')
+    ask = second._ask
+    second._ask = lambda method, path, body=b'', headers=None: (
+        sent.append((method, len(body))),
+        ask(method, path, body, headers),
+    )[1]
+    assert second.put(record, jpeg).status is Status.STORED
+    assert ('PATCH', len(jpeg) - len(part)) in sent
+    second.close()
+
+
+def test_a_wrong_token_is_refused(server, shot):
+    """Nothing is stored."""
+    sink = HttpSink(url_of(server), 'wrong')
+    with pytest.raises(StoreError, match='401'):
+        sink.put(*tagged(shot))
+    sink.close()
+    assert len(server.store) == 0
+
+
+def test_a_damaged_body_is_refused(server):
+    """The digest is checked before anything is written."""
+    link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
+    headers = {
+        'Authorization': 'Bearer secret',
+        'Upload-Offset': '0',
+        'Content-Digest': 'sha-256=:AAAA:',
+    }
+    link.request('PATCH', f'/uploads/{"0" * 64}', b'bytes', headers)
+    assert link.getresponse().status == 400
+    link.close()
+    assert not list(server.uploads.iterdir())
+
+
+def test_beyond_loopback_a_token_is_needed(tmp_path):
+    """Nobody opens a store to the network by accident."""
+    with pytest.raises(ValueError, match=r'host = 0\.0\.0\.0 is not loopback'):
+        Repository(tmp_path, ('0.0.0.0', 0))  # noqa: S104
+
+
+def test_a_full_disk_is_told_and_nothing_kept(server, shot, monkeypatch):
+    """507, to be tried again."""
+    monkeypatch.setattr(server.store, '_reserve_bytes', 2**62)
+    sink = HttpSink(url_of(server), 'secret')
+    with pytest.raises(StoreError, match=r'507 disk of .* is as good as full'):
+        sink.put(*tagged(shot))
+    sink.close()
+    assert len(server.store) == 0
+
+
+def test_copies_survive_an_absent_repository(tmp_path, shot):
+    """What could not be sent is sent later, each once; a new copier knows what is done."""
+    near = ImageStore(tmp_path / 'near', reserve_bytes=0)
+    for number in range(3):
+        near.put(*shot(number))
+    failures = []
+
+    def unreliable():
+        if len(failures) < 1:
+            failures.append(None)
+            raise StoreError('link is down')
+        return FolderSink(tmp_path / 'far')
+
+    copier = Copier(tmp_path / 'near', unreliable, lambda _text: None)
+    end = time.monotonic() + DEADLINE_S
+    while len(copier.copied) < 3:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    copier.close()
+    again = Copier(tmp_path / 'near', pytest.fail, pytest.fail)
+    assert len(again.copied) == 3
+    again.close()
+    near.close()
+    near_images = {s.record.shot_id: s.read_image() for s in read_store(tmp_path / 'near', print)}
+    far_images = {s.record.shot_id: s.read_image() for s in read_store(tmp_path / 'far', print)}
+    assert near_images == far_images
+
+
+def test_sinks_by_url(tmp_path):
+    """A path and a file URL are folders; an unknown scheme is refused."""
+    for url in (str(tmp_path / 'a'), (tmp_path / 'b').as_uri()):
+        sink = open_sink(url)
+        assert isinstance(sink, FolderSink)
+        sink.close()
+    assert {path.name for path in tmp_path.iterdir()} == {'a', 'b'}
+    with pytest.raises(StoreError, match='scheme gopher is none of'):
+        open_sink('gopher://host/x')
