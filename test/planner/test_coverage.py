@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_planner.coverage import GRIDS, CoverageSpec, cover, coverage_spec, spacing_m
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.sight import sight
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
@@ -208,3 +209,20 @@ def test_holes_and_several_polygons():
     assert coverage.sight.largest_hole_m2 == pytest.approx(400.0)
     with pytest.raises(NoWayError, match='leave no viewpoint'):
         cover([west], plan, lambda places: places[:, 0] > 50)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 3.0))
+def test_rows_joined_cover_the_same(seed, turn):
+    """Uniting whole rows gives the area that uniting each footprint gives, gaps included."""
+    generator = np.random.default_rng(seed)
+    cos, sin = math.cos(turn), math.sin(turn)
+    axes = np.array([[cos, -sin], [sin, cos]])
+    spots = np.array([(7.0 * x, 6.0 * y) for y in range(8) for x in range(9)])
+    spots = spots[generator.random(len(spots)) < 0.8] @ axes.T
+    corners = np.array([(-5.0, -4.0), (5.0, -4.0), (5.0, 4.0), (-5.0, 4.0)]) @ axes.T
+    footprints = spots[:, None, :] + corners
+    region = shapely.Polygon(np.array([(-3.0, -3.0), (60.0, -1.0), (50.0, 44.0)]) @ axes.T)
+    seen = sight([region], footprints)
+    alone = shapely.union_all(shapely.polygons(footprints), grid_size=1e-6)
+    assert seen.covered_area_m2 == pytest.approx(region.intersection(alone).area, abs=1e-3)

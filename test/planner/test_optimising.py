@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_planner.fleet_problem import FleetProblem
@@ -36,6 +36,22 @@ def test_never_worse_than_survey_tools(seed, vehicles):
         world = problem(points, generator.uniform(-100.0, 400.0, (vehicles, 2)))
         best = makespan_s(world, METHODS['solver'](world))
         assert best <= min(makespan_s(world, METHODS[tool](world)) for tool in TOOLS) + 1e-3
+
+
+@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+@given(surveys(separation_m=0.0, exclusions=()))
+def test_never_worse_than_survey_tools_on_regions(survey):
+    """On concave, holed, thin and tiny regions, with unlike fleets, ends, sensors and wind."""
+    fleet = tuple(
+        dataclasses.replace(v, battery_swap_s=None, endurance_s=1e5) for v in survey.vehicles
+    )
+    makespans = {
+        method: plan_survey(
+            dataclasses.replace(survey, vehicles=fleet, method=method, proposals=50_000)
+        ).makespan_s
+        for method in (*TOOLS, 'solver')
+    }
+    assert makespans['solver'] <= min(makespans.values()) + 1e-3
 
 
 def test_derailment_is_a_fifth_shorter_than_the_papers():

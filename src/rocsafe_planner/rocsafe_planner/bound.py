@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.motion import leg_duration_s
+from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.forest import FleetCosts, makespan_bound
 
@@ -66,6 +66,11 @@ def lower_bound(
     return LowerBound(makespan_s=trip_s, method='farthest_trip')
 
 
+def trip_bound(problem: FleetProblem) -> LowerBound:
+    """Return the time of the farthest trip alone, which takes no time to find."""
+    return LowerBound(makespan_s=_farthest_trip_s(problem), method='farthest_trip')
+
+
 def _farthest_trip_s(problem: FleetProblem) -> float:
     """Return the time of the point that is worst to photograph alone, by the best vehicle."""
     trips = []
@@ -92,8 +97,10 @@ def _undercut_costs(problem: FleetProblem) -> FleetCosts:
     hover = min(vehicle.hover_s for vehicle in problem.vehicles)
     ways = [_ways_s(problem, k) for k in range(len(problem.vehicles))]
 
+    motions = {problem.flight(k).fastest() for k in range(len(problem.vehicles))}
+
     def row(point: int) -> FloatArray:
-        return _fastest_legs_s(problem, point) + hover
+        return _fastest_legs_s(problem, point, motions) + hover
 
     matrix = np.vstack([row(point) for point in range(n)]) if n <= _DENSE_POINTS else None
     fixed = np.array([problem.first_fixed_s(k) for k in range(len(problem.vehicles))])
@@ -105,9 +112,8 @@ def _undercut_costs(problem: FleetProblem) -> FleetCosts:
     )
 
 
-def _fastest_legs_s(problem: FleetProblem, point: int) -> FloatArray:
+def _fastest_legs_s(problem: FleetProblem, point: int, motions: set[MotionLimits]) -> FloatArray:
     """Return the leg times from one point to all, by the vehicle fastest on each, shape (n,)."""
     distances = problem.distances_m(point)[: len(problem.points)]
-    motions = {problem.flight(k).fastest() for k in range(len(problem.vehicles))}
     fastest: FloatArray = np.min([leg_duration_s(distances, motion) for motion in motions], axis=0)
     return fastest

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.limits import require_finite
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.sight import Sight, sight
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -28,10 +29,6 @@ _TOUCH_M = 1e-6
 _RIGHT = 0.5 * math.pi
 _SEARCH_STEP_RAD = math.radians(5.0)
 _SEARCHED_EDGES = 12
-# An unseen part of this area is none: 1 cm by 1 cm.
-_HAIR_M2 = 1e-4
-# Corners of footprints are rounded to this before they are united.
-_UNION_GRID_M = 1e-6
 
 SPACING_RULES: dict[str, Callable[[float], float]] = {
     'iou': lambda overlap: (1.0 - overlap) / (1.0 + overlap),
@@ -52,15 +49,6 @@ class CoverageSpec:
     spacing_m: tuple[float, float]
     grid: str
     max_viewpoints: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sight:
-    """Area of regions, of their part inside at least one footprint, of the largest hole in it."""
-
-    region_area_m2: float
-    covered_area_m2: float
-    largest_hole_m2: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -166,17 +154,6 @@ def cover(
     )
 
 
-def sight(polygons: Sequence[shapely.Polygon], footprints: FloatArray) -> Sight:
-    """Return how much of polygons the footprints (n, 4, 2) show."""
-    region = shapely.union_all(polygons)
-    hole = _unseen(region, footprints)
-    return Sight(
-        region_area_m2=region.area,
-        covered_area_m2=region.area - min(region.area, hole.area),
-        largest_hole_m2=float(shapely.area(shapely.get_parts(hole)).max(initial=0.0)),
-    )
-
-
 def _tiling(polygon: shapely.Polygon, spec: CoverageSpec) -> tuple[FloatArray, FloatArray]:
     """Return the viewpoints of one polygon, and the axes of its grid."""
     axes = GRIDS[spec.grid](polygon, spec)
@@ -192,15 +169,6 @@ def _footprints(centres: FloatArray, axes: FloatArray, spec: CoverageSpec) -> Fl
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     footprints: FloatArray = centres[:, None, :] + (0.5 * corners * spec.footprint_m) @ axes.T
     return footprints
-
-
-def _unseen(region: shapely.Geometry, footprints: FloatArray) -> shapely.Geometry:
-    """Return the part of the region in no footprint."""
-    # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
-    seen = shapely.union_all(shapely.polygons(footprints), grid_size=_UNION_GRID_M)
-    unseen = shapely.get_parts(shapely.difference(region, seen))
-    # Rounding leaves hair along edges where footprints meet.
-    return shapely.multipolygons(unseen[shapely.area(unseen) > _HAIR_M2])
 
 
 def _axis_aligned(_polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:

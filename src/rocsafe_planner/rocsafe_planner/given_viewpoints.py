@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.coverage import Coverage, sight
+from rocsafe_planner.coverage import Coverage
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 from rocsafe_planner.plan import Viewpoint
 from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.sight import sight
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

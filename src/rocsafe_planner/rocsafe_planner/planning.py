@@ -5,8 +5,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 
-from rocsafe_planner.bound import LowerBound, lower_bound
-from rocsafe_planner.coverage import Sight, sight
+from rocsafe_planner.bound import LowerBound, lower_bound, trip_bound
 from rocsafe_planner.errors import PlanningCancelledError
 from rocsafe_planner.given_viewpoints import footprints_of
 from rocsafe_planner.keeping_apart import KeptApart, kept_apart
@@ -15,7 +14,11 @@ from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
 from rocsafe_planner.route_making import SECONDS_PER_HOUR
 from rocsafe_planner.routing import METHODS
+from rocsafe_planner.sight import Sight, sight
 from rocsafe_planner.survey_site import SurveySite, survey_site
+
+MANY_POINTS = 2000
+"""Above this the bound of a search is taken without another one beside it."""
 
 Progress = Callable[[float, float], bool]
 """Told the best makespan and lower bound so far, in seconds, NaN while unknown; False stops.
@@ -43,10 +46,8 @@ def plan_survey(
     found = _found(site, request, on_progress)
     apart = kept_apart(site, found.orders)
     makespan = max(route.finish_s for route in apart.routes)
-    bound = lower_bound(site.problem, makespan, lambda seconds: on_progress(makespan, seconds))
     is_time = request.objective == DEFAULT_OBJECTIVE
-    if is_time and found.bound > bound.makespan_s:
-        bound = LowerBound(makespan_s=found.bound, method=found.bound_name)
+    bound = _bound(site, found, makespan, on_progress)
     sight = _sight(site, apart)
     return SurveyPlan(
         plan_id=request.identity(),
@@ -65,6 +66,22 @@ def plan_survey(
     )
 
 
+def _bound(
+    site: SurveySite, found: Optimised, makespan_s: float, on_progress: Progress
+) -> LowerBound:
+    """Return the best bound of the makespan: that of the search, or of this package's own."""
+    has_proof = site.request.objective == DEFAULT_OBJECTIVE and found.bound > 0.0
+    proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
+    if has_proof and len(site.problem.points) > MANY_POINTS:
+        # A forest of so many points takes longer than it is worth beside a proof.
+        own = trip_bound(site.problem)
+    else:
+        own = lower_bound(
+            site.problem, makespan_s, lambda seconds: on_progress(makespan_s, seconds)
+        )
+    return proven if has_proof and found.bound > own.makespan_s else own
+
+
 def _sight(site: SurveySite, apart: KeptApart) -> Sight:
     """Return what the photographs show: from higher layers they show more."""
     if not any(apart.layers_m):
@@ -78,7 +95,7 @@ def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> O
     """Return the routes of the request's method, and what it proved of its objective, if any."""
     if request.method != 'solver':
         orders = METHODS[request.method](site.problem)
-        return Optimised(orders=orders, bound=math.nan, bound_name='')
+        return Optimised(orders=orders)
     # Loaded when it is asked for: compiled code takes a moment that no other method needs.
     from rocsafe_planner.optimising import Effort, optimised
 
