@@ -4,6 +4,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
@@ -16,6 +17,8 @@ from rocsafe_interfaces.action import PlanSurvey
 from rocsafe_interfaces.msg import CameraSpec, GeoPoint, GeoPolygon, Region, VehicleSpec
 from rocsafe_planner.planner_node import PlannerNode
 from rocsafe_ros.topics import PLAN, create_subscription
+
+from .terrains import write_terrain
 
 DEADLINE_S = 20.0
 RECTANGLE = [
@@ -179,6 +182,45 @@ def test_a_long_planning_can_be_cancelled(open_desk):
     result = desk.wait_for(handle.get_result_async()).result
     assert result.error_code == PlanSurvey.Result.CANCELLED
     assert desk.plans == []
+
+
+def test_a_cancelled_search_gives_its_best(open_desk):
+    """Long before its budget is spent, after feedback of time, best and bound: a whole plan."""
+    desk = open_desk()
+    handle = desk.send(goal(method='solver', budget_s=600.0))
+    desk.ros.spin_until(
+        lambda: desk.feedback and math.isfinite(desk.feedback[-1].best_makespan_s), DEADLINE_S
+    )
+    told = desk.feedback[-1]
+    assert told.elapsed_s > 0.0
+    assert told.best_makespan_s >= told.lower_bound_s
+    desk.wait_for(handle.cancel_goal_async())
+    result = desk.wait_for(handle.get_result_async()).result
+    assert result.error_code == PlanSurvey.Result.CANCELLED
+    assert 'the plan is the best so far' in result.error_msg
+    assert sorted(v.id for v in result.plan.routes[0].viewpoints) == list(range(59))
+    assert result.plan.makespan_s <= told.best_makespan_s + 1e-3
+    assert desk.plans == []
+
+
+def test_goals_reach_all_that_planning_can(open_desk, tmp_path):
+    """Battery swaps, an open end, wind, separation, terrain, sensors and given viewpoints."""
+    path = write_terrain(tmp_path / 'hill.tif', np.full((400, 400), 5.0, np.float32))
+    request = goal(
+        separation_m=5.0, separation_by='layers', terrain_file=str(path), wind_east_mps=1.0
+    )
+    (vehicle,) = request.vehicles
+    vehicle.endurance_s, vehicle.battery_swap_s = 250.0, 60.0
+    vehicle.is_open, vehicle.sensors = True, ['gamma']
+    request.region.sensors = ['gamma']
+    (route,) = open_desk().ask(request).plan.routes
+    assert len(route.flights) > 1
+    assert sum(len(flight.viewpoints) for flight in route.flights) == len(route.viewpoints) == 59
+    assert route.is_open
+    assert list(route.flights[-1].homeward) == []
+    lone = goal(viewpoints=[GeoPoint(latitude=53.2799, longitude=-9.063, altitude=math.nan)])
+    (view,) = open_desk().ask(lone).plan.routes[0].viewpoints
+    assert (view.position.latitude, view.position.longitude) == pytest.approx((53.2799, -9.063))
 
 
 def test_a_newer_goal_takes_the_place(open_desk):
