@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each cycle of each lane starts from, and how hot and how long it anneals."""
+"""What each cycle of each lane starts from, and how hot and how long it anneals.
+
+First a few cycles from a construction, from hot to cold; then, if there is time, crosses of the
+best plans, annealed from warm to cold: a genetic search whose mutation is annealing. Small
+problems live on the crosses, large ones on one long cycle.
+"""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,10 +16,34 @@ from rocsafe_planner.solver.search import Lane, Manner, Pacer, Plan
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""
-PER_CUSTOMER = 20_000
-"""Proposals a customer that make a full cycle of annealing."""
-USUAL_RATE = 5e6
-"""Proposals a second that are counted on when cycles are planned."""
+LEAST_CYCLE, MOST_CYCLE = 3_000, 20_000
+"""Proposals a customer of a cycle from hot to cold."""
+FOUNDERS = 5
+"""Cycles from a construction before plans are crossed."""
+MEMBERS = 10
+"""Plans that are kept for crossing."""
+USUAL_RATE = 6e6
+"""Proposals a second that are counted on before any were made."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cycle:
+    """What a lane is to do next."""
+
+    plan: Plan
+    manner: Manner
+    proposals: int
+    other: Plan | None = None
+    """Plan to cross with; none: annealed as it is."""
+    chosen: tuple[int, ...] = ()
+    """Routes of `plan` that a cross keeps whole."""
+
+    def begin(self, lane: Lane) -> None:
+        """Set the routes of a lane to what this cycle starts from."""
+        if self.other is None:
+            lane.begin(self.plan)
+        else:
+            lane.cross(self.plan, self.other, list(self.chosen), self.manner)
 
 
 class Schedule:
@@ -22,54 +52,105 @@ class Schedule:
     def __init__(self, options: SearchOptions, customers: int, first: Plan) -> None:
         self.options = options
         self.first = first
-        self.best: tuple[float, Plan] = (np.inf, first)
-        total = options.proposals or options.budget_s * USUAL_RATE
-        self.cycles = max(1, round(total / (PER_CUSTOMER * customers)))
-        self.per_customer = total / self.cycles / customers
+        self.members: list[tuple[float, Plan]] = []
+        self.customers = customers
         self.done = 0
+        self.made = 0
         self.began = options.clock()
         self.choices = np.random.Generator(np.random.PCG64(options.seed))
+        total = options.proposals or options.budget_s * USUAL_RATE
+        share = total / customers
+        self.is_single = share < 4 * LEAST_CYCLE
+        self.hot_start = share > 2000
+        self.full = (
+            total if self.is_single else customers * min(max(share / 12, LEAST_CYCLE), MOST_CYCLE)
+        )
 
     def more(self) -> bool:
         """Answer whether another round is due."""
         if self.options.proposals is not None:
-            return self.done < self.cycles * self.options.lanes
+            return self.made < self.options.proposals
         return self._left_s() > 0.01 * self.options.budget_s
 
     def _left_s(self) -> float:
         """Return how much of the budget is left."""
         return self.options.budget_s - (self.options.clock() - self.began)
 
-    def next_cycle(self) -> tuple[Plan, Manner]:
-        """Return where the next cycle starts and how it anneals."""
-        again = self.done >= self.options.lanes and bool(self.choices.integers(2))
-        plan = self.best[1] if again else self.first
-        hot = 0.0 if self.per_customer > 2000 else -2.0
-        manner = Manner(
-            hot=hot - (1.7 if again else 0.0),
-            cold=-5.5,
-            floor=float(self.choices.choice([0.1, 0.2, 0.4])),
-            width=float(self.choices.choice([0.01, 0.02, 0.05])),
-            ruins=0,
-            long=0,
-        )
-        self.done += 1
-        return plan, manner
+    def _left(self) -> float:
+        """Return how many proposals a lane can still make."""
+        if self.options.proposals is not None:
+            return self.options.proposals - self.made
+        return self._left_s() * self._rate()
 
-    def pacer(self, keep_on: Callable[[Lane], bool]) -> Pacer:
+    def _rate(self) -> float:
+        """Return proposals a second and lane."""
+        elapsed = self.options.clock() - self.began
+        return self.made / elapsed if self.made and elapsed > 0 else USUAL_RATE
+
+    def next_round(self) -> list[Cycle]:
+        """Return a cycle for each lane, equally long."""
+        crosses = self.done >= FOUNDERS and len(self.members) >= 2
+        wanted = self.full / 2 if crosses else self.full
+        left = self._left()
+        proposals = left if left < 1.5 * wanted else wanted
+        return [self._cycle(int(proposals), crosses) for _ in range(self.options.lanes)]
+
+    def _cycle(self, proposals: int, crosses: bool) -> Cycle:
+        """Return one cycle."""
+        self.done += 1
+        hot = 0.0 if self.hot_start else -2.0
+        if not crosses:
+            return Cycle(plan=self.first, manner=self._manner(hot), proposals=proposals)
+        one, other = self._parents()
+        vehicles = len(one[1])
+        count = int(self.choices.integers(1, max(2, vehicles)))
+        chosen = self.choices.permutation(vehicles)[:count]
+        return Cycle(
+            plan=one,
+            other=other,
+            chosen=tuple(int(r) for r in chosen),
+            manner=self._manner(float(self.choices.choice([-1.0, -2.0, -3.0]))),
+            proposals=proposals,
+        )
+
+    def _parents(self) -> tuple[Plan, Plan]:
+        """Draw two different plans, the better ones more often."""
+        size = len(self.members)
+        ranks = [int(self.choices.integers(size, size=2).min()) for _ in range(2)]
+        if ranks[0] == ranks[1]:
+            ranks[1] = (ranks[0] + 1 + int(self.choices.integers(size - 1))) % size
+        return self.members[ranks[0]][1], self.members[ranks[1]][1]
+
+    def _manner(self, hot: float) -> Manner:
+        """Return how to anneal from a temperature on."""
+        return Manner(
+            hot=hot,
+            cold=-5.5,
+            floor=float(self.choices.choice([0.1, 0.2])),
+            width=float(self.choices.choice([0.01, 0.02])),
+            ruins=40,
+            long=int(self.choices.choice([0, 3])),
+        )
+
+    def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:
         """Return the pacer of a cycle of the present round."""
-        lanes = self.options.lanes
-        rounds_left = max(1, self.cycles - (self.done - 1) // lanes)
-        proposals = self.options.proposals
+        counted = self.options.proposals is not None
         return Pacer(
-            chunk=CHUNK,
-            proposals=None if proposals is None else max(CHUNK, proposals // self.cycles),
+            chunk=min(CHUNK, cycle.proposals),
+            proposals=cycle.proposals if counted else None,
             clock=self.options.clock,
-            duration_s=max(self._left_s(), 1e-3) / rounds_left,
+            duration_s=max(min(cycle.proposals / self._rate(), self._left_s()), 1e-3),
             keep_on=keep_on,
         )
 
     def finished(self, value: float, plan: Plan) -> None:
         """Take note of the best plan of a cycle."""
-        if value < self.best[0]:
-            self.best = (value, plan)
+        if not np.isfinite(value) or any(abs(value - v) <= 1e-9 * v for v, _ in self.members):
+            return
+        self.members.append((value, plan))
+        self.members.sort(key=lambda member: member[0])
+        del self.members[MEMBERS:]
+
+    def advance(self, proposals: int) -> None:
+        """Take note of how many proposals each lane has made so far."""
+        self.made = proposals
