@@ -5,10 +5,11 @@ from collections.abc import Iterable
 
 import pytest
 
-from rocsafe_orchestrator.mission.mission import Crew, Mission, Situation
+from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import OrchestratorOptions
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Crew, Situation
 
 PROCESSES = frozenset(
     {'planner', 'world', 'mosaic', 'collector', 'recorder', 'radiation_field', 'rav1', 'rav2'}
@@ -17,6 +18,7 @@ CREW = Crew(vehicle_processes={'rav1': 'rav1', 'rav2': 'rav2'}, processes=PROCES
 PLAN = Order(kind=OrderKind.PLAN)
 CLOCK = Order(kind=OrderKind.RUN_CLOCK)
 MOSAIC = Order(kind=OrderKind.SAVE_MOSAIC)
+ADVISE = Order(kind=OrderKind.ADVISE)
 PRODUCTS = Order(kind=OrderKind.WRITE_PRODUCTS)
 FLY_1, FLY_2 = (Order(kind=OrderKind.FLY, vehicle=name) for name in ('rav1', 'rav2'))
 ALL_READY = Situation(ready=PROCESSES)
@@ -25,8 +27,8 @@ ALL_READY = Situation(ready=PROCESSES)
 class Rehearsal:
     """A mission with a clock of its own."""
 
-    def __init__(self, options: OrchestratorOptions | None = None) -> None:
-        self.mission = Mission(CREW, options or OrchestratorOptions())
+    def __init__(self, options: OrchestratorOptions | None = None, extra_rounds: int = 0) -> None:
+        self.mission = Mission(CREW, options or OrchestratorOptions(), extra_rounds=extra_rounds)
         self.now_s = 100.0
 
     def is_in(self, phase: Phase) -> bool:
@@ -330,3 +332,79 @@ def test_deadlines_have_limits(value: float) -> None:
     """A deadline of no time, or of no end, is refused."""
     with pytest.raises(ValueError, match='stall_timeout_s'):
         OrchestratorOptions(stall_timeout_s=value)
+
+
+def landed(extra_rounds: int = 1) -> Rehearsal:
+    """Return a mission whose survey is flown, with rounds left."""
+    rehearsal = Rehearsal(extra_rounds=extra_rounds).to_airborne()
+    for vehicle in ('rav1', 'rav2'):
+        rehearsal.mission.flown(vehicle, 3)
+    return rehearsal
+
+
+def test_a_further_round_is_planned_and_flown_where_it_tells_most() -> None:
+    """Asked, planned, flown by one vehicle, with time started again; then all goes on as ever."""
+    rehearsal = landed()
+    assert ADVISE in [*rehearsal.advance(0.1), *rehearsal.advance()]
+    assert rehearsal.is_in(Phase.PLANNING)
+    rehearsal.mission.advised(4, 'the ellipse is wide')
+    assert rehearsal.advance(0.1) == [PLAN]
+    rehearsal.mission.planned(['rav2'])
+    assert [*rehearsal.advance(0.1), *rehearsal.advance(0.1)] == [FLY_2]
+    rehearsal.mission.accepted(FLY_2)
+    assert [*rehearsal.advance(0.1), *rehearsal.advance(0.1)] == [CLOCK]
+    rehearsal.mission.answered(CLOCK)
+    rehearsal.mission.flown('rav2', 4)
+    rehearsal.advance(0.1)
+    assert rehearsal.is_in(Phase.COLLECTING)
+    rehearsal.advance(0.1, stored(9))
+    assert rehearsal.is_in(Phase.COLLECTING)
+    rehearsal.advance(0.1, stored(10))
+    assert rehearsal.is_in(Phase.MAPPING)
+    assert rehearsal.mission.text == ''
+
+
+def test_no_round_is_flown_when_it_is_enough() -> None:
+    """Its reason is kept."""
+    rehearsal = landed(extra_rounds=3)
+    rehearsal.advance(0.1)
+    rehearsal.mission.advised(0, '1 source, placed within 2 m')
+    rehearsal.advance(0.1)
+    assert rehearsal.is_in(Phase.COLLECTING)
+    assert rehearsal.mission.remarks == ['no further round: 1 source, placed within 2 m']
+    assert rehearsal.mission.outcome is Phase.COMPLETE
+
+
+def test_a_further_round_that_cannot_be_planned_is_no_failure() -> None:
+    """The survey is done: batteries too empty for more do not spoil it."""
+    rehearsal = landed()
+    rehearsal.advance(0.1)
+    rehearsal.mission.advised(4, 'the ellipse is wide')
+    rehearsal.advance(0.1)
+    rehearsal.mission.refused(PLAN, 'planner: a route does not fit')
+    rehearsal.advance(0.1)
+    assert rehearsal.is_in(Phase.COLLECTING)
+    assert rehearsal.mission.outcome is Phase.COMPLETE
+    assert 'planner: a route does not fit' in rehearsal.mission.remarks[-1]
+
+
+def test_a_localizer_that_never_answers_does_not_hold_the_mission_up() -> None:
+    """What was flown is handed over."""
+    options = OrchestratorOptions(plan_timeout_s=5.0)
+    rehearsal = Rehearsal(options, extra_rounds=1).to_airborne()
+    for vehicle in ('rav1', 'rav2'):
+        rehearsal.mission.flown(vehicle, 3)
+    rehearsal.advance(0.1)
+    rehearsal.advance(6.0)
+    rehearsal.advance(6.0)
+    assert rehearsal.is_in(Phase.COLLECTING)
+    assert rehearsal.mission.outcome is Phase.COMPLETE
+
+
+def test_a_failed_survey_is_not_followed_by_a_round() -> None:
+    """A vehicle that came back early may have had a reason."""
+    rehearsal = Rehearsal(extra_rounds=1).to_airborne()
+    rehearsal.mission.flown('rav1', 3)
+    rehearsal.mission.flown('rav2', 1, 'returned early')
+    rehearsal.advance(0.1)
+    assert rehearsal.is_in(Phase.COLLECTING)

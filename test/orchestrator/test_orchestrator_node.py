@@ -2,6 +2,7 @@
 """The orchestrator's ROS side, against servers that answer as they are told."""
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -27,10 +28,12 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_orchestrator.mission.mission import Mission, Situation
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import OrchestratorOptions
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
 from rocsafe_orchestrator.processes.processes import crew_of, process_table
@@ -66,6 +69,9 @@ class Servers(Node):
             )
         self.create_service(SetBool, 'world/run', self._run)
         self.create_service(Trigger, 'mosaic/save', self._save)
+        self.places: list[GeoPoint] = []
+        self.evaluations_left = 0
+        self.create_service(SuggestViewpoints, 'hazard/suggest_viewpoints', self._suggest)
 
     def destroy_node(self) -> None:
         """Destroy the node and its action servers."""
@@ -82,7 +88,8 @@ class Servers(Node):
             )
         viewpoints = [Viewpoint(id=0), Viewpoint(id=1)]
         routes = [Route(vehicle='rav1', viewpoints=viewpoints), Route(vehicle='rav2')]
-        return PlanSurvey.Result(plan=SurveyPlan(plan_id='p', routes=routes))
+        plan_id = 'q' if handle.request.viewpoints else 'p'
+        return PlanSurvey.Result(plan=SurveyPlan(plan_id=plan_id, routes=routes))
 
     def _judge(self, _request: Any) -> GoalResponse:
         return GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
@@ -98,6 +105,15 @@ class Servers(Node):
         answer.success = True
         return answer
 
+    def _suggest(self, request: Any, answer: Any) -> Any:
+        self.asked.append(f'{request.count} viewpoints')
+        if self.evaluations_left:
+            self.evaluations_left -= 1
+            answer.status = answer.NOT_YET
+            return answer
+        answer.viewpoints, answer.reason = self.places, 'wide'
+        return answer
+
     def _save(self, _request: Any, answer: Any) -> Any:
         answer.success, answer.message = self.saves, '' if self.saves else 'disk full'
         return answer
@@ -106,13 +122,17 @@ class Servers(Node):
 class Stage:
     """An orchestrator's node with its mission, among servers."""
 
-    def __init__(self, ros: Any, scenario_path: Path) -> None:
+    def __init__(self, ros: Any, scenario_path: Path, extra_rounds: int = 0) -> None:
         self.ros = ros
         self.scenario = read_scenario(scenario_path)
         self.table = process_table(self.scenario, RunDirectory(Path('run')))
         self.monitor = Monitor(self.scenario.vehicle_names)
         self.node = OrchestratorNode(self.scenario, self.monitor, 'run', context=ros.context)
-        self.mission = Mission(crew_of(self.scenario, self.table), OrchestratorOptions())
+        self.mission = Mission(
+            crew_of(self.scenario, self.table),
+            OrchestratorOptions(repeat_s=0.1),
+            extra_rounds=extra_rounds,
+        )
         self.node.requests.begin(self.mission)
         self.servers = Servers(context=ros.context)
         ros.executor.add_node(self.node)
@@ -137,7 +157,7 @@ class Stage:
         situation = Situation(ready=self.everybody, images_stored=2)
 
         def is_there() -> bool:
-            for order in self.mission.advance(0.0, situation):
+            for order in self.mission.advance(time.monotonic(), situation):
                 self.node.requests.send(order)
             return self.mission.phase is phase
 
@@ -159,6 +179,26 @@ def test_orders_are_carried_out_up_to_the_report(stage: Stage) -> None:
     assert stage.mission.text == ''
     assert stage.servers.asked == ['rav1 p', 'run True']
     assert stage.monitor.images_expected == 2
+
+
+def test_a_further_round_goes_to_the_places_wanted(ros: Any, small: Callable[..., Path]) -> None:
+    """Asked again while readings are evaluated; the goal names the places and what is left."""
+    stage = Stage(ros, small({'radiation.search.viewpoints_a_round': 3}), extra_rounds=1)
+    try:
+        stage.servers.places = [GeoPoint(latitude=53.28, longitude=-9.06, altitude=32.0)]
+        stage.servers.evaluations_left = 1
+        stage.advance_to(Phase.COLLECTING)
+        assert stage.mission.text == ''
+        assert stage.servers.asked == [
+            'rav1 p', 'run True', '3 viewpoints', '3 viewpoints', 'rav1 q', 'run True'
+        ]  # fmt: skip
+        first, further = stage.servers.goals
+        assert not first.viewpoints
+        assert [place.latitude for place in further.viewpoints] == [53.28]
+        assert stage.monitor.images_expected == 4
+    finally:
+        stage.servers.destroy_node()
+        stage.node.destroy_node()
 
 
 def test_planner_is_told_the_scenario(stage: Stage) -> None:

@@ -136,6 +136,24 @@ def test_a_goal_gets_its_plan(open_desk, tmp_path):
     assert desk.feedback[-1].gap_fraction >= plan.gap_fraction - 1e-12
 
 
+def test_given_viewpoints_are_visited_instead_of_a_grid(open_desk, tmp_path):
+    """All of them, once, with files of their own beside those of the survey."""
+    desk = open_desk(export_directory=str(tmp_path / 'out'))
+    home = goal().vehicles[0].home
+    wanted = [
+        GeoPoint(latitude=home.latitude, longitude=home.longitude + step, altitude=100.0)
+        for step in (1e-4, 2e-4, 3e-4)
+    ]
+    result = desk.ask(goal(viewpoints=wanted))
+    assert result.error_code == PlanSurvey.Result.NONE
+    flown = [view for route in result.plan.routes for view in route.viewpoints]
+    places = sorted(round(view.position.longitude - home.longitude, 6) for view in flown)
+    assert places == [1e-4, 2e-4, 3e-4]
+    folder = tmp_path / 'out' / f'further-{result.plan.plan_id}'
+    assert (folder / 'plan.json').is_file()
+    assert not (tmp_path / 'out' / 'plan.json').exists()
+
+
 @pytest.mark.parametrize(
     ('changes', 'code', 'text'),
     [

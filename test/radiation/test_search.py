@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_radiation.belief_grid import BeliefGrid, YesNoSensor
+from rocsafe_radiation.inquiry import Inquiry
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import Localization, SourceEstimate, localize
@@ -178,3 +179,17 @@ def test_a_sensor_that_always_lies_is_refused():
     """Naming the rate."""
     with pytest.raises(ValueError, match='false_negative = 0'):
         YesNoSensor(false_positive=0.1, false_negative=0.7)
+
+
+def test_a_question_waits_for_readings_that_still_come():
+    """For a quiet moment and for what came until then; after three askings it waits no longer."""
+    inquiry = Inquiry()
+    inquiry.news()
+    assert not inquiry.is_answerable(10, 10), 'more may come'
+    for _ in range(5):
+        inquiry.look()
+    assert not inquiry.is_answerable(12, 10), 'two are not evaluated'
+    inquiry.news()
+    assert inquiry.is_answerable(14, 12), 'what there was when it was asked'
+    asked = [inquiry.is_answerable(20, 20) for _ in range(3)]
+    assert asked == [False, False, True]

@@ -24,15 +24,23 @@ DEADLINE_S = 120.0
 
 
 class Flight:
-    """One `rocsafe run` of the small mission."""
+    """One `rocsafe run`, of the small mission unless another scenario is named."""
 
-    def __init__(self, command: Path, domain_id: int, folder: Path, *options: str) -> None:
+    def __init__(
+        self,
+        command: Path,
+        domain_id: int,
+        folder: Path,
+        *options: str,
+        scenario: Path = SCENARIO,
+    ) -> None:
         self._folder = folder
+        self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
         with self._output.open('wb') as output:
             self.process = subprocess.Popen(
-                [command, 'run', SCENARIO, '--out', folder / 'runs', *options],
+                [command, 'run', scenario, '--out', folder / 'runs', *options],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
@@ -47,8 +55,9 @@ class Flight:
     @property
     def run(self) -> RunDirectory:
         """The run directory; waits until there is one."""
-        self.wait_until(lambda: any((self._folder / 'runs').glob('small-*')))
-        return RunDirectory(next((self._folder / 'runs').glob('small-*')))
+        pattern = f'{self._name}-*'
+        self.wait_until(lambda: any((self._folder / 'runs').glob(pattern)))
+        return RunDirectory(next((self._folder / 'runs').glob(pattern)))
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until `condition` holds; the mission must not end before."""

@@ -8,9 +8,11 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     CameraSpec,
+    GeoPoint,
     MissionState,
     RadiationReading,
     Region,
+    SurveyPlan,
     VehicleSpec,
     VehicleState,
 )
@@ -72,6 +74,23 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
         seed=scenario.seed,
         max_viewpoints=survey.max_viewpoints,
     )
+
+
+def further_goal(
+    goal: PlanSurvey.Goal, viewpoints: list[GeoPoint], flown: list[SurveyPlan]
+) -> PlanSurvey.Goal:
+    """Return `goal` for a further round to `viewpoints`, with what batteries still hold."""
+    goal.viewpoints = viewpoints
+    for vehicle in goal.vehicles:
+        routes = (r for plan in flown for r in plan.routes if r.vehicle == vehicle.name)
+        used_s = sum(route.duration_s for route in routes if route.viewpoints)
+        vehicle.endurance_s = max(1.0, vehicle.endurance_s - used_s)
+    return goal
+
+
+def viewpoint_count(plan: SurveyPlan) -> int:
+    """Return the number of viewpoints on all routes of `plan`."""
+    return sum(len(route.viewpoints) for route in plan.routes)
 
 
 def camera_spec(camera: CameraBlock) -> CameraSpec:

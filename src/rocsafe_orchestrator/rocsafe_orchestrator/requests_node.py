@@ -11,7 +11,8 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
-from rocsafe_interfaces.msg import Route, SurveyPlan
+from rocsafe_interfaces.msg import GeoPoint, Route, SurveyPlan
+from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
@@ -22,7 +23,10 @@ from rocsafe_ros import topics
 
 
 class Requests:
-    """Clients of ``plan_survey``, ``<vehicle>/fly_route``, ``world/run`` and ``mosaic/save``.
+    """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
+
+    Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``world/run``, ``mosaic/save``,
+    ``hazard/suggest_viewpoints``.
 
     Parameters
     ----------
@@ -34,7 +38,9 @@ class Requests:
         self._scenario = scenario
         self._monitor = monitor
         self._mission: Mission | None = None
+        self._plans: dict[str, SurveyPlan] = {}
         self._plan: SurveyPlan | None = None
+        self._viewpoints: list[GeoPoint] = []
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
@@ -42,11 +48,12 @@ class Requests:
         }
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name)
-            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC)
+            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
         }
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
             OrderKind.FLY: self._send_fly,
+            OrderKind.ADVISE: self._send_advise,
             OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
             OrderKind.SAVE_MOSAIC: partial(self._call, topics.SAVE_MOSAIC, Trigger.Request()),
         }
@@ -73,6 +80,8 @@ class Requests:
 
     def _send_plan(self, order: Order) -> None:
         goal = conversions.plan_goal(self._scenario)
+        if self._viewpoints:
+            goal = conversions.further_goal(goal, self._viewpoints, list(self._plans.values()))
         self._send_goal(self._planner, goal, order, self._on_plan)
 
     def _send_fly(self, order: Order) -> None:
@@ -80,7 +89,23 @@ class Requests:
             return
         routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
         goal = FlyRoute.Goal(route=routes[order.vehicle], plan_id=self._plan.plan_id)
-        self._send_goal(self._vehicles[order.vehicle], goal, order, self._on_flight)
+        on_flight = partial(self._on_flight, self._plan.plan_id)
+        self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+
+    def _send_advise(self, order: Order) -> None:
+        request = SuggestViewpoints.Request(
+            count=self._scenario.radiation.search.viewpoints_a_round
+        )
+        client = self._services[topics.SUGGEST_VIEWPOINTS.name]
+        client.call_async(request).add_done_callback(partial(self._on_advice, order))
+
+    def _on_advice(self, _order: Order, future: Any) -> None:
+        answer = future.result()
+        # What is being evaluated is asked for again.
+        if self._mission is None or answer is None or answer.status == answer.NOT_YET:
+            return
+        self._viewpoints = list(answer.viewpoints)
+        self._mission.advised(len(self._viewpoints), answer.reason)
 
     def _send_goal(
         self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
@@ -105,14 +130,17 @@ class Requests:
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
             return
-        self._plan = result.plan
+        self._plan = self._plans[result.plan.plan_id] = result.plan
         routed = [route for route in result.plan.routes if route.viewpoints]
-        self._monitor.images_expected = sum(len(route.viewpoints) for route in routed)
+        plans = self._plans.values()
+        self._monitor.images_expected = sum(map(conversions.viewpoint_count, plans))
         self._mission.planned([route.vehicle for route in routed])
 
-    def _on_flight(self, order: Order, future: Any) -> None:
+    def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
         result = future.result().result
-        if self._mission is not None:
+        # A request sent twice is answered twice, the second time perhaps when all fly again.
+        is_current = self._plan is not None and self._plan.plan_id == plan_id
+        if self._mission is not None and is_current:
             fault = conversions.fault_of_flight(result)
             self._mission.flown(order.vehicle, result.shots_taken, fault)
 

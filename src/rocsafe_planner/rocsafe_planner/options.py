@@ -2,6 +2,7 @@
 """Options of the planner node."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rocsafe_geo.limits import require_count
 from rocsafe_planner.coverage import GRIDS
@@ -42,3 +43,8 @@ class PlannerOptions:
         require_one_of('default_method', self.default_method, tuple(METHODS))
         require_one_of('grid', self.grid, tuple(GRIDS))
         require_count('max_viewpoints', self.max_viewpoints, 1, MAX_VIEWPOINTS_LIMIT)
+
+    def export_folder(self, plan_id: str, is_further: bool) -> Path:
+        """Return the folder for the files of a plan; one of given viewpoints has its own."""
+        folder = Path(self.export_directory)
+        return folder / f'further-{plan_id}' if is_further else folder

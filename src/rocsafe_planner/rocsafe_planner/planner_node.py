@@ -101,7 +101,7 @@ class PlannerNode(Node):
         plan = plan_survey(request, on_progress)
         is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
         if self._options.export_directory and is_wanted:
-            write_plan(plan, self._options.export_directory)
+            write_plan(plan, self._options.export_folder(plan.plan_id, bool(request.viewpoints)))
         return message_of_plan(plan)
 
     def _watch(self, job: Job, goal: ServerGoalHandle, done: Future) -> None:

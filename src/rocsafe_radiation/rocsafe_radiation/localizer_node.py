@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_radiation.inquiry import Inquiry
 from rocsafe_radiation.localization import TooFewReadingsError
 from rocsafe_radiation.localization_job import LocalizationJob
 from rocsafe_radiation.localizer_options import LocalizerOptions
@@ -52,7 +53,8 @@ class LocalizerNode(Node):
         self._region: Region | None = None
         self._job: LocalizationJob | None = None
         self._picture: Picture | None = None
-        self._fitted = self._looks_to_wait = 0
+        self._inquiry = Inquiry()
+        self._fitted = self._evaluated = self._looks_to_wait = 0
         self._publish_to()
         levels = self._options.levels()
         self._watches = {name: VehicleWatch(self, name, levels) for name in self._options.vehicles}
@@ -84,6 +86,7 @@ class LocalizerNode(Node):
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         reading = self._watches[vehicle].take(message)
         if reading is not None:
+            self._inquiry.news()
             self._log.add(reading)
             self._spool.keep(reading)
 
@@ -91,7 +94,9 @@ class LocalizerNode(Node):
         self._region = region
 
     def _on_watch(self) -> None:
+        self._inquiry.look()
         if self._job is not None and self._job.is_done:
+            self._evaluated = self._fitted
             self._publish(self._job)
             self._job = None
         self._looks_to_wait -= 1
@@ -123,7 +128,7 @@ class LocalizerNode(Node):
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
     ) -> SuggestViewpoints.Response:
         self._begin_fit()
-        if self._job is not None:
+        if not self._inquiry.is_answerable(len(self._log), self._evaluated):
             response.status = SuggestViewpoints.Response.NOT_YET
             return response
         picture, frame = self._picture, self._log.frame

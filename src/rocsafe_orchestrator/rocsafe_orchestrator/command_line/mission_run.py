@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.mission import REPORT, Mission, Situation
+from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
 from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt

@@ -148,6 +148,7 @@ class _Flight:
                 node.options,
                 planning_budget_s=self.scenario.survey.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
+                extra_rounds=self.scenario.radiation.search.extra_rounds,
             )
             parts = Parts(
                 table=table,

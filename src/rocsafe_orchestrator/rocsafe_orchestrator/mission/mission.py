@@ -6,46 +6,17 @@
 mosaic and the products are made of what was recorded.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.options import OrchestratorOptions
 from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.request import Order, OrderKind, Request, Status
+from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
+from rocsafe_orchestrator.mission.request_book import RequestBook
+from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.standstill import Standstill
 
 PLANNER, WORLD, MOSAIC, REPORT = 'planner', 'world', 'mosaic', 'report'
-# These take long to answer, and work through every repetition.
-SLOW_ORDERS = (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
-PATIENT_REPEAT_S = 5.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Situation:
-    """What the surroundings look like now.
-
-    Attributes
-    ----------
-    ready: processes that can be used.
-    simulated_s: simulated time, seconds.
-    waiting_for: whom simulated time waits for, as far as is known.
-    images_stored: photographs that are safe in the store.
-    images_rejected: photographs that never will be.
-    """
-
-    ready: frozenset[str]
-    simulated_s: float = 0.0
-    waiting_for: tuple[str, ...] = ()
-    images_stored: int = 0
-    images_rejected: int = 0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Crew:
-    """Who takes part: for each vehicle its process, and all processes that must be ready."""
-
-    vehicle_processes: Mapping[str, str]
-    processes: frozenset[str]
+LOCALIZER = 'localizer'
 
 
 class Mission:
@@ -57,6 +28,7 @@ class Mission:
     options: deadlines.
     planning_budget_s: wall time that the planner may use.
     slowest_beat_s: wall time between two beats of simulated time when all is well.
+    extra_rounds: how often, at most, all fly again to where readings tell most.
     """
 
     def __init__(
@@ -66,16 +38,20 @@ class Mission:
         *,
         planning_budget_s: float = 0.0,
         slowest_beat_s: float = 0.0,
+        extra_rounds: int = 0,
     ) -> None:
         self.phase = Phase.STARTING
         self.faults: list[str] = []
+        self.remarks: list[str] = []
         self.stalled_s = 0.0
         self._crew = crew
         self._options = options
         self._plan_timeout_s = options.plan_timeout_s + planning_budget_s
         self._stall_timeout_s = options.stall_timeout_s + slowest_beat_s
         self._outcome = Phase.COMPLETE
-        self._requests: dict[Order, Request] = {}
+        self._requests = RequestBook(options.repeat_s)
+        self._rounds_left = extra_rounds
+        self._is_extra = False
         self._entered_s: float | None = None
         self._progress = Standstill()
         self._shots = 0
@@ -110,33 +86,50 @@ class Mission:
 
     def accepted(self, order: Order) -> None:
         """Note that `order` was taken; its answer comes later."""
-        if order in self._requests:
-            self._requests[order].accept()
+        if (request := self._requests.of(order)) is not None:
+            request.accept()
 
     def answered(self, order: Order) -> None:
         """Note that `order` was carried out."""
-        if order in self._requests:
-            self._requests[order].finish()
+        if (request := self._requests.of(order)) is not None:
+            request.finish()
 
     def refused(self, order: Order, text: str) -> None:
         """Note that `order` cannot be carried out, and why."""
-        if order not in self._requests or self._requests[order].status is Status.DONE:
+        request = self._requests.of(order)
+        if request is None or request.status is Status.DONE:
             return
-        self._requests[order].finish()
-        self._fault(text)
+        request.finish()
+        if self._is_extra and self.phase is Phase.PLANNING:
+            self._collect_next(f'no further round: {text}')
+        else:
+            self._fault(text)
+
+    def advised(self, place_count: int, text: str) -> None:
+        """Note at how many places more to measure, none if what is known is enough, and why."""
+        request = self._requests.get(OrderKind.ADVISE)
+        if request is None or request.status is Status.DONE or self.phase is not Phase.PLANNING:
+            return
+        request.finish()
+        if place_count:
+            self.remarks.append(f'another round to {place_count} places: {text}')
+            self._requests.add(OrderKind.PLAN, PLANNER)
+        else:
+            self._collect_next(f'no further round: {text}')
 
     def planned(self, routed: Iterable[str]) -> None:
         """Note the plan: the vehicles named have viewpoints to visit."""
-        plan = self._requests.get(Order(kind=OrderKind.PLAN))
+        plan = self._requests.get(OrderKind.PLAN)
         if plan is None or plan.status is Status.DONE or self.phase is not Phase.PLANNING:
             return
         plan.finish()
         for vehicle in routed:
-            self._add(OrderKind.FLY, self._crew.vehicle_processes[vehicle], vehicle)
+            process = self._crew.vehicle_processes[vehicle]
+            self._requests.add(OrderKind.FLY, process, vehicle)
 
     def flown(self, vehicle: str, shots: int, fault: str = '') -> None:
         """Note that `vehicle` has landed with `shots` photographs; `fault` if not as planned."""
-        request = self._requests.get(Order(kind=OrderKind.FLY, vehicle=vehicle))
+        request = self._requests.get(OrderKind.FLY, vehicle)
         if request is None or request.status is Status.DONE:
             return
         request.finish()
@@ -147,10 +140,10 @@ class Mission:
     def restarted(self, process: str, now_s: float) -> None:
         """Ask `process`, which has lost its memory of our requests, again."""
         self._progress.restart(now_s)
-        for request in self._requests.values():
+        for request in self._requests:
             if request.server == process:
                 request.reset()
-        clock = self._requests.get(Order(kind=OrderKind.RUN_CLOCK))
+        clock = self._requests.get(OrderKind.RUN_CLOCK)
         if clock is not None and (
             process == WORLD or process in self._crew.vehicle_processes.values()
         ):
@@ -189,7 +182,7 @@ class Mission:
         missing = sorted(self._crew.processes - situation.ready)
         if not missing:
             self._enter(Phase.PLANNING)
-            self._add(OrderKind.PLAN, PLANNER)
+            self._requests.add(OrderKind.PLAN, PLANNER)
         elif self._phase_s(now_s) > self._options.start_timeout_s:
             limit = self._options.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
@@ -197,27 +190,45 @@ class Mission:
     def _plan(self, now_s: float, _situation: Situation) -> None:
         if self.faults:
             self._fail()
-        elif self._all_done(OrderKind.PLAN):
+        elif self._requests.all_done(OrderKind.PLAN):
             self._enter(Phase.FLYING)
+        elif self._is_extra and self._phase_s(now_s) > self._plan_timeout_s:
+            self._collect_next(f'no further round planned within {self._plan_timeout_s:g} s')
         elif self._phase_s(now_s) > self._plan_timeout_s:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
 
     def _fly(self, now_s: float, situation: Situation) -> None:
-        routes = self._of_kind(OrderKind.FLY)
-        if self._all_done(OrderKind.FLY):
-            self._enter(Phase.COLLECTING)
-            self._progress = Standstill()
+        routes = self._requests.of_kind(OrderKind.FLY)
+        if self._requests.all_done(OrderKind.FLY):
+            self._go_on_or_collect()
             return
         if all(request.status is not Status.WAITING for request in routes):
-            self._add(OrderKind.RUN_CLOCK, WORLD)
+            self._requests.add(OrderKind.RUN_CLOCK, WORLD)
         limit = self._options.accept_timeout_s
-        late = [r for r in self._requests.values() if r.waited_s(now_s) > limit]
+        late = [r for r in self._requests if r.waited_s(now_s) > limit]
         if late:
             names = ', '.join(dict.fromkeys(request.server for request in late))
             what = late[0].order.kind.value
             self._fail(f'{names}: did not accept to {what} within {limit:g} s')
-        elif self._all_done(OrderKind.RUN_CLOCK):
+        elif self._requests.all_done(OrderKind.RUN_CLOCK):
             self._watch_time(now_s, situation)
+
+    def _go_on_or_collect(self) -> None:
+        """All are back: ask where to measure next, while there are rounds left, or end."""
+        if self._rounds_left <= 0 or self.faults:
+            self._collect_next()
+            return
+        self._rounds_left -= 1
+        self._is_extra = True
+        self._requests.forget()
+        self._enter(Phase.PLANNING)
+        self._requests.add(OrderKind.ADVISE, LOCALIZER)
+
+    def _collect_next(self, remark: str = '') -> None:
+        if remark:
+            self.remarks.append(remark)
+        self._enter(Phase.COLLECTING)
+        self._progress = Standstill()
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
         self.stalled_s = self._progress.standing_s(situation.simulated_s, now_s)
@@ -236,19 +247,19 @@ class Mission:
         self._enter(Phase.MAPPING)
 
     def _map(self, now_s: float, _situation: Situation) -> None:
-        self._add(OrderKind.SAVE_MOSAIC, MOSAIC)
+        self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
         limit = self._options.map_timeout_s
-        if not self._all_done(OrderKind.SAVE_MOSAIC):
+        if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
             if self._phase_s(now_s) <= limit:
                 return
             self._fault(f'{MOSAIC}: not written within {limit:g} s')
         self._enter(Phase.REPORTING)
 
     def _report(self, now_s: float, _situation: Situation) -> None:
-        self._add(OrderKind.WRITE_PRODUCTS, REPORT)
+        self._requests.add(OrderKind.WRITE_PRODUCTS, REPORT)
         options = self._options
         limit = options.cancel_timeout_s if self._is_cancelled else options.report_timeout_s
-        if not self._all_done(OrderKind.WRITE_PRODUCTS):
+        if not self._requests.all_done(OrderKind.WRITE_PRODUCTS):
             if self._phase_s(now_s) <= limit:
                 return
             self._fault(f'the products were not written within {limit:g} s')
@@ -266,35 +277,19 @@ class Mission:
         """End this phase; make the best of what was recorded."""
         if text:
             self._fault(text)
-        has_images = self.phase in (Phase.FLYING, Phase.COLLECTING)
+        has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or self._is_extra
         self._enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
 
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
         self._entered_s = None
-        self._requests = {} if phase >= Phase.MAPPING else self._requests
+        if phase >= Phase.MAPPING:
+            self._requests.forget()
 
     def _phase_s(self, now_s: float) -> float:
         if self._entered_s is None:
             self._entered_s = now_s
         return now_s - self._entered_s
 
-    def _add(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
-        order = Order(kind=kind, vehicle=vehicle)
-        if order not in self._requests:
-            is_slow = kind in SLOW_ORDERS
-            repeat_s = PATIENT_REPEAT_S if is_slow else self._options.repeat_s
-            self._requests[order] = Request(order, server, repeat_s)
-
     def _due_orders(self, now_s: float) -> list[Order]:
-        if self.phase.is_over:
-            return []
-        return [order for order, request in self._requests.items() if request.is_due(now_s)]
-
-    def _of_kind(self, kind: OrderKind) -> list[Request]:
-        return [request for order, request in self._requests.items() if order.kind is kind]
-
-    def _all_done(self, kind: OrderKind) -> bool:
-        requests = self._of_kind(kind)
-        is_flight = kind is OrderKind.FLY  # a plan without routes is flown at once
-        return (bool(requests) or is_flight) and all(r.status is Status.DONE for r in requests)
+        return [] if self.phase.is_over else self._requests.due(now_s)

@@ -10,6 +10,7 @@ class OrderKind(Enum):
 
     PLAN = 'plan the survey'
     FLY = 'fly the route'
+    ADVISE = 'say where to measure next'
     RUN_CLOCK = 'start simulated time'
     SAVE_MOSAIC = 'write the mosaic'
     WRITE_PRODUCTS = 'write the products'

@@ -4,8 +4,8 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from rocsafe_orchestrator.mission.mission import Crew
 from rocsafe_orchestrator.mission.phase import ACTIVE_PHASES, Phase
+from rocsafe_orchestrator.mission.situation import Crew
 from rocsafe_orchestrator.processes import node_parameters
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.process_values import RestartPolicy
@@ -115,6 +115,7 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
             ('rocsafe_radiation', 'localizer'),
             node_parameters.localizer_parameters(scenario, run),
             Endpoint(spec=topics.HAZARD_SOURCES),
+            Endpoint(spec=topics.SUGGEST_VIEWPOINTS),
         ),
         _process(
             'collector',

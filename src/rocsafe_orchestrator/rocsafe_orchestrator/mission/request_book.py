@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All requests of a mission that are under way."""
+
+from collections.abc import Iterator
+
+from rocsafe_orchestrator.mission.request import Order, OrderKind, Request, Status
+
+# These take long to answer, and work through every repetition.
+SLOW_ORDERS = (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
+PATIENT_REPEAT_S = 5.0
+
+
+class RequestBook:
+    """Keeps one request an order; `repeat_s` as for `Request`."""
+
+    def __init__(self, repeat_s: float) -> None:
+        self._repeat_s = repeat_s
+        self._requests: dict[Order, Request] = {}
+
+    def __iter__(self) -> Iterator[Request]:
+        return iter(self._requests.values())
+
+    def get(self, kind: OrderKind, vehicle: str = '') -> Request | None:
+        """Return the request for an order, None if there is none."""
+        return self.of(Order(kind=kind, vehicle=vehicle))
+
+    def of(self, order: Order) -> Request | None:
+        """Return the request for `order`, None if there is none."""
+        return self._requests.get(order)
+
+    def add(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
+        """Ask `server` for an order from now on, if it is not asked already."""
+        order = Order(kind=kind, vehicle=vehicle)
+        if order not in self._requests:
+            repeat_s = PATIENT_REPEAT_S if kind in SLOW_ORDERS else self._repeat_s
+            self._requests[order] = Request(order, server, repeat_s)
+
+    def forget(self) -> None:
+        """Ask for nothing any more."""
+        self._requests = {}
+
+    def due(self, now_s: float) -> list[Order]:
+        """Return the orders to send now."""
+        return [order for order, request in self._requests.items() if request.is_due(now_s)]
+
+    def of_kind(self, kind: OrderKind) -> list[Request]:
+        """Return all requests of one kind."""
+        return [request for order, request in self._requests.items() if order.kind is kind]
+
+    def all_done(self, kind: OrderKind) -> bool:
+        """Return whether all of one kind are answered; a plan without routes is flown at once."""
+        requests = self.of_kind(kind)
+        is_flight = kind is OrderKind.FLY
+        return (bool(requests) or is_flight) and all(r.status is Status.DONE for r in requests)

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who takes part in a mission, and what its surroundings look like."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Situation:
+    """What the surroundings look like now.
+
+    Attributes
+    ----------
+    ready: processes that can be used.
+    simulated_s: simulated time, seconds.
+    waiting_for: whom simulated time waits for, as far as is known.
+    images_stored: photographs that are safe in the store.
+    images_rejected: photographs that never will be.
+    """
+
+    ready: frozenset[str]
+    simulated_s: float = 0.0
+    waiting_for: tuple[str, ...] = ()
+    images_stored: int = 0
+    images_rejected: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crew:
+    """Who takes part: for each vehicle its process, and all processes that must be ready."""
+
+    vehicle_processes: Mapping[str, str]
+    processes: frozenset[str]

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions that fly again to where readings tell most, and lose none when a node is killed."""
+
+import csv
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .conftest import Flight
+
+SCENARIO = Path(__file__).with_name('search.yaml')
+SOURCE = (53.28025, -9.06065)
+PLACES = 4
+
+pytestmark = pytest.mark.system
+
+
+@pytest.fixture(scope='module')
+def searched(
+    rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Flight]:
+    """Give a search that was flown to its end as fast as possible."""
+    folder = tmp_path_factory.mktemp('searched') / 'flight'
+    flight = Flight(rocsafe, ros_domain_id, folder, scenario=SCENARIO)
+    try:
+        assert flight.end() == 0, flight.output
+        yield flight
+    finally:
+        end(flight)
+
+
+def end(flight: Flight) -> None:
+    """End what still flies."""
+    if flight.process.poll() is None:
+        os.killpg(flight.process.pid, signal.SIGKILL)
+        flight.process.wait()
+
+
+def readings(flight: Flight) -> list[dict[str, str]]:
+    """Return all readings of a flight in the order of time."""
+    with flight.run.readings.open(encoding='utf-8', newline='') as stream:
+        return sorted(csv.DictReader(stream), key=lambda row: row['time_ns'])
+
+
+def test_a_further_round_is_flown_to_where_readings_tell_most(searched: Any) -> None:
+    """Planned by the planner, photographed like any other, and read."""
+    run = searched.run
+    plan = json.loads(run.plan.read_text())
+    (further,) = run.path.glob('further-*')
+    more = json.loads((further / 'plan.json').read_text())
+    counts = [sum(len(route['viewpoints']) for route in p['routes']) for p in (plan, more)]
+    assert counts[1] == PLACES
+    assert len(searched.images()) == sum(counts)
+    assert searched.info()['outcome'] == 'complete'
+    assert searched.living() == []
+
+
+def test_the_source_is_found_where_it_is(searched: Any) -> None:
+    """Within 3 m, and the report of it says that more was wanted."""
+    found = json.loads((searched.run.path / 'sources.json').read_text())
+    (source,) = found['sources']
+    north_m = (source['place']['latitude_deg'] - SOURCE[0]) * 111_300.0
+    east_m = (source['place']['longitude_deg'] - SOURCE[1]) * 66_600.0
+    assert (north_m**2 + east_m**2) ** 0.5 < 3.0
+
+
+def test_doses_are_recorded(searched: Any) -> None:
+    """The dose that the localizer added up is that of the readings."""
+    from mcap_ros2.reader import read_ros2_messages
+
+    doses = [
+        message.ros_msg.dose_usv
+        for message in read_ros2_messages(searched.run.recording, ['/rav1/accumulated_dose'])
+    ]
+    total = sum(float(row['dose_rate_usvh']) for row in readings(searched)) / 3600.0
+    assert doses[-1] == pytest.approx(total, rel=0.02)
+
+
+@pytest.mark.parametrize('node', ['radiation_field', 'localizer'])
+def test_a_node_killed_in_the_air_costs_no_reading(
+    node: str, searched: Any, rocsafe: Path, ros_domain_id: int, tmp_path: Path
+) -> None:
+    """Counted windows and all: the readings are those of the flight that nobody disturbed."""
+    folder = tmp_path / 'flight'
+    flight = Flight(rocsafe, ros_domain_id, folder, '--speed', '20', scenario=SCENARIO)
+    try:
+        flight.wait_for_images(3)
+        os.kill(flight.pid_of(node), signal.SIGKILL)
+        assert flight.end() == 0, flight.output
+    finally:
+        end(flight)
+    assert flight.info()['restarts'] == {node: 1}
+    assert readings(flight) == readings(searched)
