@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Likelihood, Setting
-from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, OrderSearch, search
+from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, search
+from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]

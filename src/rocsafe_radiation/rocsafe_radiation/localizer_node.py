@@ -53,6 +53,7 @@ class LocalizerNode(Node):
         self._region: Region | None = None
         self._job: LocalizationJob | None = None
         self._picture: Picture | None = None
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._inquiry = Inquiry()
         self._fitted = self._evaluated = self._looks_to_wait = 0
         self._publish_to()
@@ -74,8 +75,7 @@ class LocalizerNode(Node):
         topics.create_subscription(self, topics.REGION, self._on_region)
         spec = topics.SUGGEST_VIEWPOINTS
         self.create_service(spec.call_type, spec.name, self._on_suggest)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=steady)
+        self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=self._steady)
 
     def _restore(self) -> None:
         for reading in self._spool.restored():
@@ -86,7 +86,7 @@ class LocalizerNode(Node):
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         reading = self._watches[vehicle].take(message)
         if reading is not None:
-            self._inquiry.news()
+            self._inquiry.news(self._steady.now().nanoseconds)
             self._log.add(reading)
             self._spool.keep(reading)
 
@@ -94,7 +94,6 @@ class LocalizerNode(Node):
         self._region = region
 
     def _on_watch(self) -> None:
-        self._inquiry.look()
         if self._job is not None and self._job.is_done:
             self._evaluated = self._fitted
             self._publish(self._job)
@@ -128,7 +127,8 @@ class LocalizerNode(Node):
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
     ) -> SuggestViewpoints.Response:
         self._begin_fit()
-        if not self._inquiry.is_answerable(len(self._log), self._evaluated):
+        now_ns = self._steady.now().nanoseconds
+        if not self._inquiry.is_answerable(now_ns, len(self._log), self._evaluated):
             response.status = SuggestViewpoints.Response.NOT_YET
             return response
         picture, frame = self._picture, self._log.frame

@@ -3,7 +3,7 @@
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from rocsafe_radiation.candidates import (
     grid_kernel,
     score_candidates,
 )
+from rocsafe_radiation.credibility import unevenness, weighed
 from rocsafe_radiation.likelihood import (
     HEIGHT_MEAN,
     LEVEL_PARAMETERS,
@@ -24,6 +25,7 @@ from rocsafe_radiation.likelihood import (
     Setting,
     background_level_usvh,
 )
+from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
@@ -49,64 +51,36 @@ NUISANCES = (
     (0.3, 0.1),
     (0.0, 0.2),
 )
+# A single source with more evidence is not feigned by the ground.
+STRONG_EVIDENCE = 60.0
 # Pearson's chi^2 beyond this many standard deviations says that something is wrong.
 LARGEST_DISPERSION = 3.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OrderSearch:
-    """The best fit of each order in one setting.
-
-    Attributes
-    ----------
-    likelihood: with its setting.
-    fits: of 0, 1, 2 ... sources.
-    scores: logarithm of the evidence of each, by BIC for sources and Laplace for the background,
-        and of the prior odds.
-    """
-
-    likelihood: Likelihood
-    fits: tuple[Fit, ...]
-    scores: tuple[float, ...]
-
-    @property
-    def order(self) -> int:
-        """The number of sources with the best evidence."""
-        return int(np.argmax(self.scores))
-
-    @property
-    def best(self) -> Fit:
-        """The fit of that order."""
-        return self.fits[self.order]
-
-    @property
-    def dispersion(self) -> float:
-        """By how many standard deviations its misfit exceeds that of Poisson counts."""
-        return self.likelihood.dispersion(self.best.parameters)
-
-    def probabilities(self) -> tuple[float, ...]:
-        """Return the probability of each order, sources being rare before."""
-        logs = np.array(self.scores) - max(self.scores)
-        return tuple((np.exp(logs) / np.exp(logs).sum()).tolist())
 
 
 def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER) -> OrderSearch:
     """Return the best fits to `survey`, in the nuisance setting that explains it best.
 
     It begins with pure Poisson counts about a constant background. Where these do not explain the
-    readings, or need more than one source, the other settings are tried, in the second case with
-    fewer sources; the evidence decides.
+    readings, or need a weak source or more than one, the other settings are tried, with at most
+    as many sources; the evidence decides. Where the ground proves uneven, sources that it could
+    feign do not count.
     """
     trial = _Trial(survey, setting)
     plain = trial.orders(*NUISANCES[0], largest_order)
     if plain.dispersion >= LARGEST_DISPERSION:
-        others = [trial.orders(*nuisance, largest_order) for nuisance in NUISANCES[1:]]
+        others = [trial.orders(*nuisance, largest_order, plain) for nuisance in NUISANCES[1:]]
     elif plain.order > 1:
         # Do fewer sources explain it as well, on uneven ground or with scattered readings?
-        others = [trial.orders(*nuisance, plain.order - 1) for nuisance in NUISANCES[1:]]
+        others = [trial.orders(*nuisance, plain.order - 1, plain) for nuisance in NUISANCES[1:]]
+    elif plain.order == 1 and plain.gain(1) < STRONG_EVIDENCE:
+        others = [trial.orders(*NUISANCES[1], 1, plain)]
     else:
-        others = []
-    return max([plain, *others], key=lambda result: max(result.scores))
+        return plain
+    share = unevenness(plain, others[0])
+    return max(
+        (weighed(result, share) for result in (plain, *others)),
+        key=lambda result: max(result.scores),
+    )
 
 
 class _Trial:
@@ -120,8 +94,18 @@ class _Trial:
         self._grid = candidate_grid(survey, setting.source_up_m)
         self._kernel = grid_kernel(survey, setting, self._grid)
 
-    def orders(self, background_std: float, rho: float, largest_order: int) -> OrderSearch:
-        """Return the best fit of each order, until one more source is worse."""
+    def orders(
+        self,
+        background_std: float,
+        rho: float,
+        largest_order: int,
+        hints: OrderSearch | None = None,
+    ) -> OrderSearch:
+        """Return the best fit of each order, until one more source is worse.
+
+        The sources of `hints` are tried as starts, too: a smooth background that has taken the
+        shape of a source does not easily give way to it.
+        """
         setting = replace(self._setting, background_std=background_std, rho=rho)
         likelihood = Likelihood(self._survey, setting, self._basis)
         start = np.zeros(likelihood.background_size)
@@ -130,7 +114,8 @@ class _Trial:
         scores = [_score(likelihood, fits[0])]
         # One more may be worse where two more win; splitting tries pairs, so no further is gone.
         while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
-            fit = _with_one_more(likelihood, fits[-1], self._grid, self._kernel)
+            known = _hinted(likelihood, hints, len(fits))
+            fit = _with_one_more(likelihood, fits[-1], known, self._grid, self._kernel)
             if fit is None or not _is_placed(likelihood, fit):
                 break
             fits.append(fit)
@@ -138,10 +123,24 @@ class _Trial:
         return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
 
 
-def _with_one_more(likelihood: Likelihood, fit: Fit, grid: Array, kernel: Array) -> Fit | None:
+def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[Array]:
+    """Return a start with the sources of `hints` on even ground."""
+    if hints is None or order >= len(hints.fits):
+        return []
+    fit = hints.fits[order]
+    background = np.zeros(likelihood.background_size)
+    background[:LEVEL_PARAMETERS] = fit.parameters[:LEVEL_PARAMETERS]
+    sources = hints.likelihood.sources(fit.parameters)
+    return [np.concatenate([background, sources.ravel()])]
+
+
+def _with_one_more(
+    likelihood: Likelihood, fit: Fit, hints: list[Array], grid: Array, kernel: Array
+) -> Fit | None:
     """Return the best fit found with one more source, None without any start."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
     starts = [
+        *hints,
         *_added(likelihood, fit.parameters, grid, kernel, height),
         *_split(likelihood, fit.parameters, 0.4 * height),
     ]

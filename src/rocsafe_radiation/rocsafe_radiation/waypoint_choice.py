@@ -19,6 +19,7 @@ from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
 LARGEST_GRID = 5000
+PITCH_STEP_M = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,9 +67,11 @@ def candidate_places(survey: Survey, ground_up_m: float) -> Array:
     height = survey.height_m(ground_up_m)
     low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)
     pitch = max(height / 2.0, math.sqrt(float(np.prod(high[:2] - low[:2]) / LARGEST_GRID)))
+    # One reading more or less changes nothing.
+    pitch = PITCH_STEP_M * math.ceil(pitch / PITCH_STEP_M)
     axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low[:2], high[:2], strict=True))
     east, north = np.meshgrid(*axes)
-    ups = np.full(east.size, ground_up_m + height)
+    ups = np.full(east.size, ground_up_m + round(height))
     return np.stack([east.ravel(), north.ravel(), ups], axis=1)
 
 
