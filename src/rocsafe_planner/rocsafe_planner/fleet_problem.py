@@ -74,7 +74,10 @@ class FleetProblem:
     detours: Detours | None = None
     may_visit: BoolArray | None = None
     grid_rad: float = 0.0
-    _airs: dict[tuple[FlightTime, float], Air] = field(default_factory=dict, repr=False)
+    _airs: dict[tuple[FlightTime, float], Air] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    _air_of: dict[int, Air] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def sites(self) -> FloatArray:
@@ -210,6 +213,8 @@ class FleetProblem:
 
     def _air(self, vehicle: int) -> Air:
         """Return where and how fast a vehicle flies, made once for those that fly alike."""
+        if vehicle in self._air_of:
+            return self._air_of[vehicle]
         key = (self.flight(vehicle), self.layer_m(vehicle))
         if key not in self._airs:
             corners = np.zeros((0, 2)) if self.detours is None else self.detours.corners
@@ -218,6 +223,7 @@ class FleetProblem:
                 sites=np.column_stack([self.sites, self.ups_m + key[1]]),
                 corners=np.column_stack([corners, self._over(corners) + key[1]]),
             )
+        self._air_of[vehicle] = self._airs[key]
         return self._airs[key]
 
     def _over(self, places: FloatArray) -> FloatArray:

@@ -52,7 +52,7 @@ def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
 
 def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
     """Return the site with vehicles that fly so much higher."""
-    problem = dataclasses.replace(site.problem, layers_m=layers_m, _airs={})
+    problem = dataclasses.replace(site.problem, layers_m=layers_m)
     return dataclasses.replace(site, problem=problem)
 
 

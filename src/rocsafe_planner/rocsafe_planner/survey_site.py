@@ -54,6 +54,8 @@ class SurveySite:
 
     def positions(self, places: FloatArray) -> tuple[GeoPosition, ...]:
         """Return places (n, 3) of the problem; their altitude is NaN if the ground's is."""
+        if not len(places):
+            return ()
         geodetic = _geodetic(self.request, self.frame, places)
         return tuple(GeoPosition(*place) for place in geodetic.tolist())
 
