@@ -37,6 +37,18 @@ class Airspace:
         self._thread = threading.Thread(target=self._fly, daemon=True)
         self._thread.start()
 
+    def lose_gps(self, system=1):
+        """Switch the receiver off."""
+        self.copters[system].has_gps = False
+
+    def drain(self, system=1):
+        """Let the battery's voltage fall below its limit."""
+        self.copters[system].lose_battery()
+
+    def fall_silent(self, system=1):
+        """End the autopilot."""
+        self.copters[system].is_silent = True
+
     def close(self):
         """End the flights."""
         self._is_over.set()

@@ -9,124 +9,21 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
-from rclpy.action import ActionClient
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState, NavSatFix
 from std_srvs.srv import Trigger
-from test.fakes.fake_autopilot import HOME
 from test.mavlink.airspace import Airspace
+from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 
-from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.position import offset
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import (
     GeoPolygon,
-    Route,
     VehicleEvent,
     VehicleState,
-    Viewpoint,
 )
 from rocsafe_interfaces.srv import GoTo, Preflight, PushFence, PushRally, SetSpeed
-from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import point_of_position
-
-DEADLINE_S = 12.0
-# Geoid above the ellipsoid where the fake copters live.
-SEPARATION_M = 47.0
-HOME_PLACE = GeoPosition(*HOME, 488.0 + SEPARATION_M)
-
-
-class Ground:
-    """A bridge, and an operator who hears and orders."""
-
-    def __init__(self, ros, air, state_directory=''):
-        self.ros = ros
-        self.air = air
-        systems = list(air.copters)
-        self.names = [f'rav{system}' for system in systems]
-        values = {
-            'vehicles': self.names,
-            'links': [air.link] * len(systems),
-            'systems': systems,
-            'geoid_separations_m': [SEPARATION_M] * len(systems),
-            'speeds_mps': [10.0] * len(systems),
-            'position_rate_hz': 2.0,
-            'hovers_s': [0.0] * len(systems),
-            'origin_latitude_deg': HOME[0],
-            'origin_longitude_deg': HOME[1],
-            'origin_altitude_m': HOME_PLACE.altitude_m,
-            'state_directory': str(state_directory),
-        }
-        overrides = [Parameter(name, value=value) for name, value in values.items()]
-        self.bridge = BridgeNode(context=ros.context, parameter_overrides=overrides)
-        self.operator = Node('operator', context=ros.context)
-        for node in (self.bridge, *self.bridge.vehicle_nodes, self.operator):
-            ros.executor.add_node(node)
-        self.heard = {}
-        self.action = ActionClient(self.operator, FlyRoute, 'rav1/fly_route')
-
-    def listen(self, spec, vehicle='rav1'):
-        """Keep the messages of a topic from now on; return the list."""
-        kept = self.heard.setdefault((spec.name, vehicle), [])
-        topics.create_subscription(self.operator, spec, kept.append, vehicle)
-        return kept
-
-    def until(self, condition, deadline_s=DEADLINE_S):
-        """Spin until `condition` holds."""
-        self.ros.spin_until(condition, deadline_s)
-
-    def call(self, name, kind, **fields):
-        """Call a service and return its answer."""
-        client = self.operator.create_client(kind, name)
-        self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.until(future.done)
-        return future.result()
-
-    def fly(self, plan_id='p1', route=None, *, replace=False):
-        """Send a route; return the future of its result."""
-        self.until(self.action.server_is_ready)
-        goal = FlyRoute.Goal(
-            route=survey() if route is None else route, plan_id=plan_id, replace=replace
-        )
-        accepted = self.action.send_goal_async(goal, feedback_callback=self._on_feedback)
-        self.until(accepted.done)
-        self.goal = accepted.result()
-        return self.goal.get_result_async()
-
-    def _on_feedback(self, message):
-        self.heard.setdefault('feedback', []).append(message.feedback)
-
-    def state(self, vehicle='rav1'):
-        """Return the newest state that was heard."""
-        kept = self.heard.get(('state', vehicle)) or self.listen(topics.STATE, vehicle)
-        return kept[-1] if kept else None
-
-    def wait_for_state(self, *states):
-        """Wait until the vehicle is in one of `states`."""
-        self.listen(topics.STATE)
-        self.until(lambda: self.state() is not None and self.state().state in states)
-
-    def close(self):
-        """Destroy the nodes."""
-        self.action.destroy()
-        for node in (*self.bridge.vehicle_nodes, self.bridge, self.operator):
-            self.ros.executor.remove_node(node)
-            node.destroy_node()
-
-
-def survey(count=4, vehicle='rav1', *, height_m=30.0, step_m=40.0):
-    """Return a route of viewpoints in a row to the north."""
-    places = [offset(HOME_PLACE, 0.0, step_m * (n + 1), height_m) for n in range(count)]
-    return Route(
-        vehicle=vehicle,
-        home=point_of_position(HOME_PLACE),
-        viewpoints=[
-            Viewpoint(id=7 + n, position=point_of_position(place), height_agl_m=height_m)
-            for n, place in enumerate(places)
-        ],
-    )
 
 
 @pytest.fixture

@@ -13,6 +13,8 @@ GLOBAL, MISSION_FRAME, GLOBAL_RELATIVE, GLOBAL_INT, RELATIVE_INT = 0, 2, 3, 5, 6
 _READ_BACK_FRAMES = {RELATIVE_INT: GLOBAL_RELATIVE, GLOBAL_INT: GLOBAL}
 # Commands without a place: their frame and coordinates come back as the autopilot likes.
 PLACELESS = frozenset({20, 178, 206, 112, 115})
+# Commands whose coordinates are parameters five and six: only their frame means nothing.
+FRAMELESS = frozenset({203, 2000})
 PARAMETERS = ('param1', 'param2', 'param3', 'param4')
 # Heights are stored in centimetres, parameters in as little as two decimals.
 HEIGHT_TOLERANCE_M = 0.02
@@ -96,6 +98,8 @@ def difference(sent: MissionItem, back: MissionItem) -> str:
 def _normal(item: MissionItem) -> MissionItem:
     if item.command in PLACELESS:
         return replace(item, frame=MISSION_FRAME, x_e7=0, y_e7=0, z_m=0.0)
+    if item.command in FRAMELESS:
+        return replace(item, frame=MISSION_FRAME, z_m=0.0)
     return replace(item, frame=_READ_BACK_FRAMES.get(item.frame, item.frame))
 
 
