@@ -128,7 +128,8 @@ class FakeCopter:
             self._on_parameter(message)
         else:
             self._out += self.missions.receive(message, station, self._now_s)
-            if message.name.startswith('MISSION_') and not self.is_flying:
+            is_change = message.name in ('MISSION_COUNT', 'MISSION_ITEM_INT', 'MISSION_CLEAR_ALL')
+            if is_change and not message.fields.get('mission_type') and not self.is_flying:
                 self.mission_state = 2 if self.missions.stored[0] else 1
 
     def step(self, now_s):

@@ -23,7 +23,8 @@ PARAMETERS = {
     'FRAME_CLASS': 1,
     'FRAME_TYPE': 0,
     'BATT_MONITOR': 4,
-    'CAM1_TYPE': 1,
+    # A servo that pulls the shutter makes a camera.
+    'SERVO9_FUNCTION': 10,
     **{f'COMPASS_OFS{n}_X': 5 for n in ('', '2', '3')},
     **{f'COMPASS_OFS{n}_Y': 13 for n in ('', '2', '3')},
     **{f'COMPASS_OFS{n}_Z': -18 for n in ('', '2', '3')},

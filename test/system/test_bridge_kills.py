@@ -37,6 +37,7 @@ RATE = 12.0
 # Nothing of this changes what a vehicle does.
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 COUNT = 8
+REPEAT_S = 2.0
 
 
 class Post:
@@ -110,10 +111,17 @@ class Post:
     def fly(self):
         """Send the route; return the future of the result."""
         self.until(self._client.server_is_ready)
-        accepted = self._client.send_goal_async(
-            FlyRoute.Goal(route=survey(COUNT, height_m=20.0), plan_id='p1')
-        )
-        self.until(accepted.done)
+        goal = FlyRoute.Goal(route=survey(COUNT, height_m=20.0), plan_id='p1')
+        sent = []
+
+        def is_accepted():
+            # Whoever was killed seems to be there for a while: what nobody takes is sent again.
+            if not sent or time.monotonic() - sent[-1][0] > REPEAT_S:
+                sent.append((time.monotonic(), self._client.send_goal_async(goal)))
+            return any(future.done() for _, future in sent)
+
+        self.until(is_accepted)
+        accepted = next(future for _, future in sent if future.done())
         return accepted.result().get_result_async()
 
     def close(self):

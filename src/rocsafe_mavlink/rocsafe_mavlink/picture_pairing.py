@@ -58,11 +58,9 @@ class PicturePairing:
         candidates = [picture.unix_s - shot.unix_s for picture in pictures for shot in shots]
         if not candidates:
             return None
-        nearest = min(candidates, key=abs)
-        if abs(nearest) < SET_ALIKE_S:
-            return nearest
         best = max(candidates, key=lambda offset_s: (self._agreeing(offset_s), -abs(offset_s)))
-        return best if self._agreeing(best) >= FEWEST_AGREEING else None
+        is_sure = self._agreeing(best) >= FEWEST_AGREEING or abs(best) < SET_ALIKE_S
+        return best if is_sure else None
 
     def _agreeing(self, offset_s: float) -> int:
         shots = self._shots[:LOOKED_AT]

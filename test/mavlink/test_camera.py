@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shots from three messages, pictures from a folder, and which belongs to which."""
+
+import csv
+import math
+import os
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test.fakes.fake_autopilot import FakeCopter
+from test.mavlink.telemetry import ready
+
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink.camera_shot import CAPTURED, FEEDBACK, TRIGGER, CameraShot, ShotLog
+from rocsafe_mavlink.dialect import Message, decode, encode
+from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.photograph import PhotographStore
+from rocsafe_mavlink.photographer import Exposure, Photographer
+from rocsafe_mavlink.picture_pairing import PicturePairing
+from rocsafe_mavlink.pictures import Picture, VideoStream, WatchedFolder, open_source
+from rocsafe_mavlink.reducer import reduce
+from rocsafe_mavlink.vehicle import Gps
+
+NOW_S = 1_767_225_600.0
+
+
+def message(name, **fields):
+    """Return a message as it comes off the wire."""
+    number, payload = encode(Message(name, fields))
+    return decode(number, payload, 1, 1)
+
+
+def feedback(index, taken_s=NOW_S, **fields):
+    """Return an autopilot's report of a shot."""
+    place = {'lat': 473977420, 'lng': 85455940, 'alt_msl': 518.0, 'alt_rel': 30.0}
+    told = {'time_usec': round(taken_s * 1e6), 'img_idx': index, **place, **fields}
+    return message(FEEDBACK, **told)
+
+
+def position(east_m, boot_s):
+    """Return a position message so far east of the place."""
+    longitude = 85455940 + round(east_m / 0.0075366)
+    return message(
+        'GLOBAL_POSITION_INT',
+        time_boot_ms=round(boot_s * 1000),
+        lat=473977420,
+        lon=longitude,
+        alt=518000,
+        relative_alt=30000,
+    )
+
+
+def picture(unix_s, name='a.jpg', jpeg=b''):
+    """Return a picture."""
+    return Picture(name=name, unix_s=unix_s, jpeg=jpeg)
+
+
+def shot(index, unix_s):
+    """Return a shot."""
+    place = GeoPosition(47.397742, 8.545594, 565.0)
+    return CameraShot(
+        index=index, unix_s=unix_s, position=place, height_m=30.0, attitude=None, source=FEEDBACK
+    )
+
+
+def test_three_messages_make_one_kind_of_shot():
+    """Index, time, place with its datum, attitude after REP 103."""
+    vehicle = replace(ready(), geoid_separation_m=47.0)
+    captured = {'time_utc': round(NOW_S * 1e6), 'image_index': 4, 'capture_result': 1}
+    place = {'lat': 473977420, 'lon': 85455940, 'alt': 518000, 'relative_alt': 30000}
+    found = [
+        ShotLog().take(feedback(4, yaw=90.0, pitch=5.0), vehicle, NOW_S)[0],
+        ShotLog().take(message(CAPTURED, **captured, **place), vehicle, NOW_S)[0],
+    ]
+    log = ShotLog()
+    log.take(position(0.0, 1.0), reduce(vehicle, position(0.0, 200.0), NOW_S)[0], NOW_S)
+    found += log.take(message(TRIGGER, time_usec=round(NOW_S * 1e6), seq=4), vehicle, NOW_S)
+    for taken in found:
+        assert (taken.index, taken.unix_s) == (4, NOW_S)
+        assert taken.position.latitude_deg == pytest.approx(47.397742)
+        assert taken.height_m == pytest.approx(30.0)
+    assert found[0].position.altitude_m == found[1].position.altitude_m == 565.0
+    assert found[0].attitude.yaw_rad == pytest.approx(0.0)
+    assert found[0].attitude.pitch_rad == pytest.approx(math.radians(-5.0))
+
+
+def test_uptime_is_no_time_of_day():
+    """A shot whose clock was never set is dated by its arrival."""
+    (taken,) = ShotLog().take(feedback(0, 12.5), ready(), NOW_S)
+    assert taken.unix_s == NOW_S
+
+
+def test_lost_reports_are_filled_in_and_marked():
+    """Three lost at 10 m/s: each within 0.3 m of where it was taken."""
+    log, vehicle = ShotLog(), ready()
+    for tick in range(50):
+        moved = reduce(vehicle, position(1.0 * tick, 200.0 + 0.1 * tick), NOW_S)[0]
+        log.take(position(1.0 * tick, 200.0 + 0.1 * tick), moved, NOW_S + 0.1 * tick)
+    first = log.take(feedback(0, NOW_S), vehicle, NOW_S)
+    rest = log.take(feedback(4, NOW_S + 4.0, lng=85455940 + 5307), vehicle, NOW_S + 4.0)
+    assert [taken.index for taken in (*first, *rest)] == [0, 1, 2, 3, 4]
+    assert [taken.is_interpolated for taken in rest] == [True, True, True, False]
+    for number, taken in enumerate(rest[:3], start=1):
+        away_m = distance_m(first[0].position, taken.position)
+        assert away_m == pytest.approx(10.0 * number, abs=0.3)
+
+
+def test_report_that_comes_twice_counts_once():
+    """Repeated, late and worse reports are not counted; the better kind wins."""
+    log, vehicle = ShotLog(), ready()
+    log.take(position(0.0, 1.0), vehicle, NOW_S)
+    assert len(log.take(feedback(0), vehicle, NOW_S)) == 1
+    assert log.take(feedback(0), vehicle, NOW_S) == []
+    assert log.take(message(TRIGGER, time_usec=1, seq=1), vehicle, NOW_S) == []
+    assert len(log.take(feedback(1), vehicle, NOW_S)) == 1
+    failed = message(CAPTURED, image_index=2, capture_result=0)
+    assert log.take(failed, vehicle, NOW_S) == []
+
+
+@given(
+    offset_s=st.floats(-40_000.0, 40_000.0),
+    gaps=st.lists(st.floats(1.5, 6.0), min_size=6, max_size=15, unique=True),
+    lost=st.integers(1, 4),
+)
+def test_pictures_find_their_shots(offset_s, gaps, lost):
+    """Whatever the difference of the clocks; one picture is missing."""
+    times = [NOW_S + sum(gaps[:n]) for n in range(len(gaps))]
+    shots = [shot(n, time_s) for n, time_s in enumerate(times)]
+    pictures = [
+        picture(time_s + offset_s, f'{n}.jpg') for n, time_s in enumerate(times) if n != lost
+    ]
+    pairs = PicturePairing().add(shots, pictures)
+    assert {(pair.shot.index, pair.picture.name) for pair in pairs} == {
+        (n, f'{n}.jpg') for n in range(len(gaps)) if n != lost
+    }
+
+
+def test_single_picture_of_another_clock_waits():
+    """One pair tells nothing of the difference; guesses are not made."""
+    pairing = PicturePairing()
+    assert pairing.add([shot(0, NOW_S)], [picture(NOW_S + 3600.0)]) == []
+    assert pairing.offset_s is None
+
+
+def test_drifting_clock_is_followed():
+    """A second in ten minutes, more than a shot may be off."""
+    pairing = PicturePairing()
+    for number in range(300):
+        taken_s = NOW_S + 2.0 * number
+        pairs = pairing.add([shot(number, taken_s)], [picture(taken_s * 1.0 + number / 150.0)])
+        assert [pair.shot.index for pair in pairs] == [number]
+
+
+def jpeg(value=128, size=(48, 64)):
+    """Return a grey image file."""
+    pixels = np.full((*size, 3), value, np.uint8)
+    return cv2.imencode('.jpg', pixels)[1].tobytes()
+
+
+def leave(folder, name, taken_s, content=None):
+    """Leave a file as a camera does."""
+    (folder / name).write_bytes(jpeg() if content is None else content)
+    os.utime(folder / name, (taken_s, taken_s))
+
+
+def test_file_is_taken_once_and_only_whole(tmp_path):
+    """A file that grows is not read; what is no JPEG never is."""
+    folder = WatchedFolder(tmp_path)
+    leave(tmp_path, 'b.jpg', NOW_S + 1.0)
+    leave(tmp_path, 'a.JPG', NOW_S)
+    leave(tmp_path, 'half.jpg', NOW_S, jpeg()[:200])
+    (tmp_path / 'notes.txt').write_text('x')
+    assert folder.take() == []
+    assert [taken.name for taken in folder.take()] == ['a.JPG', 'b.jpg']
+    assert folder.take() == []
+
+
+def test_video_gives_the_frame_of_the_moment(tmp_path):
+    """Frames are read as they come; a shot takes the nearest."""
+    path = str(tmp_path / 'clip.avi')
+    writer = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), 10.0, (64, 48))
+    for value in (0, 120, 240):
+        writer.write(np.full((48, 64, 3), value, np.uint8))
+    writer.release()
+    ticks = iter(range(1000))
+    stream = VideoStream(path, lambda: NOW_S + next(ticks))
+    while stream.at(NOW_S) is None or len(stream._frames) < 3:
+        assert stream._thread.is_alive()
+    taken = stream.at(NOW_S + 1.2)
+    stream.close()
+    assert taken.unix_s == NOW_S + 1.0
+    pixels = cv2.imdecode(np.frombuffer(taken.jpeg, np.uint8), cv2.IMREAD_COLOR)
+    assert abs(int(pixels.mean()) - 120) < 4
+
+
+def test_source_that_is_none_is_refused():
+    """The name is in the message."""
+    assert open_source('', lambda: 0.0) is None
+    with pytest.raises(ValueError, match="'/nowhere' is no folder"):
+        open_source('/nowhere', lambda: 0.0)
+
+
+def exposure():
+    """Return what a photograph takes from its vehicle."""
+    stops = tuple(
+        Waypoint(position=GeoPosition(47.397742 + 0.001 * n, 8.545594, 0.0), height_m=30.0)
+        for n in range(3)
+    )
+    assignment = Assignment(
+        plan_id='p', plan=FlightPlan(waypoints=stops, speed_mps=5.0), viewpoint_ids=(7, 8, 9)
+    )
+    gps = Gps(fix_type=6, horizontal_std_m=0.3, vertical_std_m=0.5)
+    return Exposure(vehicle='rav1', assignment=assignment, gps=gps, clock_s=100.0)
+
+
+def test_photograph_has_all_that_places_it(tmp_path):
+    """Viewpoint, time of the mission, size; it outlives the process, and its receipt ends it."""
+    (tmp_path / 'in').mkdir()
+    store = PhotographStore(tmp_path / 'spool')
+    table = tmp_path / 'shots.csv'
+    made = Photographer(store, WatchedFolder(tmp_path / 'in'), table)
+    for number in range(2):
+        place = {'lat': 473977420 + 10000 * number}
+        made.on_message(feedback(number, NOW_S + number, **place), ready(), NOW_S)
+        leave(tmp_path / 'in', f'{number}.jpg', NOW_S + number)
+    made.develop(exposure())
+    first, second = made.develop(exposure())
+    assert (first.shot_id, first.viewpoint_id, second.viewpoint_id) == ('rav1-00000', 7, 8)
+    assert first.time_ns == round((NOW_S + 100.0) * 1e9)
+    assert (first.width_px, first.height_px) == (64, 48)
+    again = PhotographStore(tmp_path / 'spool')
+    assert (len(again), again.next_sequence) == (2, 2)
+    assert again.overdue(0.0) == [first, second]
+    assert again.overdue(0.5) == []
+    assert not again.take_receipt(first.shot_id, 'other')
+    assert again.take_receipt(first.shot_id, first.sha256)
+    assert len(PhotographStore(tmp_path / 'spool')) == 1
+    with table.open(newline='') as file:
+        rows = list(csv.DictReader(file))
+    assert [row['index'] for row in rows] == ['0', '1']
+    assert rows[0]['height_above_home_m'] == '30.000'
+
+
+def test_distance_trigger_runs_between_first_and_last_waypoint():
+    """The fake copter flies 200 m and photographs every 20 m."""
+    copter = FakeCopter()
+    copter.trigger_m = 20.0
+    for _ in range(200):
+        copter._fly_past(1.0)
+    assert copter.shot_count == 10

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Orders, parameters, fences and predictions: what is sent, what is refused, what is believed."""
+
+import math
+import struct
+
+import pytest
+from test.fakes.fake_autopilot import HOME
+from test.mavlink.telemetry import after, heartbeat, ready, said
+from test.mavlink.test_station import Air
+
+from rocsafe_geo.position import GeoPosition, distance_m, offset
+from rocsafe_mavlink.ardupilot import AUTO, BRAKE, COPTER, GUIDED
+from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.errors import OrderRefusedError
+from rocsafe_mavlink.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.operator_orders import OperatorOrders
+from rocsafe_mavlink.orders import Desk
+from rocsafe_mavlink.parameters import Parameter, ParameterReader
+from rocsafe_mavlink.prediction import predict
+from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, preflight
+from rocsafe_mavlink.px4 import MULTICOPTER, OFFBOARD
+from rocsafe_mavlink.px4 import PX4 as PX4_NUMBER
+from rocsafe_mavlink.vehicle import Home
+
+TARGET, US = (1, 1), (255, 190)
+PLACE = GeoPosition(*HOME)
+HOME_OF = Home(latitude_deg=HOME[0], longitude_deg=HOME[1], altitude_msl_m=488.0)
+
+
+def commands_of(errand):
+    """Return the numbers of the commands of an errand."""
+    return [step.call.command['command'] for step in errand.steps if hasattr(step, 'call')]
+
+
+def flying(air, visited=1):
+    """Fly until so many waypoints are behind."""
+    air.wait(46.0)
+    air.fly(count=6)
+    air.until(lambda: air.flight().visited >= visited)
+    return OperatorOrders(TARGET, air.station, FlightLimits())
+
+
+def done(air, orders):
+    """Let an order come to its end; return its error."""
+    air.until(lambda: orders.errand.is_over, 30.0)
+    return orders.errand.error
+
+
+def test_hold_within_a_mission_keeps_the_mode():
+    """ArduPilot pauses; outside a mission it brakes, since LOITER obeys a stick."""
+    desk = Desk(autopilot=COPTER, target=TARGET, us=US)
+    on_mission = after(ready(), heartbeat(AUTO, armed=True))
+    assert commands_of(desk.hold(on_mission)) == [193]
+    (step,) = desk.hold(after(ready(), heartbeat(GUIDED, armed=True))).steps
+    assert (step.call.command['command'], step.call.command['param2']) == (176, float(BRAKE))
+    px4 = Desk(autopilot=MULTICOPTER, target=TARGET, us=US)
+    assert commands_of(px4.hold(on_mission)) == [176]
+
+
+def test_go_to_is_written_for_each_autopilot():
+    """ArduPilot wants GUIDED first and a height above home, PX4 one command and the sea's."""
+    first, second = Desk(autopilot=COPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    assert first.call.command['param2'] == float(GUIDED)
+    assert (second.call.command['frame'], second.call.command['z']) == (6, 30.0)
+    assert second.call.command['x'] == 473977420
+    (only,) = Desk(autopilot=MULTICOPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    assert (only.call.command['frame'], only.call.command['z']) == (5, 518.0)
+    assert OFFBOARD not in {only.call.command.fields.get('param2')}
+
+
+@pytest.mark.parametrize('loss', [0.0, 0.2, 0.4])
+def test_orders_are_obeyed_over_a_lossy_link(loss):
+    """Held, resumed, slowed: an order ends well only if the vehicle shows it."""
+    air = Air()
+    orders = flying(air)
+    air.loss = loss
+    orders.hold(air.now_s)
+    error = done(air, orders)
+    assert not error or loss == 0.4
+    if not error:
+        assert air.copters[1].is_paused
+        orders.resume(air.now_s)
+        assert not done(air, orders) or loss == 0.4
+
+
+def test_landing_takes_the_place_of_a_slower_order():
+    """What is urgent does not wait; what is not, does."""
+    air = Air()
+    orders = flying(air)
+    orders.change_speed(5.0, air.now_s)
+    with pytest.raises(OrderRefusedError, match='speed is under way'):
+        orders.resume(air.now_s)
+    orders.land(air.now_s)
+    assert orders.count == 2
+    assert done(air, orders) == ''
+    assert air.copters[1].mode == 9
+
+
+def test_refusal_carries_the_words_of_the_autopilot():
+    """Paused in a mode that cannot pause."""
+    air = Air()
+    orders = flying(air)
+    air.copters[1].is_paused = False
+    orders.resume(air.now_s)
+    assert done(air, orders) == ''
+    air.copters[1].mode = 6
+    air.wait(2.0)
+    orders.resume(air.now_s)
+    assert done(air, orders) == ''
+    assert air.copters[1].mode == AUTO
+
+
+def test_nothing_is_ordered_by_the_suite_itself():
+    """A flight through failsafes, losses and returns: only what began it was ever sent."""
+    air = Air()
+    flying(air)
+    air.copters[1].lose_battery()
+    air.until(lambda: air.flight().is_over)
+    sent = [number for number in air.copters[1].commands if number != 511]
+    assert sent == [176, 400, 176, 300]
+
+
+@pytest.mark.parametrize(
+    ('names', 'speed'),
+    [({'WP_SPD': 8.0}, 'WP_SPD'), ({'WPNAV_SPEED': 800.0}, 'WPNAV_SPEED')],
+)
+def test_parameters_are_read_in_both_spellings(names, speed):
+    """The unit follows from the spelling that answered."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found={})
+    reader, asked = reader.on_tick(0.0)
+    assert {'WP_SPD', 'WPNAV_SPEED'} <= {message['param_id'] for message in asked}
+    for name, value in names.items():
+        reader = reader.on_message(
+            said('PARAM_VALUE', param_id=name, param_value=value, param_type=9)
+        )
+    assert reader.value(Parameter.CRUISE_SPEED_MPS) == pytest.approx(8.0)
+    assert reader.spelling(Parameter.CRUISE_SPEED_MPS) == speed
+    assert math.isnan(reader.value(Parameter.ACCELERATION_MPS2))
+    _, again = reader.on_tick(2.0)
+    assert speed not in {message['param_id'] for message in again}
+
+
+def test_px4_copies_the_bits_of_integers():
+    """A 2 comes as a float that is nearly nothing."""
+    (value,) = struct.unpack('<f', struct.pack('<i', 2))
+    told = said('PARAM_VALUE', param_id='NAV_DLL_ACT', param_value=value, param_type=6)
+    reader = ParameterReader(autopilot=PX4_NUMBER, target=TARGET, found={}).on_message(told)
+    assert reader.value(Parameter.LINK_LOSS_ACTION) == 2.0
+
+
+def test_link_loss_that_does_nothing_may_forbid_the_flight():
+    """Where the policy says that it must return, and the setting is off or not told."""
+    limits = FlightLimits(must_return_on_link_loss=True)
+    for found in ({'FS_GCS_ENABLE': 0.0}, {}):
+        knowledge = Knowledge(parameters=ParameterReader(autopilot=3, target=TARGET, found=found))
+        checks = preflight(ready(), COPTER, None, limits, 100.0, knowledge)
+        verdicts = {check.name: check.verdict for check in checks}
+        assert verdicts['link-loss action'] is Verdict.FAIL
+
+
+def test_fence_travels_and_holds():
+    """As items and back; a place in an exclusion is outside."""
+    ring = tuple(offset(PLACE, *c) for c in ((-50, -50), (50, -50), (50, 50), (-50, 50)))
+    hole = tuple(offset(PLACE, *c) for c in ((10, 10), (20, 10), (20, 20)))
+    fence = Fence(inclusions=(ring,), exclusions=(hole,))
+    back = fence_of(fence_items(fence))
+    assert [len(r) for r in (*back.inclusions, *back.exclusions)] == [4, 3]
+    assert back.holds(offset(PLACE, -20.0, 0.0))
+    assert not back.holds(offset(PLACE, 17.0, 12.0))
+    assert not back.holds(offset(PLACE, 60.0, 0.0))
+    assert Fence().holds(PLACE)
+    with pytest.raises(ValueError, match='3 or more'):
+        Fence(inclusions=(ring[:2],))
+
+
+def test_silent_vehicle_is_taken_to_fly_on():
+    """Along its way, then it stays at its end."""
+    way = [offset(PLACE, 0.0, 100.0), offset(PLACE, 100.0, 100.0)]
+    early, late = predict(PLACE, way, 10.0, 5.0), predict(PLACE, way, 10.0, 15.0)
+    assert distance_m(early.position, offset(PLACE, 0.0, 50.0)) < 0.1
+    assert (early.passed, late.passed) == (0, 1)
+    assert distance_m(late.position, offset(PLACE, 50.0, 100.0)) < 0.1
+    end = predict(PLACE, way, 10.0, 300.0)
+    assert distance_m(end.position, way[-1]) < 0.1
+    assert end.spread_m > late.spread_m > early.spread_m
+
+
+def test_orders_that_make_no_sense_are_refused():
+    """On the ground, out of contact, out of limits."""
+    air = Air()
+    orders = OperatorOrders(TARGET, air.station, FlightLimits())
+    with pytest.raises(OrderRefusedError, match='not in contact'):
+        orders.hold(air.now_s)
+    orders = flying(air)
+    for place, height_m, word in (
+        (offset(PLACE, 0.0, 9000.0), 30.0, 'distance'),
+        (PLACE, 4000.0, 'height_m'),
+        (PLACE, math.nan, 'height_m'),
+    ):
+        with pytest.raises(OrderRefusedError, match=word):
+            orders.go_to(place, height_m, air.now_s)
+    with pytest.raises(OrderRefusedError, match='speed_mps'):
+        orders.change_speed(math.inf, air.now_s)
+    assert isinstance(air.sent[-1], Message)
