@@ -6,7 +6,7 @@ import struct
 
 import pytest
 from test.fakes.fake_autopilot import HOME
-from test.mavlink.telemetry import after, heartbeat, ready, said
+from test.mavlink.telemetry import heartbeat, ready, said
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition, distance_m, offset
@@ -21,6 +21,7 @@ from rocsafe_mavlink.prediction import predict
 from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, preflight
 from rocsafe_mavlink.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.px4 import PX4 as PX4_NUMBER
+from rocsafe_mavlink.reducer import reduce
 from rocsafe_mavlink.vehicle import Home
 
 TARGET, US = (1, 1), (255, 190)
@@ -50,9 +51,10 @@ def done(air, orders):
 def test_hold_within_a_mission_keeps_the_mode():
     """ArduPilot pauses; outside a mission it brakes, since LOITER obeys a stick."""
     desk = Desk(autopilot=COPTER, target=TARGET, us=US)
-    on_mission = after(ready(), heartbeat(AUTO, armed=True))
+    on_mission = reduce(ready(), heartbeat(AUTO, armed=True), 100.0)[0]
     assert commands_of(desk.hold(on_mission)) == [193]
-    (step,) = desk.hold(after(ready(), heartbeat(GUIDED, armed=True))).steps
+    guided = reduce(ready(), heartbeat(GUIDED, armed=True), 100.0)[0]
+    (step,) = desk.hold(guided).steps
     assert (step.call.command['command'], step.call.command['param2']) == (176, float(BRAKE))
     px4 = Desk(autopilot=MULTICOPTER, target=TARGET, us=US)
     assert commands_of(px4.hold(on_mission)) == [176]
