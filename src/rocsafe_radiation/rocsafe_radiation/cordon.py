@@ -18,6 +18,13 @@ from rocsafe_radiation.isolines import areas_above
 # Microsievert per hour at 1 m: a public place, German responders, the IAEA inner cordon (EPR-First
 # Responders), the hot zone times ten, turn back (do not enter except to save lives).
 DEFAULT_LEVELS_USVH = (2.5, 25.0, 100.0, 1000.0, 100_000.0)
+LEVEL_NAMES = {
+    2.5: 'the public',
+    25.0: 'responders’ cordon (Germany)',
+    100.0: 'inner cordon (IAEA)',
+    1e3: 'trained teams alone',
+    1e5: 'turn back, but to save lives (IAEA)',
+}
 # Dose for which stay times are told: a year of the public and the yearly limit of a worker (ICRP
 # 103), microsievert.
 STAY_DOSES_USV = {'public_year_1_msv': 1e3, 'worker_year_20_msv': 2e4}
@@ -81,6 +88,7 @@ def cordon_geojson(found: Sequence[Cordon], frame: LocalFrame, model: str) -> di
             'properties': {
                 'kind': 'cordon',
                 'level_usv_h': cordon.level_usvh,
+                'name': LEVEL_NAMES.get(cordon.level_usvh, ''),
                 'confidence': cordon.confidence,
                 'model': model,
                 'area_m2': round(cordon.area.area, 2),

@@ -89,6 +89,14 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
         f'(default: {rule.false_alarm:g})',
     )
     group.add_argument(
+        '--ellipse',
+        type=_number('ellipse', 1e-3, 1e4),
+        default=rule.ellipse_95_m,
+        metavar='M',
+        help='longest half axis of a 95 %% ellipse that is enough, metres '
+        f'(default: {rule.ellipse_95_m:g})',
+    )
+    group.add_argument(
         '--smallest',
         type=_number('smallest', 1e-3, 1e9),
         default=rule.smallest_usvh,

@@ -63,7 +63,10 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> PictureOpti
         known=LocalizationOptions(kernel=kernel),
         method=options.method,
         rule=StoppingRule(
-            false_alarm=options.errors, missed=options.errors, smallest_usvh=options.smallest
+            false_alarm=options.errors,
+            missed=options.errors,
+            ellipse_95_m=options.ellipse,
+            smallest_usvh=options.smallest,
         ),
         levels_usvh=tuple(options.levels or DEFAULT_LEVELS_USVH),
     )

@@ -47,7 +47,7 @@ def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
     if record.log is None or not record.log.readings or record.scenario is None:
         return record
     try:
-        estimates = estimate_sources(run.readings, record.scenario.radiation.estimator_model)
+        estimates = estimate_sources(run.readings, record.scenario.radiation.localize_options)
     except OrchestratorError as error:
         line = f'no estimate of sources: {error}'
         return dataclasses.replace(record, missing=(*record.missing, line))

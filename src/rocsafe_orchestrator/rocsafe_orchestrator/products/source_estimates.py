@@ -2,6 +2,7 @@
 """Sources estimated from the readings of a run: ``sources.json`` and its like."""
 
 import json
+import math
 import os
 import subprocess
 from collections.abc import Sequence
@@ -19,23 +20,26 @@ TIMEOUT_S = 120.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimate:
-    """A source as estimated: place, 95 % ellipse and strength with its 95 % interval."""
+    """A source as estimated: place, 95 % ellipse, strength with its 95 % interval, evidence."""
 
     position: GeoPosition
     ellipse_95_m: tuple[float, float]
     ellipse_angle_from_east_deg: float
     dose_rate_at_1m_usvh: float
     dose_rate_at_1m_95_usvh: tuple[float, float]
+    log_likelihood_ratio: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimates:
-    """All sources that the readings support, and the probability of 0, 1, 2 ... sources."""
+    """All sources that the readings support, the probability of each number, if it is enough."""
 
     sources: tuple[SourceEstimate, ...]
     source_count_probability: tuple[float, ...]
     background_usvh: float
     reading_count: int
+    is_enough: bool = False
+    verdict: str = ''
 
 
 def _localize(arguments: Sequence[str]) -> None:
@@ -64,15 +68,17 @@ def _localize(arguments: Sequence[str]) -> None:
         raise OrchestratorError(words[-1].removeprefix('error: '))
 
 
-def estimate_sources(readings: Path, model: str) -> SourceEstimates:
+def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
     """Estimate sources from the table `readings`; their files are written beside it.
+
+    `options` are those of the command `localize`.
 
     Raises
     ------
     OrchestratorError: saying why there are none.
     """
     folder = readings.parent
-    _localize([str(readings), f'--model={model}', f'--out={folder}'])
+    _localize([str(readings), f'--out={folder}', *options])
     try:
         content = json.loads((folder / 'sources.json').read_text(encoding='utf-8'))
         return _estimates(content)
@@ -86,6 +92,8 @@ def _estimates(content: dict[str, Any]) -> SourceEstimates:
         source_count_probability=tuple(content['source_count_probability']),
         background_usvh=content['background_usvh'],
         reading_count=content['reading_count'],
+        is_enough=content.get('is_enough', False),
+        verdict=content.get('verdict', ''),
     )
 
 
@@ -98,4 +106,5 @@ def _estimate(source: dict[str, Any]) -> SourceEstimate:
         ellipse_angle_from_east_deg=source['ellipse_angle_from_east_deg'],
         dose_rate_at_1m_usvh=source['dose_rate_at_1m_usvh'],
         dose_rate_at_1m_95_usvh=(low, high),
+        log_likelihood_ratio=source.get('detection_log_likelihood_ratio', math.nan),
     )

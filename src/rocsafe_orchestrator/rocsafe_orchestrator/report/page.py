@@ -12,6 +12,7 @@ from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import sections
 from rocsafe_orchestrator.report.charts import dose_chart, flight_chart, frames
+from rocsafe_orchestrator.report.dose_map_view import dose_section
 from rocsafe_orchestrator.report.events import event_list, events, flights, start_ns
 from rocsafe_orchestrator.report.map_data import MapData, map_data
 from rocsafe_orchestrator.report.map_view import map_section, view_boxes
@@ -47,6 +48,7 @@ class _Page:
 
     def __init__(self, record: RunRecord, summary: RunSummary, frame: LocalFrame | None) -> None:
         self._record = record
+        self._frame = frame
         self._summary = summary
         self._zero_ns = start_ns(record)
         self._colours = vehicle_colours(record.vehicles)
@@ -64,6 +66,7 @@ class _Page:
             sections.missing(self._summary),
             tiles(self._summary, colour),
             self._map_section(),
+            dose_section(self._record.path, self._frame, self._record.estimates),
             self._charts(),
             sections.card('Vehicles', vehicle_table(self._summary, self._colours)),
             self._gallery(),

@@ -69,7 +69,7 @@ def ground_picture(path: Path, frame: LocalFrame) -> GroundPicture | None:
         data_uri=_webp(Image.fromarray(picture, 'RGBA')),
         width_px=width,
         height_px=height,
-        matrix=_matrix(_map_xy(places, crs, frame), width, height),
+        matrix=_matrix(map_xy(places, crs, frame), width, height),
         resolution_m=float(resolution),
         crs=crs.to_string(),
     )
@@ -121,7 +121,7 @@ def _rgba(raster: 'rasterio.DatasetReader', width: int, height: int) -> NDArray[
     return rgba
 
 
-def _map_xy(places: NDArray[np.float64], crs: object, frame: LocalFrame) -> NDArray[np.float64]:
+def map_xy(places: NDArray[np.float64], crs: object, frame: LocalFrame) -> NDArray[np.float64]:
     """Return places (n, 2) of `crs` as map coordinates: east and south of the origin, metres."""
     to_wgs84 = Transformer.from_crs(crs, 'EPSG:4326', always_xy=True)
     longitudes, latitudes = to_wgs84.transform(places[:, 0], places[:, 1])

@@ -163,6 +163,20 @@ class RadiationBlock(Block):
     shields: tuple[ShieldBlock, ...] = Field(default=(), max_length=1000)
 
     @property
+    def localize_options(self) -> tuple[str, ...]:
+        """The options of the command `localize` that mean the same."""
+        search, levels = self.search, self.levels.cordon_levels_usvh
+        return (
+            f'--model={self.estimator_model}',
+            f'--method={search.method}',
+            f'--errors={max(search.false_alarm, search.missed)}',
+            f'--smallest={search.smallest_source_usvh}',
+            f'--ellipse={search.ellipse_95_m}',
+            '--levels',
+            *(f'{level:g}' for level in levels),
+        )
+
+    @property
     def estimator_model(self) -> str:
         """The law that an estimator, which knows of no shields, goes by."""
         return 'paper' if self.model == 'paper' else 'air'
