@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """The lower bound never exceeds the best plan there is."""
 
+import dataclasses
 from itertools import pairwise, permutations, product
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_planner.bound import lower_bound
 from rocsafe_planner.forest import FleetCosts, makespan_bound
+from rocsafe_planner.optimising import Effort, optimised
 from rocsafe_planner.routing import nearest_to_shortest
+from rocsafe_planner.tour_splitting import makespan_s
+from rocsafe_planner.vehicle import Aloft
 
 from .fleets import problem, vehicle
 
@@ -61,6 +65,30 @@ def test_bound_holds_against_brute_force(points, vehicles, data):
     homes = [data.draw(PLACES) for _ in vehicles]
     world = problem(points, homes, vehicles)
     assert bound_of(world).makespan_s <= best_makespan(world) + ROUNDING_S
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(PLACES, min_size=1, max_size=3), fleets(), st.data())
+def test_bounds_hold_in_wind_and_anywhere(points, vehicles, data):
+    """In wind, to ends elsewhere or open, from the air: this bound, and that of the search."""
+    vehicles = tuple(
+        dataclasses.replace(
+            v,
+            is_open=data.draw(st.booleans()),
+            aloft=Aloft(position=v.home) if data.draw(st.booleans()) else None,
+        )
+        for v in vehicles
+    )
+    places = [np.array([data.draw(PLACES) for _ in vehicles]) for _ in range(2)]
+    wind = (data.draw(st.floats(-0.6, 0.6)), data.draw(st.floats(-0.6, 0.6)))
+    world = dataclasses.replace(
+        problem(points, places[0], vehicles), ends=places[1], wind_mps=wind
+    )
+    best = best_makespan(world)
+    assert bound_of(world).makespan_s <= best + ROUNDING_S
+    found = optimised(world, Effort(proposals=2000))
+    assert found.bound <= best * (1.0 + 1e-6)
+    assert makespan_s(world, found.orders) == pytest.approx(best, rel=1e-5)
 
 
 def test_bound_holds_where_the_papers_does_not():

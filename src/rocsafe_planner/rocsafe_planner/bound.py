@@ -7,9 +7,10 @@ Here every vehicle has its own home, end, speed and time of climb. Legs between 
 the vehicle fastest on them would need, photographs what the quickest one would, half to each of
 the two legs; legs from home, climb and descent are each vehicle's own. No routes cost less, so the
 forest bound of these costs holds; so does the time of the farthest point photographed alone by
-the vehicle best placed for it. The better of the two is returned. In wind a vehicle is taken to
-have it in its back on every leg; the end of an open route costs nothing; climbs between points,
-stops where legs bend, battery swaps, delays, layers and, in the forest, sensors are left out. All
+the vehicle best placed for it. The better of the two is returned. In wind, over a
+terrain and around exclusions a leg costs what it does in the better direction; among very many
+points it costs what it would straight, level and with the wind in the back. The end of an open
+route costs nothing; battery swaps, delays, layers and, in the forest, sensors are left out. All
 that only lowers the bound.
 """
 
@@ -84,11 +85,38 @@ def _farthest_trip_s(problem: FleetProblem) -> float:
 def _ways_s(problem: FleetProblem, vehicle: int) -> tuple[FloatArray, FloatArray]:
     """Return times that no way from start to each point, and from there to the end, undercuts."""
     n = len(problem.points)
+    if _is_exact(problem):
+        return _exact_ways_s(problem, vehicle)
     motion = problem.flight(vehicle).fastest()
     out = leg_duration_s(problem.distances_m(problem.start_site(vehicle))[:n], motion)
     end = problem.end_site(vehicle)
     back = np.zeros(n) if end is None else leg_duration_s(problem.distances_m(end)[:n], motion)
     return out, back
+
+
+def _is_exact(problem: FleetProblem) -> bool:
+    """Return whether legs are timed as they are flown: where length alone does not tell it."""
+    return not problem.legs_are_plain and len(problem.points) <= _DENSE_POINTS
+
+
+def _exact_ways_s(problem: FleetProblem, vehicle: int) -> tuple[FloatArray, FloatArray]:
+    points = np.arange(len(problem.points))
+    start, end = np.array([problem.start_site(vehicle)]), problem.end_site(vehicle)
+    out = problem.legs_s(vehicle, start, points)
+    if end is None:
+        return out, np.zeros(len(points))
+    return out, problem.legs_s(vehicle, points, np.array([end]))
+
+
+def _exact_legs_s(problem: FleetProblem) -> FloatArray:
+    """Return the leg times between points, either way, of the vehicle fastest there, (n, n)."""
+    points = np.arange(len(problem.points))
+    kinds = {(problem.flight(k), problem.layer_m(k)): k for k in range(len(problem.vehicles))}
+    fastest = np.full((len(points), len(points)), np.inf)
+    for vehicle in kinds.values():
+        legs = problem.legs_s(vehicle, points[:, None], points[None, :])
+        fastest = np.minimum(fastest, np.minimum(legs, legs.T))
+    return fastest
 
 
 def _undercut_costs(problem: FleetProblem) -> FleetCosts:
@@ -102,7 +130,11 @@ def _undercut_costs(problem: FleetProblem) -> FleetCosts:
     def row(point: int) -> FloatArray:
         return _fastest_legs_s(problem, point, motions) + hover
 
-    matrix = np.vstack([row(point) for point in range(n)]) if n <= _DENSE_POINTS else None
+    matrix = None
+    if _is_exact(problem):
+        matrix = _exact_legs_s(problem) + hover
+    elif n <= _DENSE_POINTS:
+        matrix = np.vstack([row(point) for point in range(n)])
     fixed = np.array([problem.first_fixed_s(k) for k in range(len(problem.vehicles))])
     return FleetCosts(
         fixed=fixed,
