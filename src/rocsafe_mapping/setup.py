@@ -20,6 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
+            'changes = rocsafe_mapping.changes_command:main',
             'collector = rocsafe_mapping.collector_node:main',
             'import = rocsafe_mapping.import_command:main',
             'map = rocsafe_mapping.map_command:main',

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_mapping.alignment.adjustment import residuals_px, stated_error_m
+from rocsafe_mapping.alignment.adjustment import residuals_px, standing_m, stated_error_m
 from rocsafe_mapping.alignment.photo import (
     FloatArray,
     GroundFrame,
@@ -60,12 +60,15 @@ class Alignment:
     photos, placements: by name.
     errors_m: standard error of each tied photograph's corners on the ground.
     held_out_px: residuals (n, 2) of ties that were not adjusted.
+    ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
     """
 
     photos: Mapping[str, Photo]
     placements: Mapping[str, Placement]
     errors_m: Mapping[str, float]
     held_out_px: FloatArray
+    ties_m: FloatArray
+    standing_m: FloatArray
 
     def error_m(self, name: str) -> float:
         """Return the standard error of one photograph's place."""
@@ -96,6 +99,7 @@ class Mapmaker:
         self.survey = Survey(self.pictures.gray)
         self.frame: GroundFrame | None = None
         self.epsg = 0
+        self._file_names: dict[str, str] = {}
 
     def __len__(self) -> int:
         return len(self.survey)
@@ -109,8 +113,14 @@ class Mapmaker:
         sizes = [photo.ground_resolution_m for photo in self.survey.photos.values()]
         return round(float(np.median(sizes)), 4)
 
-    def add(self, record: ShotRecord, read: ReadImage) -> Photo:
+    def file_name(self, name: str) -> str:
+        """Return the name that the file of a photograph has, without its suffix."""
+        return self._file_names.get(name, name)
+
+    def add(self, record: ShotRecord, read: ReadImage, file_name: str = '') -> Photo:
         """Take in a photograph: it lies where its fix says until it is aligned.
+
+        `file_name` is that of its file, where it is not called like its shot.
 
         Raises
         ------
@@ -121,6 +131,8 @@ class Mapmaker:
         epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
         self.frame, self.epsg = frame, epsg
         self.pictures.add(photo, read)
+        if file_name:
+            self._file_names[photo.name] = file_name
         self.survey.add(photo)
         return photo
 
@@ -147,7 +159,10 @@ class Mapmaker:
         """Return where all photographs are now."""
         survey = self.survey
         state, photos, pairs = survey.state, survey.photos, survey.used_pairs
+        ties_m, above_m = standing_m(photos, pairs, state)
         return Alignment(
+            ties_m=ties_m,
+            standing_m=above_m,
             photos=photos,
             placements=survey.placements(),
             errors_m=stated_error_m(photos, pairs, state) if state.poses else {},

@@ -16,6 +16,7 @@ from scipy.sparse.linalg import splu
 from rocsafe_mapping.alignment.equations import Equations, Unknowns, ties_of
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
+from rocsafe_mapping.alignment.projection import Transfer
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid
 
@@ -101,6 +102,21 @@ def residuals_px(
     return ties.transferred(state).residuals_px if len(ties) else np.zeros((0, 2))
 
 
+def standing_m(
+    photos: Mapping[str, Photo], pairs: Sequence[Pair], state: State
+) -> tuple[FloatArray, FloatArray]:
+    """Return where ties lie (n, 2) and how far above the surface their points stand (n,)."""
+    moved = ties_of(pairs, photos, held_out=False).transferred(state)
+    return moved.ground_m, _rise(moved)
+
+
+def _rise(moved: Transfer) -> FloatArray:
+    """Return the height above the surface that explains each residual best, metres."""
+    sway = np.maximum(np.sum(moved.height**2, axis=1), 1e-9)
+    rise: FloatArray = -np.sum(moved.height * moved.residuals_px, axis=1) / sway
+    return rise
+
+
 def _settled(equations: Equations, state: State, most_steps: int) -> State:
     """Return the state of least cost near `state`, its surface and noise unchanged."""
     damping = FIRST_DAMPING
@@ -182,7 +198,6 @@ def _with_surface(equations: Equations, state: State) -> State:
         height_m = np.median([pose.centre[2] for pose in state.poses.values()])
         surface = level_grid(moved.ground_m, float(height_m) / CELLS_PER_HEIGHT)
     sway = np.maximum(np.sum(moved.height**2, axis=1), 1e-9)
-    rise = -np.sum(moved.height * moved.residuals_px, axis=1) / sway
     std_m = state.noise.tie_std_px / np.sqrt(sway)
-    heights = state.surface.at(moved.ground_m) + rise
+    heights = state.surface.at(moved.ground_m) + _rise(moved)
     return dataclasses.replace(state, surface=surface.fitted(moved.ground_m, heights, std_m))

@@ -104,6 +104,10 @@ class Renderer:
         rgba[~is_seen] = 0
         return rgba
 
+    def owner_index(self, window: Window) -> NDArray[np.int32]:
+        """Return the index in `names` of who is shown at each pixel of `window`, -1 for nobody."""
+        return self._owners_in(window)[1]
+
     def gray_patch(self, name: str, window: Window) -> NDArray[np.float32]:
         """Return one photograph alone over `window`, in grey."""
         picture = cv2.cvtColor(self._drawn(name, window), cv2.COLOR_BGR2GRAY)

@@ -26,7 +26,7 @@ RAW = {
 }  # fmt: skip
 COG = {
     'driver': 'COG', 'compress': 'DEFLATE', 'level': 1, 'predictor': 'YES',
-    'blocksize': COG_BLOCK_PX, 'overviews': 'IGNORE_EXISTING', 'overview_resampling': 'average',
+    'blocksize': COG_BLOCK_PX, 'overviews': 'IGNORE_EXISTING',
     'bigtiff': 'IF_SAFER',
 }  # fmt: skip
 
@@ -36,6 +36,8 @@ def write_cog(
     grid: MapGrid,
     window: Window,
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
+    *,
+    is_labels: bool = False,
 ) -> None:
     """Write `tiles` of `window` to `path`, which at any moment holds its old or its new content.
 
@@ -44,7 +46,8 @@ def write_cog(
     path: of the file.
     grid: that the windows count in.
     window: what the file shall hold.
-    tiles: each with red, green, blue and coverage, shape (height, width, 4).
+    tiles: each with red, green, blue and coverage, shape (height, width, 4); or labels (height,
+        width), 0 where nothing is known, with `is_labels`.
 
     Raises
     ------
@@ -53,8 +56,9 @@ def write_cog(
     raw = path.with_name(path.name + RAW_SUFFIX)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _write_raw(raw, grid, window, tiles)
-        rasterio.shutil.copy(raw, part_of(path), **COG)
+        _write_raw(raw, grid, window, tiles, is_labels)
+        resampling = 'mode' if is_labels else 'average'
+        rasterio.shutil.copy(raw, part_of(path), **COG, overview_resampling=resampling)
         sync_file(part_of(path))
         finish_part(path)
         sync_directory(path.parent)
@@ -70,20 +74,24 @@ def _write_raw(
     grid: MapGrid,
     window: Window,
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
+    is_labels: bool,
 ) -> None:
     west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
     transform = Affine.translation(west_m, north_m) @ Affine.scale(
         grid.resolution_m, -grid.resolution_m
     )
     crs = rasterio.CRS.from_epsg(grid.epsg)
-    size = {'width': window.width, 'height': window.height, 'count': 4, 'dtype': 'uint8'}
+    size = {'width': window.width, 'height': window.height, 'dtype': 'uint8'}
+    size |= {'count': 1, 'nodata': 0} if is_labels else {'count': 4}
     with rasterio.open(path, 'w', crs=crs, transform=transform, **size, **RAW) as file:
-        file.colorinterp = RGBA
+        if not is_labels:
+            file.colorinterp = RGBA
         for place, rgba in tiles:
             shared = place.cut(window)
             if shared.is_empty:
                 continue
-            part = np.moveaxis(rgba[shared.within(place)], 2, 0)
+            part = rgba[shared.within(place)]
+            part = part[np.newaxis] if is_labels else np.moveaxis(part, 2, 0)
             rows, columns = shared.within(window)
             file.write(
                 part,

@@ -17,7 +17,7 @@ from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing.seams import NOBODY
 from rocsafe_mapping.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
-from rocsafe_mapping.products.seam_shift import seam_shifts_px
+from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 
 FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
@@ -62,7 +62,7 @@ def quality(
             'placed_by_gps': list(placed_by_gps),
         },
         'held_out_ties': _ties(alignment.held_out_px, resolution_of(alignment)),
-        'seams': _seams(seam_shifts_px(renderer), resolution_m),
+        'seams': _seams(alignment, renderer),
         'fixes': _fixes(alignment),
         'stated_error_m': _stated(alignment),
         'ground': _ground(state),
@@ -134,17 +134,26 @@ def _ties(held_out_px: FloatArray, resolution_m: float) -> dict[str, Any]:
     }
 
 
-def _seams(shifts_px: FloatArray, resolution_m: float) -> dict[str, Any]:
-    if not len(shifts_px):
+def _seams(alignment: Alignment, renderer: Renderer) -> dict[str, Any]:
+    """Return how far photographs disagree at seams, everywhere and where nothing stands up."""
+    shifts, places = seam_shifts_px(renderer)
+    if not len(shifts):
         return {'count': 0}
-    figures = {
-        'p50': float(np.median(shifts_px)), 'p95': float(np.quantile(shifts_px, 0.95)),
-    }  # fmt: skip
+    is_ground = on_ground(places, alignment.ties_m, alignment.standing_m)
+    px = _quantiles(shifts)
     return {
-        'count': len(shifts_px),
-        'px': _rounded(figures),
-        'cm': _rounded({name: 100.0 * resolution_m * value for name, value in figures.items()}),
+        'count': len(shifts),
+        'px': px,
+        'cm': _rounded(
+            {name: 100.0 * renderer.grid.resolution_m * value for name, value in px.items()}
+        ),
+        'ground_count': int(is_ground.sum()),
+        'ground_px': _quantiles(shifts[is_ground]) if np.any(is_ground) else None,
     }
+
+
+def _quantiles(values: FloatArray) -> dict[str, float]:
+    return _rounded({'p50': float(np.median(values)), 'p95': float(np.quantile(values, 0.95))})
 
 
 def _fixes(alignment: Alignment) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import Window
@@ -14,10 +15,13 @@ MOST_PATCHES = 150
 # Flat patches and repetitive ones have no clear shift.
 LEAST_CONTRAST = 6.0
 LEAST_RESPONSE = 0.25
+# Ground is where some ties lie near and none of their points stands up more than this.
+NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
+BoolArray = NDArray[np.bool_]
 
 
-def seam_shifts_px(renderer: Renderer) -> FloatArray:
-    """Return shifts between the two photographs at places along all seams, map pixels, (n,).
+def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
+    """Return shifts of photographs at places along all seams, map pixels (n,), and where (n, 2).
 
     By phase correlation of patches (Kuglin, Hines 1975) of 64 pixels; patches without a clear
     answer do not count.
@@ -32,7 +36,7 @@ def seam_shifts_px(renderer: Renderer) -> FloatArray:
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
     chosen = places[:: max(1, len(places) // MOST_PATCHES)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
-    shifts = []
+    shifts, grounds = [], []
     for row, column, first, second in chosen:
         at = Window(
             (window.row + int(row) + 1) * step - PATCH_PX // 2,
@@ -46,4 +50,21 @@ def seam_shifts_px(renderer: Renderer) -> FloatArray:
         (x, y), response = cv2.phaseCorrelate(patches[0], patches[1], hann)
         if response > LEAST_RESPONSE:
             shifts.append(float(np.hypot(x, y)))
-    return np.array(shifts)
+            middle = at.column + PATCH_PX / 2, at.row + PATCH_PX / 2
+            grounds.append(renderer.grid.ground_of(*np.array(middle)[:, np.newaxis])[0])
+    return np.array(shifts), np.array(grounds).reshape(-1, 2)
+
+
+def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
+    """Return which places (n,) have nothing standing about them, as the ties nearby tell.
+
+    The ties are those of the adjustment, not the patches themselves: a patch that is shifted is
+    not called standing for that.
+    """
+    found = np.zeros(len(places_m), bool)
+    for number, place in enumerate(places_m):
+        near = np.linalg.norm(ties_m - place, axis=1) < NEAR_M
+        found[number] = near.sum() >= LEAST_TIES and bool(
+            np.all(np.abs(standing_m[near]) < STANDING_M)
+        )
+    return found

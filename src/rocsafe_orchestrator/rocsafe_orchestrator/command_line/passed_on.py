@@ -47,6 +47,12 @@ PASSED_ON = (
         summary='check, list and render the scenes that cameras see',
     ),
     PassedOn(
+        word='changes',
+        package='rocsafe_mapping',
+        executable='changes',
+        summary='what changed between two flights',
+    ),
+    PassedOn(
         word='import',
         package='rocsafe_mapping',
         executable='import',

@@ -1,0 +1,450 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures the map: how many photographs it ties, how far it is off, and what it costs.
+
+``python benchmarks/mapping.py CASE ... --data FOLDER`` prints a table with the targets beside the
+measured values. FOLDER holds ``synth20`` and ``brighton_beach``. Foreign tools are measured in the
+same run where ``--foreign PYTHON`` names an interpreter that has stitching and pycolmap.
+"""
+
+import argparse
+import json
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from mapping_sets import (
+    Flight,
+    Orthophoto,
+    Sample,
+    enlarged,
+    flown,
+    moved,
+    orthophoto,
+    shared_set,
+    turned,
+)
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mapping.alignment.photo import footprint
+from rocsafe_mapping.alignment.survey import BY_FEATURES
+from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.photograph_files import photographs_of
+from rocsafe_mapping.products.quality import violations
+
+Row = tuple[str, str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What came of a set of photographs."""
+
+    total: int
+    tied: int
+    median_px: float
+    rmse_px: float
+    absolute_m: float
+    internal_m: float
+    stated_m: float
+    cpu_s: float
+    wall_s: float
+    refused: str
+
+
+def main() -> int:
+    """Measure the cases that were asked for."""
+    options = _parser().parse_args()
+    table = Table('case', 'measured', 'target')
+    for case in options.cases or sorted(CASES):
+        for row in CASES[case](options):
+            table.add_row(*row)
+    table.add_row('peak memory of all', f'{_peak_mb()} MB', '')
+    Console(width=160).print(table)
+    return 0
+
+
+def mapped(
+    samples: Sequence[Sample], frame: LocalFrame, resolution_m: float = 0.0, *, draw: bool = False
+) -> Measured:
+    """Align (and draw) a set and compare it with its truth."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    maker = Mapmaker(MapOptions(ground_resolution_m=resolution_m))
+    for sample in samples:
+        maker.add(sample.record, lambda sample=sample: sample.jpeg)
+    alignment = maker.align()
+    if draw:
+        with tempfile.TemporaryDirectory() as folder:
+            place = Path(folder)
+            wanted = Handover(geotiff=place / 'm.tif', folder=place, with_overlays=False)
+            hand_over(maker, alignment, wanted)
+    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+    found, true = [], []
+    origin = frame.enu_of(maker.frame.frame.origin)[:2]
+    for sample in samples:
+        name = sample.record.shot_id
+        if name in alignment.placements:
+            pose = alignment.placements[name].pose
+            found.append(footprint(alignment.photos[name], pose) + origin)
+            true.append(sample.corners_m)
+    off = np.linalg.norm(alignment.held_out_px, axis=1)
+    states = [placement.placed_by for placement in alignment.placements.values()]
+    stated = [alignment.error_m(name) ** 2 for name in alignment.photos]
+    return Measured(
+        total=len(samples),
+        tied=states.count(BY_FEATURES),
+        median_px=float(np.median(off)) if len(off) else math.nan,
+        rmse_px=float(np.sqrt(np.mean(off**2))) if len(off) else math.nan,
+        absolute_m=_rms(np.concatenate(found) - np.concatenate(true)),
+        internal_m=_internal(np.concatenate(found), np.concatenate(true)),
+        stated_m=math.sqrt(float(np.mean(stated))),
+        cpu_s=cpu,
+        wall_s=wall,
+        refused='; '.join(violations(alignment, maker.survey.state)),
+    )
+
+
+def synth20(options: argparse.Namespace) -> list[Row]:
+    """The paper's spacing with exact truth."""
+    samples = shared_set(options.data / 'synth20')
+    frame = LocalFrame(GeoPosition(53.28, -9.06, 0.0))
+    made = mapped(samples, frame, draw=True)
+    rows = _rows('synth20', made, tied=1.0, internal=0.05, absolute=0.7, median=0.3, rmse=0.5)
+    return [*rows, ('synth20 CPU with seams and blending', f'{made.cpu_s:.1f} s', '<= 3.2 s')]
+
+
+def true20(options: argparse.Namespace) -> list[Row]:
+    """True overlap of 20 %, other seeds."""
+    ground = _ground(options)
+    found = [
+        mapped(flown(ground, Flight(overlap=0.2), seed), ground.frame) for seed in (11, 12, 13)
+    ]
+    rows: list[Row] = []
+    for number, made in enumerate(found):
+        name = f'true 20 % overlap, seed {11 + number}'
+        rows += _rows(name, made, tied=0.95, internal=0.15)
+    return rows
+
+
+def brighton(options: argparse.Namespace) -> list[Row]:
+    """Eighteen real photographs, one strip with reversed yaw."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    maker = Mapmaker(MapOptions())
+    for shot in photographs_of(options.data / 'brighton_beach', print):
+        maker.add(shot.record, shot.read_image)
+    alignment = maker.align()
+    folder = Path(tempfile.mkdtemp(prefix='brighton-'))
+    wanted = Handover(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)
+    quality = hand_over(maker, alignment, wanted)
+    cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+    ties, seams = quality['held_out_ties']['px'], quality['seams']
+    states = [placement.placed_by for placement in alignment.placements.values()]
+    rows = [
+        ('brighton placed by features', f'{states.count(BY_FEATURES)} of 18', '18 of 18'),
+        ('brighton held-out median', f'{ties["median"]:.2f} px', '<= 0.8 px'),
+        ('brighton held-out RMSE', f'{ties["rmse"]:.2f} px', '<= 2.3 px'),
+        ('brighton distance to GPS', f'{quality["fixes"]["all"]["horizontal_rmse_m"]:.2f} m',
+         '<= 0.7 m'),
+        ('brighton seams p95, ground patches', f'{seams["ground_px"]["p95"]:.2f} px '
+         f'({seams["ground_count"]} of {seams["count"]})', '<= 2 px'),
+        ('brighton seams p95, all patches', f'{seams["px"]["p95"]:.2f} px', ''),
+        ('brighton CPU with blending', f'{cpu:.1f} s (wall {wall:.1f})', '<= 6 s'),
+    ]  # fmt: skip
+    if options.foreign:
+        rows += _foreign(options, maker, alignment)
+    return rows
+
+
+def _foreign(options: argparse.Namespace, maker: Mapmaker, alignment: object) -> list[Row]:
+    """Measure OpenCV's Stitcher, stitching and pycolmap on the same photographs."""
+    poses = {
+        f'DJI_{18 + int(name[-5:]):04d}.JPG': placement.pose.centre.tolist()
+        for name, placement in alignment.placements.items()  # type: ignore[attr-defined]
+    }
+    script = Path(__file__).with_name('mapping_foreign.py')
+    rows: list[Row] = []
+    for tool in ('opencv', 'stitching', 'pycolmap'):
+        done = subprocess.run(
+            [options.foreign, str(script), tool, str(options.data / 'brighton_beach')],
+            input=json.dumps(poses), capture_output=True, text=True, check=False, timeout=900,
+        )  # fmt: skip
+        text = done.stdout.strip().splitlines()[-1] if done.stdout.strip() else done.stderr[-200:]
+        rows.append((f'brighton, {tool}', text, ''))
+    return rows
+
+
+def robust(options: argparse.Namespace) -> list[Row]:
+    """What goes wrong in the field."""
+    ground = _ground(options)
+    flight = Flight()
+    usual = flown(ground, flight, 21)
+    rng = np.random.default_rng(5)
+    some = set(rng.choice(len(usual), max(1, len(usual) // 10), replace=False).tolist())
+    frame = ground.frame
+    half = len(usual) // 2
+    cases = {
+        'usual': usual,
+        '10 % fixes 20 m off': [
+            moved(s, frame, 20.0, 0.0) if n in some else s for n, s in enumerate(usual)
+        ],
+        'half of the yaws reversed': [
+            turned(s, math.pi) if n % 2 else s for n, s in enumerate(usual)
+        ],
+        'one drone 1 s late (8 m/s)': [
+            _of_second_drone(moved(s, frame, 8.0 * (-1) ** (n // 4), 0.0)) if n < half else s
+            for n, s in enumerate(usual)
+        ],
+        '20 % of the images lost': [s for n, s in enumerate(usual) if n % 5],
+        'exposure 1 stop apart': [_darker(s) if n % 2 else s for n, s in enumerate(usual)],
+        'water: no features in 3': [
+            _blank(s) if n in (3, 7, 8) else s for n, s in enumerate(usual)
+        ],
+        'focal length 6 % off, not calibrated': [_uncalibrated(s) for s in usual],
+    }
+    rows: list[Row] = []
+    for name, samples in cases.items():
+        made = mapped(samples, frame)
+        ratio = made.stated_m / made.absolute_m
+        text = (
+            f'{made.tied} of {made.total} tied, off {made.absolute_m:.2f} m, stated '
+            f'{made.stated_m:.2f} m (ratio {ratio:.2f}), internal {made.internal_m:.2f} m'
+        )
+        rows.append((name, text + (f'; refused: {made.refused}' if made.refused else ''),
+                     'all on the map; ratio 0.5 to 2'))  # fmt: skip
+    return rows
+
+
+def scale(options: argparse.Namespace) -> list[Row]:
+    """A thousand photographs of 1600 pixels."""
+    ground = enlarged(_ground(options), 4, 3)
+    camera = PinholeCamera(math.radians(60.0), 1600, 1200)
+    rows: list[Row] = []
+    per_image = []
+    for count, extent in ((100, (250.0, 185.0)), (options.count, (780.0, 590.0))):
+        flight = Flight(camera=camera, extent_m=extent)
+        folder = Path(tempfile.mkdtemp(prefix='scale-'))
+        samples = [_on_disk(s, folder) for s in flown(ground, flight, 31, count)]
+        made = _mapped_apart(samples, folder)
+        per_image.append(made['cpu_s'] / len(samples))
+        rows.append(
+            (
+                f'{len(samples)} images of 1600 px',
+                f'{made["wall_s"]:.0f} s wall, {made["cpu_s"]:.0f} s CPU, {made["peak_mb"]} MB, '
+                f'{made["tied"]} tied, internal {made["internal_m"]:.3f} m',
+                '<= 15 min on 2 cores, <= 1000 MB' if count > 100 else '',
+            )
+        )
+    change = 100.0 * (per_image[1] / per_image[0] - 1.0)
+    return [*rows, ('CPU per image, change from 100', f'{change:+.0f} %', 'within 20 %')]
+
+
+def live(options: argparse.Namespace) -> list[Row]:
+    """Sixty images a minute."""
+    ground = enlarged(_ground(options), 2, 3)
+    flight = Flight(extent_m=(250.0, 185.0))
+    samples = flown(ground, flight, 41, 100)
+    period_s = 60.0 / options.rate
+    folder = Path(tempfile.mkdtemp(prefix='live-'))
+    growing = LiveMap(MapOptions(ground_resolution_m=0.1), folder / 'tiles', print)
+    shown, refined, queue = [], [], []
+    start = time.perf_counter()
+    cpu = time.process_time()
+    landed: dict[str, float] = {}
+    waiting = list(samples)
+    while waiting or growing.is_busy:
+        now = time.perf_counter() - start
+        if waiting and now >= period_s * (len(samples) - len(waiting)):
+            sample = waiting.pop(0)
+            name = sample.record.shot_id
+            landed[name] = period_s * (len(samples) - len(waiting) - 1)
+            growing.receive(sample.record, lambda sample=sample: sample.jpeg)
+            growing.preview.png()
+            shown.append(time.perf_counter() - start - landed[name])
+            queue.append(name)
+        elif growing.work():
+            placed = growing.maker.survey.state.poses
+            for name in [name for name in queue if name in placed]:
+                refined.append(time.perf_counter() - start - landed[name])
+                queue.remove(name)
+        else:
+            time.sleep(0.005)
+    busy = (time.process_time() - cpu) / (time.perf_counter() - start)
+    wall = time.perf_counter()
+    growing.finish()
+    alignment = growing.maker.align()
+    wanted = Handover(geotiff=folder / 'm.tif', folder=folder)
+    hand_over(growing.maker, alignment, wanted)
+    final = time.perf_counter() - wall
+    growing.close()
+    return [
+        (f'live, {options.rate:.0f} images a minute: shown',
+         f'p50 {np.median(shown):.2f} s, largest {max(shown):.2f} s', '<= 1 s'),
+        ('live: refined', f'p50 {np.median(refined):.2f} s, p95 {np.quantile(refined, 0.95):.2f} s, '
+         f'largest {max(refined):.2f} s, {len(refined)} of {len(samples)}', '<= 3 s'),
+        ('live: share of one core used', f'{100 * busy:.0f} %', 'no growing queue'),
+        ('live: final map after the last image', f'{final:.1f} s', '<= 10 s'),
+    ]  # fmt: skip
+
+
+def _mapped_apart(samples: Sequence[Sample], folder: Path) -> dict[str, float]:
+    """Map a set in a process of its own, whose memory is its own."""
+    import pickle
+
+    (folder / 'set.pickle').write_bytes(pickle.dumps(samples))
+    code = (
+        'import sys; sys.path.insert(0, sys.argv[2]); import mapping; mapping.apart(sys.argv[1])'
+    )
+    done = subprocess.run(
+        [sys.executable, '-c', code, str(folder), str(Path(__file__).parent)],
+        capture_output=True, text=True, check=True, timeout=1800, env=os.environ,
+    )  # fmt: skip
+    found: dict[str, float] = json.loads(done.stdout.strip().splitlines()[-1])
+    return found
+
+
+def apart(folder: str) -> None:
+    """Map the pickled set of a folder and print figures: the other end of `_mapped_apart`."""
+    import pickle
+
+    samples = pickle.loads((Path(folder) / 'set.pickle').read_bytes())  # noqa: S301 - our own
+    made = mapped(samples, LocalFrame(GeoPosition(53.28, -9.06, 60.0)), 0.05, draw=True)
+    print(json.dumps({
+        'wall_s': made.wall_s, 'cpu_s': made.cpu_s, 'peak_mb': _peak_mb(), 'tied': made.tied,
+        'internal_m': made.internal_m,
+    }))  # fmt: skip
+
+
+def _on_disk(sample: Sample, folder: Path) -> Sample:
+    path = folder / f'{sample.record.shot_id}.jpg'
+    path.write_bytes(sample.jpeg)
+    return OnDisk(sample.record, path, sample.corners_m)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class OnDisk:
+    """As `Sample`, its file on disk."""
+
+    record: object
+    path: Path
+    corners_m: NDArray[np.float64]
+
+    @property
+    def jpeg(self) -> bytes:
+        """The file."""
+        return self.path.read_bytes()
+
+
+def _rows(name: str, made: Measured, **targets: float) -> list[Row]:
+    """Return rows of the figures that have targets."""
+    figures: dict[str, tuple[float, str]] = {
+        'median': (made.median_px, 'held-out median, px'),
+        'rmse': (made.rmse_px, 'held-out RMSE, px'),
+        'internal': (made.internal_m, 'internal error, m'),
+        'absolute': (made.absolute_m, 'absolute error, m'),
+    }
+    rows = [(f'{name}: placed by features', f'{made.tied} of {made.total}',
+             f'>= {100 * targets.pop("tied"):.0f} %')]  # fmt: skip
+    for key, limit in targets.items():
+        value, title = figures[key]
+        rows.append((f'{name}: {title}', f'{value:.3f}', f'<= {limit:g}'))
+    rows.append((f'{name}: stated error, m', f'{made.stated_m:.3f}', ''))
+    return rows
+
+
+def _ground(options: argparse.Namespace) -> Orthophoto:
+    """Return real ground: the map of brighton_beach, made once."""
+    folder = Path(tempfile.gettempdir()) / 'rocsafe-benchmark-ground'
+    picture = folder / 'm.png'
+    if not picture.exists():
+        maker = Mapmaker(MapOptions(ground_resolution_m=0.05))
+        for shot in photographs_of(options.data / 'brighton_beach', print):
+            maker.add(shot.record, shot.read_image)
+        renderer_folder = Handover(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)
+        hand_over(maker, maker.align(), renderer_folder)
+        import rasterio
+        import rasterio.shutil
+
+        rasterio.shutil.copy(folder / 'm.tif', picture, driver='PNG')
+    return enlarged(orthophoto(picture, 0.05), 3, 3)
+
+
+def _of_second_drone(sample: Sample) -> Sample:
+    record = sample.record
+    name = f'rav2-{record.sequence:05d}'
+    return replace(sample, record=replace(record, vehicle='rav2', shot_id=name))
+
+
+def _darker(sample: Sample) -> Sample:
+    import cv2
+
+    picture = cv2.imdecode(np.frombuffer(sample.jpeg, np.uint8), cv2.IMREAD_COLOR) // 2
+    return replace(sample, jpeg=bytes(cv2.imencode('.jpg', picture)[1]))
+
+
+def _blank(sample: Sample) -> Sample:
+    import cv2
+
+    camera = sample.record.camera
+    picture = np.full((camera.height_px, camera.width_px, 3), 90, np.uint8)
+    return replace(sample, jpeg=bytes(cv2.imencode('.jpg', picture)[1]))
+
+
+def _uncalibrated(sample: Sample) -> Sample:
+    camera = sample.record.camera
+    wrong = replace(
+        camera, fx_px=1.06 * camera.fx_px, fy_px=1.06 * camera.fy_px, focal_std_share=0.06
+    )
+    return replace(sample, record=replace(sample.record, camera=wrong))
+
+
+def _internal(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+    """Return the RMS distance after the best similarity."""
+    a, b = found @ [1, 1j], true @ [1, 1j]
+    a, b = a - a.mean(), b - b.mean()
+    factor = np.vdot(a, b) / np.vdot(a, a)
+    return float(np.sqrt(np.mean(np.abs(factor * a - b) ** 2)))
+
+
+def _rms(off: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(np.sum(off**2, axis=1))))
+
+
+def _peak_mb() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+
+
+CASES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
+    'brighton': brighton,
+    'live': live,
+    'robust': robust,
+    'scale': scale,
+    'synth20': synth20,
+    'true20': true20,
+}
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('cases', nargs='*', metavar='CASE', help=', '.join(CASES))
+    parser.add_argument('--data', type=Path, required=True, metavar='FOLDER')
+    parser.add_argument('--foreign', metavar='PYTHON', help='has stitching and pycolmap')
+    parser.add_argument('--count', type=int, default=1000, help='photographs of `scale`')
+    parser.add_argument('--rate', type=float, default=60.0, help='images a minute of `live`')
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

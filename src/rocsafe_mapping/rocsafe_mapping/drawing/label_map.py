@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Label images mosaicked by the poses of their photographs: a map of what is where."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing.seams import NOBODY
+from rocsafe_mapping.drawing.sheet import Sheet, drawn
+
+UNKNOWN = 0
+Labels = NDArray[np.uint8]
+
+
+def label_tiles(
+    renderer: Renderer,
+    sheets: Mapping[str, Sheet],
+    labels_of: Callable[[str], Labels | None],
+    side: int,
+) -> Iterator[tuple[Window, Labels]]:
+    """Return the labels of the map's tiles, each from the photograph that the map shows there.
+
+    Labels are never mixed: seams are those of the map, each pixel has one photograph's label.
+
+    Parameters
+    ----------
+    renderer, sheets: of the map.
+    labels_of: returns the label image of a photograph by name, as large as the photograph, 0
+        where nothing is known; None where there is none.
+    side: of a tile, a multiple of 16.
+    """
+    for tile in renderer.window.tiles(side):
+        index = renderer.owner_index(tile)
+        found = np.full(index.shape, UNKNOWN, np.uint8)
+        for number in np.unique(index).tolist():
+            name = '' if number == NOBODY else renderer.names[number]
+            labels = labels_of(name) if name else None
+            if labels is None:
+                continue
+            camera = sheets[name].photo.camera
+            if labels.shape != (camera.height_px, camera.width_px):
+                raise ValueError(
+                    f'{name}: label image is {labels.shape[1]} x {labels.shape[0]} pixels, the '
+                    f'photograph {camera.width_px} x {camera.height_px}'
+                )
+            picture = drawn(sheets[name], labels, renderer.grid, tile, cv2.INTER_NEAREST)
+            found[index == number] = picture[index == number]
+        if np.any(index != NOBODY):
+            yield tile, found
