@@ -36,7 +36,7 @@ def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
     chosen = places[:: max(1, len(places) // MOST_PATCHES)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
-    shifts, grounds = [], []
+    shifts, middles = [], []
     for row, column, first, second in chosen:
         at = Window(
             (window.row + int(row) + 1) * step - PATCH_PX // 2,
@@ -50,9 +50,9 @@ def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
         (x, y), response = cv2.phaseCorrelate(patches[0], patches[1], hann)
         if response > LEAST_RESPONSE:
             shifts.append(float(np.hypot(x, y)))
-            middle = at.column + PATCH_PX / 2, at.row + PATCH_PX / 2
-            grounds.append(renderer.grid.ground_of(*np.array(middle)[:, np.newaxis])[0])
-    return np.array(shifts), np.array(grounds).reshape(-1, 2)
+            middles.append((at.column + PATCH_PX / 2, at.row + PATCH_PX / 2))
+    columns, rows = np.array(middles).reshape(-1, 2).T
+    return np.array(shifts), renderer.grid.ground_of(columns, rows)
 
 
 def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
