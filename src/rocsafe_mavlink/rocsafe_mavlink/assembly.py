@@ -88,7 +88,7 @@ def _line(text: str, options: BridgeOptions) -> Line:
     key_file = _key_file(options, members)
     gate = signer = None
     if key_file:
-        key, store = read_key(Path(key_file)), _store(options, members)
+        key, store = read_key(Path(key_file)), _store(Path(key_file))
         gate, signer = SignatureGate(key, store), Signer(key, LINK_ID, store)
     link = Link(rules, options.identity, gate, signer)
     station = Station(
@@ -110,9 +110,6 @@ def _key_file(options: BridgeOptions, members: list[int]) -> str:
     return files.pop()
 
 
-def _store(options: BridgeOptions, members: list[int]) -> TimestampStore:
-    folder = options.state_path(options.vehicles[members[0]])
-    if folder is None:
-        return TimestampStore()
-    folder.mkdir(parents=True, exist_ok=True)
-    return TimestampStore(folder / 'signing.json')
+def _store(key_file: Path) -> TimestampStore:
+    """Return the time stamps that go with a key: they outlive runs, as the key does."""
+    return TimestampStore(key_file.with_name(f'{key_file.name}.timestamps'))

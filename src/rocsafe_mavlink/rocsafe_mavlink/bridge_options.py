@@ -53,7 +53,10 @@ class BridgeOptions:
         },
     )
     signing_key_files: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'signing key of each, mode 0600; empty: unsigned'}
+        default=(),
+        metadata={
+            'doc': 'signing key of each, mode 0600; time stamps go beside it; empty: unsigned'
+        },
     )
     geoid_separations_m: tuple[float, ...] = field(
         default=(),
@@ -77,7 +80,7 @@ class BridgeOptions:
     )
     state_directory: str = field(
         default='',
-        metadata={'doc': 'keeps plans, time stamps and photographs over restarts; empty: nothing'},
+        metadata={'doc': 'keeps plans and photographs over restarts; empty: nothing'},
     )
     origin_latitude_deg: float = field(
         default=0.0, metadata={'doc': 'WGS84 latitude of the mission origin, degrees'}
