@@ -84,7 +84,7 @@ def test_values_at_the_level_make_no_mess():
 
 def test_the_map_is_the_field_one_metre_above_the_ground():
     """100 uSv/h lie where 9250 / d^2 + 0.1 does: 9.57 m around, at 1 m above a source at 0."""
-    found_map = dose_map(found(), survey([]), PAPER, 25.0)
+    found_map = dose_map(found(), survey([(120.0, 170.0, 9250.0)]), PAPER, 25.0)
     inner = next(c for c in cordons(found_map, [100.0]) if c.confidence == 'mean')
     radius = math.sqrt(9250.0 / 99.9 - 1.0)
     assert inner.area.area == pytest.approx(math.pi * radius**2, rel=0.01)
@@ -93,7 +93,7 @@ def test_the_map_is_the_field_one_metre_above_the_ground():
 
 def test_doubt_makes_the_upper_cordon_larger():
     """Of the strength by 30 %: its radius grows by exp(1.645 * 0.3 / 2)."""
-    found_map = dose_map(found(log_std=0.3), survey([]), PAPER, 25.0)
+    found_map = dose_map(found(log_std=0.3), survey([(120.0, 170.0, 9250.0)]), PAPER, 25.0)
     mean, upper = cordons(found_map, [25.0])
     growth = math.sqrt(upper.area.area / mean.area.area)
     assert growth == pytest.approx(math.exp(1.645 * 0.3 / 2.0), rel=0.1)
@@ -102,7 +102,8 @@ def test_doubt_makes_the_upper_cordon_larger():
 
 def test_the_same_seed_makes_the_same_map():
     """Nothing else is random."""
-    first, second = (dose_map(found(1e3, 2.0, 0.2), survey([]), PAPER, 25.0) for _ in range(2))
+    readings = survey([(120.0, 170.0, 1e3)])
+    first, second = (dose_map(found(1e3, 2.0, 0.2), readings, PAPER, 25.0) for _ in range(2))
     assert np.array_equal(first.upper_usvh, second.upper_usvh)
 
 

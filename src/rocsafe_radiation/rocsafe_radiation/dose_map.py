@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.localization import Localization, SourceEstimate
+from rocsafe_radiation.residual_kriging import residual
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
@@ -53,9 +54,10 @@ def dose_map(
 ) -> DoseMap:
     """Return the map of the readings' extent and of all ground that sources raise to a level.
 
-    The background is taken as even. The spread comes from 40 draws of the sources' places and
-    strengths from their covariances, with `seed`. Cells are at least half a metre wide and not
-    many more than `largest_cells`.
+    The map is that of sources and an even background, times what kriging makes of the readings'
+    residuals where these are more than noise. The spread comes from 40 draws of the sources'
+    places and strengths from their covariances and of the residual, with `seed`. Cells are at
+    least half a metre wide and not many more than `largest_cells`.
     """
     low, high = _bounds(found, survey, lowest_level_usvh)
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
@@ -64,6 +66,12 @@ def dose_map(
     mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north)
     generator = np.random.default_rng([seed, 0xD05E])
     draws = np.stack([_drawn(found, kernel, east, north, generator) for _ in range(SAMPLES)])
+    rest = residual(found, survey, kernel, east, north)
+    if rest is not None:
+        mean *= np.exp(rest.log_mean)
+        # One number a draw: each cell varies as it should, cells vary together.
+        for draw, turn in zip(draws, generator.normal(size=SAMPLES), strict=True):
+            draw *= np.exp(rest.log_mean + turn * rest.log_std)
     return DoseMap(
         corner_m=(float(east[0]), float(north[0])),
         cell_m=cell,
