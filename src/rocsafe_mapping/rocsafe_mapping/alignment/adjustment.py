@@ -106,7 +106,10 @@ def standing_m(
     photos: Mapping[str, Photo], pairs: Sequence[Pair], state: State
 ) -> tuple[FloatArray, FloatArray]:
     """Return where ties lie (n, 2) and how far above the surface their points stand (n,)."""
-    moved = ties_of(pairs, photos, held_out=False).transferred(state)
+    ties = ties_of(pairs, photos, held_out=False)
+    if not len(ties):
+        return np.zeros((0, 2)), np.zeros(0)
+    moved = ties.transferred(state)
     return moved.ground_m, _rise(moved)
 
 

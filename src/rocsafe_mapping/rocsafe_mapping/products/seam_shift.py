@@ -36,7 +36,8 @@ def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
     chosen = places[:: max(1, len(places) // MOST_PATCHES)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
-    shifts, middles = [], []
+    shifts: list[float] = []
+    middles: list[tuple[float, float]] = []
     for row, column, first, second in chosen:
         at = Window(
             (window.row + int(row) + 1) * step - PATCH_PX // 2,
@@ -51,8 +52,10 @@ def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
         if response > LEAST_RESPONSE:
             shifts.append(float(np.hypot(x, y)))
             middles.append((at.column + PATCH_PX / 2, at.row + PATCH_PX / 2))
-    columns, rows = np.array(middles).reshape(-1, 2).T
-    return np.array(shifts), renderer.grid.ground_of(columns, rows)
+    if not middles:
+        return np.zeros(0), np.zeros((0, 2))
+    at_px = np.array(middles)
+    return np.array(shifts), renderer.grid.ground_of(at_px[:, 0], at_px[:, 1])
 
 
 def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
