@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
-from std_msgs.msg import Float64
+from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -179,6 +179,15 @@ CAMERA_IMAGE_COMPRESSED = _vehicle(
 CAMERA_INFO = _vehicle(
     'camera/camera_info', CameraInfo, _kept(PICTURES_KEPT), 'each shot', 'intrinsics'
 )
+CAMERA_DEPTH = _vehicle(
+    'camera/depth', Image, _stream(), 'each shot', 'metres, 32FC1; engine only, while heard'
+)
+CAMERA_LABELS = _vehicle(
+    'camera/labels', Image, _stream(), 'each shot', 'instances, mono16; engine only, while heard'
+)
+CAMERA_LABEL_TABLE = _vehicle(
+    'camera/label_table', String, _latched(), 'once', 'JSON: number, name, class, colour'
+)
 SHOT = _vehicle(
     'camera/shot', GeotaggedImage, _stream(), 'each shot, until its receipt', 'photograph and pose'
 )
@@ -228,6 +237,9 @@ TOPICS: tuple[TopicSpec, ...] = (
     CAMERA_IMAGE,
     CAMERA_IMAGE_COMPRESSED,
     CAMERA_INFO,
+    CAMERA_DEPTH,
+    CAMERA_LABELS,
+    CAMERA_LABEL_TABLE,
     SHOT,
     PATH,
     ROUTE_MARKERS,

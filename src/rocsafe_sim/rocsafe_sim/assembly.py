@@ -7,33 +7,68 @@ from pathlib import Path
 import cv2
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.camera import GroundCamera
+from rocsafe_sim.camera import Camera, GroundCamera
+from rocsafe_sim.errors import EngineError
 from rocsafe_sim.ground import Ground
-from rocsafe_sim.options import PROCEDURAL, VehicleOptions
+from rocsafe_sim.options import ENGINE, NS_PER_S, PROCEDURAL, VehicleOptions
 from rocsafe_sim.orthophoto import OrthophotoGround
 from rocsafe_sim.procedural_ground import ProceduralGround
 from rocsafe_sim.rav import Rav, RavParts
+from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scenery.catalogue import make_scene
 from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle import Vehicle
 
 
+def make_camera(options: VehicleOptions) -> Camera:
+    """Return the camera that all vehicles of the process use.
+
+    Raises
+    ------
+    SimError: if the ground, the scene or the engine cannot be had.
+    """
+    # Other vehicles are other processes: threads of their own would only contend.
+    cv2.setNumThreads(1)
+    if options.camera_backend == ENGINE:
+        return _engine_camera(options)
+    return GroundCamera(options.lens(), make_ground(options))
+
+
+def _engine_camera(options: VehicleOptions) -> Camera:
+    # Only here: who flies over flat ground needs no engine installed.
+    try:
+        from rocsafe_sim.engine.engine_camera import EngineCamera, EngineRequest
+    except ModuleNotFoundError as error:
+        raise EngineError(
+            f'camera_backend engine: Python module {error.name} is missing: run `make setup`'
+        ) from error
+    return EngineCamera(
+        EngineRequest(
+            scene_file=Path(options.scene_file),
+            seed=options.seed,
+            origin=options.frame().origin,
+            start_ns=round(options.scene_start_s * NS_PER_S),
+            lens=options.lens(),
+            oversampling=options.camera_oversampling,
+            cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
+        )
+    )
+
+
 def make_ground(options: VehicleOptions) -> Ground:
-    """Return the ground that the cameras see.
+    """Return the ground that flat cameras see.
 
     Raises
     ------
     GroundError: if it is a file that cannot be read.
     """
-    # Other vehicles are other processes: threads of their own would only contend.
-    cv2.setNumThreads(1)
     if options.ground == PROCEDURAL:
         return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
     return OrthophotoGround(Path(options.ground), options.frame())
 
 
 def make_rav(
-    options: VehicleOptions, name: str, home: GeoPosition, ground: Ground, spool: Path | None
+    options: VehicleOptions, name: str, home: GeoPosition, camera: Camera, spool: Path | None
 ) -> Rav:
     """Return the RAV called `name` that stands at `home`, on the ground.
 
@@ -54,7 +89,7 @@ def make_rav(
             tilt_std_rad=math.radians(options.tilt_std_deg),
             attitude_std_rad=math.radians(options.attitude_std_deg),
         ),
-        camera=GroundCamera(options.lens(), ground),
+        camera=camera,
         jpeg_quality=options.jpeg_quality,
     )
     return Rav(parts, Vehicle(options.airframe(), (east, north, 0.0)), spool)

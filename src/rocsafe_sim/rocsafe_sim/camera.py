@@ -2,6 +2,7 @@
 """A pinhole camera over flat ground."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -17,6 +18,44 @@ from rocsafe_sim.scenery.canvas import Image
 _MARGIN_TEXELS = 2.0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Truth:
+    """What is true of each pixel of a photograph.
+
+    Attributes
+    ----------
+    depth_m : planar, along the view; infinite where the sky is, (height, width).
+    numbers : of the instance seen, 0 for the sky, (height, width).
+    """
+
+    depth_m: NDArray[np.float32]
+    numbers: NDArray[np.uint32]
+
+
+class Camera(Protocol):
+    """Takes photographs of a simulated world."""
+
+    @property
+    def lens(self) -> PinholeCamera:
+        """Intrinsics."""
+
+    @property
+    def truth(self) -> Truth | None:
+        """What is true of the last photograph; None if the camera does not know."""
+
+    @property
+    def notice(self) -> str:
+        """What users should know of its pictures, in one line; empty if nothing."""
+
+    def label_table(self) -> str:
+        """Return names, classes and colours of the instances as JSON; empty without labels."""
+
+    def photograph(
+        self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64], time_ns: int = 0
+    ) -> Image:
+        """Return the picture seen from a pose at a time: blue, green, red."""
+
+
 @dataclass(frozen=True, slots=True)
 class GroundCamera:
     """Sees `ground`, the plane up = 0, through `lens`."""
@@ -24,8 +63,25 @@ class GroundCamera:
     lens: PinholeCamera
     ground: Ground
 
+    @property
+    def truth(self) -> Truth | None:
+        """Nothing: a flat picture has neither depth nor labels."""
+        return None
+
+    @property
+    def notice(self) -> str:
+        """Nothing."""
+        return ''
+
+    def label_table(self) -> str:
+        """Return nothing: there are no labels."""
+        return ''
+
     def photograph(
-        self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64]
+        self,
+        position_enu: Enu,
+        rotation_enu_from_optical: NDArray[np.float64],
+        time_ns: int = 0,  # noqa: ARG002 - nothing moves in a picture
     ) -> Image:
         """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
 

@@ -15,6 +15,7 @@ from rocsafe_sim.scenery.catalogue import SCENES
 from rocsafe_sim.sensing_noise import LARGEST_SWAY_STDS
 
 PROCEDURAL = 'procedural'
+FLAT, ENGINE = 'flat', 'engine'
 NS_PER_S = 1_000_000_000
 LARGEST_IMAGE_PX = 12_000_000
 LARGEST_VIEW_ANGLE_DEG = 70.0
@@ -99,6 +100,11 @@ class VehicleOptions(OriginOptions):
     image_width_px: int = _option(640, 'of a photograph', 16, 8192)
     image_height_px: int = _option(480, 'of a photograph', 16, 8192)
     jpeg_quality: int = _option(90, 'of a photograph, 1 to 100', 1, 100)
+    camera_backend: str = _option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
+    scene_file: str = _option('', 'path of the scene, for the engine')
+    scene_start_s: float = _option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
+    scene_cache: str = _option('', "folder of painted ground; empty: the user's own")
+    camera_oversampling: int = _option(2, 'the engine draws so many times as wide and high', 1, 4)
     ground: str = _option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
     scene: str = _option('none', f'painted on procedural ground: {", ".join(SCENES)}')
     seed: int = _option(1, 'of all that is random', 0, 2**31 - 1)
@@ -116,8 +122,19 @@ class VehicleOptions(OriginOptions):
         ):
             require_not_negative(name, getattr(self, name))
         _require_scene(self.scene)
+        self._require_backend()
         self.airframe()
         self._require_ground_in_view()
+
+    def _require_backend(self) -> None:
+        if self.camera_backend not in (FLAT, ENGINE):
+            raise ValueError(
+                f'camera_backend is {self.camera_backend!r}: must be {FLAT} or {ENGINE}'
+            )
+        if self.camera_backend == ENGINE and not self.scene_file:
+            raise ValueError(
+                "scene_file is '': must be the path of a scene for camera_backend engine"
+            )
 
     def _require_ground_in_view(self) -> None:
         """Refuse cameras that would see the horizon, or more ground than memory holds."""

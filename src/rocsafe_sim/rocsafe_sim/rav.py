@@ -7,7 +7,7 @@ from pathlib import Path
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.camera import GroundCamera, jpeg_of
+from rocsafe_sim.camera import Camera, Truth, jpeg_of
 from rocsafe_sim.flight_record import VehicleRecord
 from rocsafe_sim.journal import read_journal, write_journal
 from rocsafe_sim.observation import Observation, ShotDue
@@ -51,7 +51,7 @@ class RavParts:
     name: str
     frame: LocalFrame
     noise: SensorNoise
-    camera: GroundCamera
+    camera: Camera
     jpeg_quality: int
 
 
@@ -75,6 +75,7 @@ class Rav:
         self.shots = ShotStore(spool)
         self._journal = None if spool is None else spool / JOURNAL_NAME
         self._written: VehicleRecord | None = None
+        self._truths: dict[int, Truth | None] = {}
         if self._journal is not None:
             record = read_journal(self._journal)
             if record is not None:
@@ -87,11 +88,16 @@ class Rav:
         Photographs are on disk before the journal counts them.
         """
         observation = self.vehicle.step(time_ns)
+        self._truths.clear()
         taken = [self._photograph(due) for due in observation.shots]
         for shot in taken:
             self.shots.add(shot)
         self.keep_journal()
         return observation, taken
+
+    def truth_of(self, shot: Shot) -> Truth | None:
+        """Return what is true of a photograph of the last step; None if nobody knows."""
+        return self._truths.get(shot.sequence)
 
     def keep_journal(self) -> None:
         """Write the journal if an order, a photograph or a landing changed it."""
@@ -116,9 +122,9 @@ class Rav:
         roll, pitch = parts.noise.sway_rad(due.sequence)
         roll_error, pitch_error, yaw_error = parts.noise.attitude_error_rad(due.sequence)
         yaw = due.pose.yaw_rad
-        image = parts.camera.photograph(
-            due.pose.position_enu, rotation_enu_from_optical(yaw, pitch, roll)
-        )
+        rotation = rotation_enu_from_optical(yaw, pitch, roll)
+        image = parts.camera.photograph(due.pose.position_enu, rotation, due.time_ns)
+        self._truths[due.sequence] = parts.camera.truth
         measured = rotation_enu_from_optical(
             yaw + yaw_error, pitch + pitch_error, roll + roll_error
         )

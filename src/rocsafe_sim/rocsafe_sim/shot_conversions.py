@@ -2,15 +2,17 @@
 """Photographs -> messages."""
 
 from array import array
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
-from rocsafe_sim.camera import image_of
+from rocsafe_sim.camera import Truth, image_of
 from rocsafe_sim.conversions import fix_message
 from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.shot import Shot
@@ -54,6 +56,26 @@ def raw_image_message(shot: Shot) -> Image:
         header=shot_header(shot), height=height, width=width, encoding='bgr8', step=3 * width
     )
     message.data = array('B', pixels.tobytes())
+    return message
+
+
+def depth_message(shot: Shot, truth: Truth) -> Image:
+    """Return planar depth, metres, 32 bit floats; infinite where the sky is (REP 118)."""
+    return _plane_message(shot, truth.depth_m.astype('<f4'), '32FC1')
+
+
+def labels_message(shot: Shot, truth: Truth) -> Image:
+    """Return instance numbers, 16 bits; those beyond 65535 show as 65535."""
+    return _plane_message(shot, np.minimum(truth.numbers, 65_535).astype('<u2'), 'mono16')
+
+
+def _plane_message(shot: Shot, plane: NDArray[Any], encoding: str) -> Image:
+    height, width = plane.shape
+    step = plane.itemsize * width
+    message = Image(
+        header=shot_header(shot), height=height, width=width, encoding=encoding, step=step
+    )
+    message.data = array('B', plane.tobytes())
     return message
 
 

@@ -5,16 +5,20 @@ import time
 from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
+from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.camera import Truth
 from rocsafe_sim.rav import Rav
 from rocsafe_sim.shot import Shot
 from rocsafe_sim.shot_conversions import (
     camera_info_message,
     compressed_message,
+    depth_message,
     geotagged_message,
+    labels_message,
     raw_image_message,
     shot_header,
 )
@@ -34,6 +38,14 @@ class ShotSender:
         self._raw = topics.create_publisher(node, topics.CAMERA_IMAGE)
         self._compressed = topics.create_publisher(node, topics.CAMERA_IMAGE_COMPRESSED)
         self._info = topics.create_publisher(node, topics.CAMERA_INFO)
+        self._depth = topics.create_publisher(node, topics.CAMERA_DEPTH)
+        self._labels = topics.create_publisher(node, topics.CAMERA_LABELS)
+        self._table = topics.create_publisher(node, topics.CAMERA_LABEL_TABLE)
+        camera = rav.parts.camera
+        if camera.label_table():
+            self._table.publish(String(data=camera.label_table()))
+        if camera.notice:
+            self._log.warning(camera.notice)
         self._shot = topics.create_publisher(node, topics.SHOT)
         topics.create_subscription(node, topics.RECEIPTS, self._on_receipt_message)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -46,7 +58,16 @@ class ShotSender:
         self._compressed.publish(compressed_message(shot))
         if self._raw.get_subscription_count() > 0:
             self._raw.publish(raw_image_message(shot))
+        truth = self._rav.truth_of(shot)
+        if truth is not None:
+            self._publish_truth(shot, truth)
         self._send(shot)
+
+    def _publish_truth(self, shot: Shot, truth: Truth) -> None:
+        if self._depth.get_subscription_count() > 0:
+            self._depth.publish(depth_message(shot, truth))
+        if self._labels.get_subscription_count() > 0:
+            self._labels.publish(labels_message(shot, truth))
 
     def _send(self, shot: Shot) -> None:
         parts = self._rav.parts

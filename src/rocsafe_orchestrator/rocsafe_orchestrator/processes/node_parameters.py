@@ -153,6 +153,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         **simulation,
         **{f'{_camera_prefix(key)}{key}': v for key, v in scenario.camera.model_dump().items()},
         'scene': scenario.scene,
+        'scene_start_s': scenario.clock.start.timestamp(),
         'seed': scenario.seed,
         **_origin(scenario),
         **LOCK_STEP,
@@ -160,7 +161,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
 
 
 def _camera_prefix(key: str) -> str:
-    return 'camera_' if key == 'horizontal_fov_deg' else ''
+    return 'camera_' if key in ('backend', 'horizontal_fov_deg', 'oversampling') else ''
 
 
 def _origin(scenario: Scenario) -> Parameters:

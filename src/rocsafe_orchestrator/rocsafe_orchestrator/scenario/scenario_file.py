@@ -33,7 +33,9 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
     scenario = _validated(path.name, _with_options(content, speed, seed))
-    scenario = _with_terrain(_with_ground(_with_region(scenario, path), path), path)
+    scenario = _with_terrain(
+        _with_scene(_with_ground(_with_region(scenario, path), path), path), path
+    )
     lines = mistakes(scenario)
     if lines:
         raise _error([f'{path.name}: {line}' for line in lines])
@@ -118,6 +120,20 @@ def _with_ground(scenario: Scenario, path: Path) -> Scenario:
         line = f'camera.ground = {ground!r}: must be procedural or the path of a GeoTIFF'
         raise ScenarioError(f'{path.name}: {line}; no such file')
     camera = scenario.camera.model_copy(update={'ground': str(image)})
+    return scenario.model_copy(update={'camera': camera})
+
+
+def _with_scene(scenario: Scenario, path: Path) -> Scenario:
+    """Return `scenario` with the absolute path of the scene that the engine draws."""
+    camera = scenario.camera
+    if camera.backend != 'engine':
+        return scenario
+    named = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
+    file = (path.parent / named).resolve()
+    if not file.is_file():
+        line = f'camera.scene_file = {named!r}: must be the path of a scene'
+        raise ScenarioError(f'{path.name}: {line}; no such file')
+    camera = camera.model_copy(update={'scene_file': str(file)})
     return scenario.model_copy(update={'camera': camera})
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Opening a scene file for drawing, and drawing it in better quality than a stream needs."""
 
+from datetime import datetime
 from pathlib import Path
 
 import cv2
@@ -20,15 +21,17 @@ from rocsafe_sim.scene.mesh import Floats
 LARGEST_SIDE_PX = 8192
 
 
-def open_renderer(environment: Environment, description: SceneDescription) -> Renderer:
-    """Return a renderer of `environment`, lit as `description` says.
+def open_renderer(
+    environment: Environment, description: SceneDescription, time: datetime | None = None
+) -> Renderer:
+    """Return a renderer of `environment`, lit as `description` says; `time` in place of its own.
 
     Raises
     ------
     EngineError: if nothing can draw here.
     """
     light, place = description.light, description.place
-    direction = sun_direction(light.time, place.latitude_deg, place.longitude_deg)
+    direction = sun_direction(time or light.time, place.latitude_deg, place.longitude_deg)
     return Renderer(environment, lighting(direction, light.weather), light.weather)
 
 

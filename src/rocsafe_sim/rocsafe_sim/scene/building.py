@@ -24,10 +24,10 @@ from rocsafe_sim.scene.relief import Pad, Relief
 from rocsafe_sim.scene.terrain import INNER_HALF_M, Terrain, make_terrain
 from rocsafe_sim.scenery.noise import Window, fractal_at
 
-_TUFTS_PER_M2 = 0.55
+_TUFTS_PER_M2 = 1.6
 _PATCHES = {6: 0.5, 7: 0.8, 8: 1.0, 9: 0.8}
 # Long grass grows on these, short grass is painted.
-_LONG_GRASS = {'grass': 1.0, 'meadow': 0.12, 'water': 0.05}
+_LONG_GRASS = {'grass': 1.0, 'meadow': 0.16, 'water': 0.05, 'soil': 0.02}
 _CHUNK_M = 20.48
 
 

@@ -240,10 +240,10 @@ def hedge(
 
 
 def tufts(
-    rng: np.random.Generator, feet: Floats, height: float = 0.35, colour: Colour = (98, 116, 50)
+    rng: np.random.Generator, feet: Floats, height: float = 0.35, colour: Colour = (92, 106, 54)
 ) -> Mesh:
     """Return long grass: a bunch of bent blades at each of `feet` (n, 3)."""
-    blades = 7
+    blades = 6
     count = len(feet) * blades
     turn = rng.uniform(0.0, 2.0 * math.pi, count)
     lean = np.column_stack([np.cos(turn), np.sin(turn)])
