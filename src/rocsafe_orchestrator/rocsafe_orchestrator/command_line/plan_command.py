@@ -29,6 +29,8 @@ from rocsafe_orchestrator.scenario.scenario_file import read_scenario, region_bl
 REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
 # A plan of the largest allowed size takes a fraction of this.
 TIMEOUT_S = 600.0
+# What a plan needs of the camera.
+_PINHOLE = {'horizontal_fov_deg', 'image_width_px', 'image_height_px'}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,7 +130,7 @@ def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, 
         'exclusions': [
             zone.model_dump(exclude={'file', 'sensors'}) for zone in scenario.exclusions
         ],
-        'camera': camera.model_dump(exclude={'jpeg_quality', 'ground'}),
+        'camera': camera.model_dump(include=_PINHOLE),
         'vehicles': [_vehicle(scenario, vehicle) for vehicle in scenario.vehicles],
         **survey.model_dump(exclude={'method'}),
         **({'method': method} if method else {}),

@@ -63,17 +63,18 @@ class GroundMap:
 
 def inner_map(works: Sequence[GroundWork], seed: int) -> GroundMap:
     """Return the map of the detailed ground."""
-    return _painted(works, seed, INNER_OCTAVE, INNER_HALF_M)
+    return painted_map(works, seed, INNER_OCTAVE, INNER_HALF_M)
 
 
 def outer_map(works: Sequence[GroundWork], seed: int) -> GroundMap:
     """Return the map of the ground around."""
-    return _painted(works, seed, OUTER_OCTAVE, OUTER_HALF_M)
+    return painted_map(works, seed, OUTER_OCTAVE, OUTER_HALF_M)
 
 
-def _painted(
+def painted_map(
     works: Sequence[GroundWork], seed: int, octave: int, half_m: tuple[float, float]
 ) -> GroundMap:
+    """Return a map about the origin; its half extents are whole numbers of label texels."""
     texel = 2.0**octave / CM_PER_M
     columns, rows = (round(2.0 * half / texel) for half in half_m)
     layer = Layer(mark for work in works for mark in work.marks)

@@ -7,6 +7,7 @@ is round, and surface coordinates in metres.
 
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,13 +38,18 @@ def box(length: float, width: float, height: float, bevel: float = 0.02) -> Mesh
         normals.append(np.tile(normal, (4, 1)))
         places.append(np.delete(chosen, axis, axis=1))
     stacked = np.concatenate(points)
-    triangles = _outward(stacked, _box_triangles())
+    triangles = _box_triangles()
     stacked = stacked + np.array([0.0, 0.0, half[2]])
     return made(stacked, np.concatenate(normals), np.concatenate(places), triangles)
 
 
-def _box_triangles() -> list[tuple[int, int, int]]:
-    """Return triangles of faces, edges and corners over 6 x 4 vertices, in any winding."""
+@lru_cache(maxsize=1)
+def _box_triangles() -> Floats:
+    """Return triangles of faces, edges and corners over 6 x 4 vertices, the same for all boxes."""
+    points = [
+        _SIGNS[_SIGNS[:, axis] == sign] * np.where(np.arange(3) == axis, 1.0, 0.9)
+        for axis, sign in _FACES
+    ]
     vertex = {}
     for face, (axis, sign) in enumerate(_FACES):
         for place, corner in enumerate(np.flatnonzero(_SIGNS[:, axis] == sign).tolist()):
@@ -63,7 +69,7 @@ def _box_triangles() -> list[tuple[int, int, int]]:
         faces = [face for face in range(6) if (face, corner) in vertex]
         a, b, c = (vertex[face, corner] for face in faces)
         found.append((a, b, c))
-    return found
+    return _outward(np.concatenate(points), found)
 
 
 def _outward(points: Floats, triangles: list[tuple[int, int, int]]) -> Floats:

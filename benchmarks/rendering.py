@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How fast, how large and how exact the engine draws a scene; targets beside the figures.
+
+    python benchmarks/rendering.py [--scene config/scenes/derailment.yaml] [--frames 8] [--large]
+
+CPU time is that of the process over all its threads; wall time depends on what else runs. The
+scene is drawn with all outputs read back: picture, depth, instances, classes and normals.
+"""
+
+import argparse
+import math
+import resource
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
+from rocsafe_sim.engine.lens import looking
+from rocsafe_sim.engine.renderer import Renderer
+from rocsafe_sim.engine.studio import open_renderer
+from rocsafe_sim.scene.building import build
+from rocsafe_sim.scene.map_cache import default_folder
+from rocsafe_sim.scene.mesh import Floats
+from rocsafe_sim.scene.scene_file import read_scene
+
+SCENE = Path(__file__).resolve().parents[1] / 'config' / 'scenes' / 'derailment.yaml'
+OBLIQUE_EYE = np.array([-10.0, -38.0, 24.0])
+POSES: dict[str, tuple[Floats, Floats]] = {
+    'nadir': (np.array([10.0, 8.0, 32.0]), rotation_enu_from_optical(0.25)),
+    'oblique': (OBLIQUE_EYE, looking(np.array([16.0, 12.0, 0.0]) - OBLIQUE_EYE)),
+}
+WARM_UP_FRAMES = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A size, a pose, and the frames a second to be had on two idle cores without a GPU."""
+
+    width_px: int
+    height_px: int
+    pose: str
+    target_fps: float
+
+
+CASES = (
+    Case(640, 480, 'nadir', 20.0),
+    Case(640, 480, 'oblique', 15.0),
+    Case(1920, 1080, 'nadir', 7.0),
+    Case(1920, 1080, 'oblique', 7.0),
+)
+LARGE = Case(4000, 3000, 'nadir', 1.25)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Measure and print; return 0."""
+    parser = argparse.ArgumentParser(description=(__doc__ or '').splitlines()[0])
+    parser.add_argument('--scene', type=Path, default=SCENE)
+    parser.add_argument('--frames', type=int, default=8, help='a case (default: 8)')
+    parser.add_argument('--large', action='store_true', help='also 4000 x 3000 px')
+    arguments = parser.parse_args(argv)
+    console = Console()
+    renderer = _start(arguments.scene, console)
+    table = Table('size', 'view', 'CPU ms', 'wall ms', 'frames/s', 'target')
+    for case in (*CASES, *((LARGE,) if arguments.large else ())):
+        cpu_s, wall_s = measured(renderer, case, arguments.frames)
+        table.add_row(
+            f'{case.width_px} x {case.height_px}', case.pose, f'{1e3 * cpu_s:.0f}',
+            f'{1e3 * wall_s:.0f}', f'{1.0 / wall_s:.1f}', f'>= {case.target_fps:g}',
+        )  # fmt: skip
+    console.print(table)
+    console.print(f'{renderer.pipe.renderer}; memory at most {memory_gb():.2f} GB (<= 1.2; '
+                  'with --large <= 2.0)')  # fmt: skip
+    return 0
+
+
+def _start(scene: Path, console: Console) -> Renderer:
+    """Return a renderer of `scene`, saying how long it took to be ready."""
+    description = read_scene(scene)
+    wall, cpu = time.perf_counter(), time.process_time()
+    environment = build(description, cache=default_folder())
+    renderer = open_renderer(environment, description)
+    renderer.camera(PinholeCamera(1.0, 64, 48)).expose(*POSES['nadir'])
+    console.print(
+        f'{description.name}: {len(environment.objects)} objects, {environment.triangle_count} '
+        f'triangles; ready in {time.perf_counter() - wall:.1f} s wall, '
+        f'{time.process_time() - cpu:.1f} s CPU (<= 5 s from a warm cache, <= 40 s cold)'
+    )
+    return renderer
+
+
+def measured(renderer: Renderer, case: Case, frames: int) -> tuple[float, float]:
+    """Return CPU and wall time of a frame, s."""
+    eye = renderer.camera(PinholeCamera(math.radians(60.0), case.width_px, case.height_px))
+    for _ in range(WARM_UP_FRAMES):
+        eye.expose(*POSES[case.pose])
+    wall, cpu = time.perf_counter(), time.process_time()
+    for _ in range(frames):
+        eye.expose(*POSES[case.pose])
+    found = (time.process_time() - cpu) / frames, (time.perf_counter() - wall) / frames
+    eye.close()
+    return found
+
+
+def memory_gb() -> float:
+    """Return the largest memory this process had."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+
+
+if __name__ == '__main__':
+    sys.exit(main())

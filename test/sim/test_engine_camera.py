@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the engine's camera adds to a vehicle: depth, labels, their table, and its refusals."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from test.sim.flights import ROUTE, START_NS, vehicle_on
+from test.sim.scenes import small_environment
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.camera import Truth
+from rocsafe_sim.options import RavOptions
+from rocsafe_sim.rav import Rav, RavParts
+from rocsafe_sim.sensing_noise import SensorNoise
+from rocsafe_sim.shot_conversions import depth_message, labels_message
+
+DEPTH = np.array([[31.5, np.inf], [30.25, 2.0]], np.float32)
+NUMBERS = np.array([[2, 0], [65_535, 70_000]], np.uint32)
+
+
+class KnowingCamera:
+    """A camera of four pixels that knows what it sees."""
+
+    lens = PinholeCamera(math.radians(60.0), 16, 16)
+    notice = ''
+    truth = Truth(depth_m=DEPTH, numbers=NUMBERS)
+
+    def __init__(self) -> None:
+        self.times_ns: list[int] = []
+
+    def label_table(self) -> str:
+        """Return no table."""
+        return ''
+
+    def photograph(self, _position, _rotation, time_ns=0):
+        """Return grey, and remember when."""
+        self.times_ns.append(time_ns)
+        return np.full((16, 16, 3), 127, np.uint8)
+
+
+def photographed():
+    """Return a vehicle after its first photograph, with it and the camera."""
+    camera = KnowingCamera()
+    noise = SensorNoise(
+        seed=1, vehicle='rav1', gps_horizontal_std_m=0.0, gps_vertical_std_m=0.0,
+        tilt_std_rad=0.0, attitude_std_rad=0.0,
+    )  # fmt: skip
+    frame = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
+    parts = RavParts(name='rav1', frame=frame, noise=noise, camera=camera, jpeg_quality=90)
+    rav = Rav(parts, vehicle_on(ROUTE))
+    for time_ns in range(START_NS, START_NS + 600 * 10**9, 10**8):
+        _, shots = rav.step(time_ns)
+        if shots:
+            return rav, shots[0], camera, time_ns
+    raise AssertionError('no photograph in ten minutes')
+
+
+def test_a_photograph_is_taken_at_its_time_and_its_truth_kept_for_the_step():
+    """The scene is asked for the moment of the exposure; the next step forgets."""
+    rav, shot, camera, time_ns = photographed()
+    assert camera.times_ns == [shot.time_ns]
+    assert rav.truth_of(shot) is camera.truth
+    rav.step(time_ns + 1)
+    assert rav.truth_of(shot) is None
+
+
+def test_depth_and_labels_as_messages():
+    """Floats as they are; instances in 16 bits, the many beyond them as the last."""
+    _, shot, camera, _ = photographed()
+    depth = depth_message(shot, camera.truth)
+    assert (depth.encoding, depth.width, depth.height, depth.step) == ('32FC1', 2, 2, 8)
+    assert np.array_equal(np.frombuffer(depth.data, '<f4').reshape(2, 2), DEPTH)
+    labels = labels_message(shot, camera.truth)
+    assert (labels.encoding, labels.step) == ('mono16', 4)
+    assert np.frombuffer(labels.data, '<u2').tolist() == [2, 0, 65_535, 65_535]
+
+
+def test_the_label_table_names_every_instance():
+    """Sky and ground first, then the things in the order of their numbers."""
+    pytest.importorskip('panda3d', reason='panda3d is not installed')
+    from rocsafe_sim.engine.engine_camera import label_table
+
+    rows = json.loads(label_table(small_environment().objects))
+    assert [row['number'] for row in rows] == list(range(len(rows)))
+    assert rows[2] == {
+        'number': 2, 'name': 'tank', 'class': 'tank_car', 'colour': [222, 226, 230]
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ('values', 'text'),
+    [
+        ({'camera_backend': 'unreal'}, "camera_backend is 'unreal': must be flat or engine"),
+        ({'camera_backend': 'engine'}, "scene_file is ''"),
+    ],
+)
+def test_backends_that_cannot_be_are_refused(values, text):
+    """One line that names the option."""
+    with pytest.raises(ValueError, match=text):
+        RavOptions(**values)

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Neighbouring photographs can be matched: what is seen is seen only once in the world."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from test.sim.scenes import plain_map, small_environment
+
+from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
+from rocsafe_sim.scene.environment import Environment
+from rocsafe_sim.scene.ground_picture import painted_map
+from rocsafe_sim.scene.light import lighting, sun_direction
+from rocsafe_sim.scene.terrain import OUTER_HALF_M
+
+pytest.importorskip('panda3d', reason='panda3d is not installed')
+from rocsafe_sim.engine.pipe import EGL, EGL_PACKAGES, open_pipe
+from rocsafe_sim.engine.renderer import Renderer
+from rocsafe_sim.engine.studio import Studio
+
+LENS = PinholeCamera(math.radians(60.0), 640, 480)
+HEIGHT_M, OVERLAP = 32.0, 0.4
+# Dense enough that crowns meet.
+WOOD = {
+    'name': 'wood',
+    'make': 'tree',
+    'with': {'height': 9.0, 'radius': 3.6},
+    'scatter': {
+        'count': 44,
+        'outline': ((-20.0, -22.0), (20.0, -22.0), (20.0, 40.0), (-20.0, 40.0)),
+    },
+}
+FAR = {'name': 'mark', 'make': 'drum', 'at': (140.0, 120.0)}
+
+
+def scene(thing: dict) -> Environment:
+    """Return a meadow of true detail with `thing` on it."""
+    plain = small_environment(thing)
+    return Environment(
+        description=plain.description,
+        seed=plain.seed,
+        terrain=plain.terrain,
+        inner=painted_map((), 6, 2, (40.96, 40.96)),
+        outer=plain_map(OUTER_HALF_M),
+        objects=plain.objects,
+    )
+
+
+def shots(environment: Environment) -> list:
+    """Return two photographs side by side as vehicles take them, with their positions."""
+    time = environment.description.light.time
+    light = lighting(sun_direction(time, 53.28, -9.06), 'clear')
+    studio = Studio(Renderer(environment, light, 'clear'), LENS)
+    step = (1.0 - OVERLAP) * LENS.footprint_m(HEIGHT_M)[1]
+    found = []
+    for north in (0.0, step):
+        position = np.array([0.0, north, HEIGHT_M])
+        found.append((studio.expose(position, rotation_enu_from_optical(math.pi / 2)), position))
+    return found
+
+
+def matched(first, second) -> tuple[int, float]:
+    """Return how many points match, and the share that the depth says is right within 2 px.
+
+    A key point covers a patch: the depth of any of its nine middle pixels may be the one meant.
+    """
+    (frame, position), (other, other_position) = first, second
+    orb = cv2.ORB_create(4000)
+    points, described = orb.detectAndCompute(frame.image, None)
+    other_points, other_described = orb.detectAndCompute(other.image, None)
+    pairs = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(described, other_described, k=2)
+    good = [a for a, b in pairs if a.distance < 0.8 * b.distance]
+    rotation = rotation_enu_from_optical(math.pi / 2)
+    start = np.array([points[match.queryIdx].pt for match in good])
+    end = np.array([other_points[match.trainIdx].pt for match in good])
+    rays = np.column_stack([start, np.ones(len(start))]) @ np.linalg.inv(LENS.matrix).T
+    column, row = np.rint(start).astype(int).T
+    errors = []
+    for shift_row, shift_column in np.ndindex(3, 3):
+        at = (np.clip(row + shift_row - 1, 0, 479), np.clip(column + shift_column - 1, 0, 639))
+        world = (rays * frame.depth_m[at][:, None]) @ rotation.T + position
+        seen = (world - other_position) @ rotation @ LENS.matrix.T
+        errors.append(np.linalg.norm(seen[:, :2] / seen[:, 2:] - end, axis=1))
+    error = np.min(errors, axis=0)
+    return len(good), float(np.mean(error < 2.0))
+
+
+@pytest.mark.parametrize(
+    ('thing', 'count', 'share'), [(FAR, 250, 0.8), (WOOD, 100, 0.6)], ids=['open ground', 'trees']
+)
+def test_photographs_match_at_40_percent_overlap(thing, count, share):
+    """At least so many ORB matches, and at least that share of them right."""
+    if open_pipe().kind != EGL:
+        pytest.skip(f'no EGL on this machine: sudo apt install {EGL_PACKAGES}')
+    found, right = matched(*shots(scene(thing)))
+    assert found >= count
+    assert right >= share
