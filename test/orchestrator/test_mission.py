@@ -118,8 +118,8 @@ def test_processes_that_never_get_ready_are_named() -> None:
     rehearsal = Rehearsal()
     situation = Situation(ready=PROCESSES - {'rav2', 'mosaic'})
     rehearsal.advance(situation=situation)
-    rehearsal.advance(60.1, situation)
-    assert rehearsal.mission.text == 'mosaic, rav2: not ready within 60 s'
+    rehearsal.advance(180.1, situation)
+    assert rehearsal.mission.text == 'mosaic, rav2: not ready within 180 s'
     assert rehearsal.is_in(Phase.REPORTING)
 
 
