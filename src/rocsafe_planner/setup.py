@@ -22,6 +22,7 @@ setup(
         'console_scripts': [
             'planner = rocsafe_planner.planner_node:main',
             'plan_file = rocsafe_planner.plan_cli:main',
+            'replan_file = rocsafe_planner.replan_cli:main',
         ],
     },
 )

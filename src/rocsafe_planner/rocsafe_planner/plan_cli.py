@@ -12,7 +12,9 @@ import sys
 from collections.abc import Sequence
 
 from rocsafe_planner import request_json
+from rocsafe_planner.document import Document
 from rocsafe_planner.errors import PlannerError
+from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.plan_files import write_plan
 from rocsafe_planner.plan_json import quality_document
 from rocsafe_planner.planning import plan_survey
@@ -30,20 +32,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     ).parse_args(arguments)
     try:
-        summary = _plan(sys.stdin.buffer.read())
+        text = _plan(sys.stdin.buffer.read())
     except (PlannerError, ValueError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
-    sys.stdout.write(summary + '\n')
+    sys.stdout.write(text + '\n')
     return EXIT_OK
 
 
 def _plan(content: bytes) -> str:
     request = request_json.parse_request(content.decode('utf-8', errors='replace'))
     plan = plan_survey(request.survey_request())
-    files = write_plan(plan, request.output_directory) if request.output_directory else []
-    summary = {**quality_document(plan), 'files': [str(path) for path in files]}
-    return json.dumps(summary, indent=1)
+    return json.dumps(summary(plan, request.output_directory), indent=1)
+
+
+def summary(plan: SurveyPlan, output_directory: str) -> Document:
+    """Return the figures of a plan; write its files, if there is a folder for them."""
+    files = write_plan(plan, output_directory) if output_directory else []
+    return {**quality_document(plan), 'files': [str(path) for path in files]}
 
 
 if __name__ == '__main__':

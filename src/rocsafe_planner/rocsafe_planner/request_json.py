@@ -37,13 +37,13 @@ from rocsafe_planner.vehicle import Vehicle
 Place = Annotated[list[float], Field(min_length=2, max_length=3)]
 
 
-class _Strict(BaseModel):
+class StrictJson(BaseModel):
     """Refuses unknown keys and numbers in quotes."""
 
     model_config = ConfigDict(extra='forbid', strict=True, frozen=True)
 
 
-class ZoneJson(_Strict):
+class ZoneJson(StrictJson):
     """A polygon with holes."""
 
     polygon: list[Place]
@@ -57,7 +57,7 @@ class RegionJson(ZoneJson):
     sensors: list[str] = []
 
 
-class CameraJson(_Strict):
+class CameraJson(StrictJson):
     """The nadir camera that all vehicles carry."""
 
     horizontal_fov_deg: float
@@ -65,7 +65,7 @@ class CameraJson(_Strict):
     image_height_px: int
 
 
-class VehicleJson(_Strict):
+class VehicleJson(StrictJson):
     """One vehicle."""
 
     name: str
@@ -84,7 +84,7 @@ class VehicleJson(_Strict):
     hover_power_w: float = 220.0
 
 
-class RequestJson(_Strict):
+class RequestJson(StrictJson):
     """The whole request; `output_directory` empty: no files are written."""
 
     region: RegionJson
@@ -121,7 +121,7 @@ class RequestJson(_Strict):
                 *(_region(f'other_regions.{k}', r) for k, r in enumerate(self.other_regions)),
             ),
             exclusions=tuple(
-                _area(f'exclusions.{k}', zone) for k, zone in enumerate(self.exclusions)
+                area_of(f'exclusions.{k}', zone) for k, zone in enumerate(self.exclusions)
             ),
             camera=PinholeCamera(
                 math.radians(camera.horizontal_fov_deg),
@@ -145,17 +145,23 @@ def parse_request(text: str) -> RequestJson:
     try:
         return RequestJson.model_validate_json(text)
     except ValidationError as error:
-        # A misspelt key also leaves its place empty: the misspelling says more.
-        first = min(error.errors(), key=lambda fault: fault['type'] != 'extra_forbidden')
-        path = '.'.join(str(part) for part in first['loc']) or 'request'
-        raise ValueError(f'{path}: {first["msg"]}') from error
+        raise ValueError(one_line(error)) from error
+
+
+def one_line(error: ValidationError) -> str:
+    """Return the path of the first wrong key and what is wrong with it."""
+    # A misspelt key also leaves its place empty: the misspelling says more.
+    first = min(error.errors(), key=lambda fault: fault['type'] != 'extra_forbidden')
+    path = '.'.join(str(part) for part in first['loc']) or 'request'
+    return f'{path}: {first["msg"]}'
 
 
 def _region(path: str, region: RegionJson) -> SurveyRegion:
-    return SurveyRegion(area=_area(path, region), sensors=tuple(region.sensors))
+    return SurveyRegion(area=area_of(path, region), sensors=tuple(region.sensors))
 
 
-def _area(path: str, zone: ZoneJson) -> SurveyArea:
+def area_of(path: str, zone: ZoneJson) -> SurveyArea:
+    """Return a zone as an area; `path` names it in errors."""
     boundary = _ring(f'{path}.polygon', zone.polygon)
     holes = tuple(_ring(f'{path}.holes.{number}', hole) for number, hole in enumerate(zone.holes))
     try:
@@ -165,12 +171,12 @@ def _area(path: str, zone: ZoneJson) -> SurveyArea:
 
 
 def _ring(path: str, places: list[Place]) -> Ring:
-    return tuple(_position(f'{path}.{number}', place) for number, place in enumerate(places))
+    return tuple(position_of(f'{path}.{number}', place) for number, place in enumerate(places))
 
 
 def _vehicle(vehicle: VehicleJson) -> Vehicle:
-    home = _position(f'{vehicle.name} home', vehicle.home)
-    end = None if vehicle.end is None else _position(f'{vehicle.name} end', vehicle.end)
+    home = position_of(f'{vehicle.name} home', vehicle.home)
+    end = None if vehicle.end is None else position_of(f'{vehicle.name} end', vehicle.end)
     return Vehicle(
         **{
             **vehicle.model_dump(),
@@ -181,7 +187,8 @@ def _vehicle(vehicle: VehicleJson) -> Vehicle:
     )
 
 
-def _position(path: str, place: Place) -> GeoPosition:
+def position_of(path: str, place: Place) -> GeoPosition:
+    """Return a place as a position; `path` names it in errors."""
     try:
         return GeoPosition(*place)
     except ValueError as error:
