@@ -6,7 +6,15 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 
-from rocsafe_orchestrator.command_line import check, passed_on, plan, preflight, report, run
+from rocsafe_orchestrator.command_line import (
+    check,
+    passed_on,
+    plan,
+    preflight,
+    replan,
+    report,
+    run,
+)
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, OrchestratorError
 
 DESCRIPTION = """\
@@ -74,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, check, plan, preflight, report, passed_on):
+    for module in (run, check, plan, replan, preflight, report, passed_on):
         module.add_to(commands)
     return parser
 

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.area_files import read_area
-from rocsafe_orchestrator.command_line.progress import clock_text
+from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.scenario.scenario import Scenario
@@ -75,8 +74,8 @@ def plan(request: PlanRequest, console: Console) -> int:
         with tempfile.TemporaryDirectory(prefix='rocsafe-plan-') as scratch:
             folder = Path(scratch) if request.parent is None else request.parent / path.stem
             document = planned(path, scenario, request.method, folder)
-        console.print(_quality_table(path, document))
-        console.print(_route_table(document))
+        console.print(quality_table(path, document))
+        console.print(route_table(document))
         if request.parent is not None:
             console.print(f'written to {folder}', highlight=False, soft_wrap=True)
     return EXIT_COMPLETE
@@ -157,77 +156,32 @@ def planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[s
     homeless = ', '.join(vehicle.name for vehicle in scenario.vehicles if not vehicle.has_home)
     if homeless:
         raise ScenarioError(f'{path}: {homeless}: home must be given to plan without the vehicle')
-    command = [str(find_executable('rocsafe_planner', 'plan_file'))]
-    request = json.dumps(planner_request(scenario, method, folder))
+    asked_planner(path, 'plan_file', planner_request(scenario, method, folder))
+    document: dict[str, Any] = json.loads((folder / 'plan.json').read_text(encoding='utf-8'))
+    return document
+
+
+def asked_planner(path: Path, executable: str, request: dict[str, Any]) -> dict[str, Any]:
+    """Return the summary that an executable of the planner gives; `path` is what it is about.
+
+    Raises
+    ------
+    OrchestratorError: if there is no plan; the planner's reason is told.
+    """
+    command = [str(find_executable('rocsafe_planner', executable))]
     try:
         done = subprocess.run(
-            command, input=request, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+            command,
+            input=json.dumps(request),
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT_S,
+            check=False,
         )
     except subprocess.TimeoutExpired as error:
         raise OrchestratorError(f'{path}: no plan within {TIMEOUT_S:g} s') from error
     if done.returncode != 0:
         words = done.stderr.strip().splitlines() or [f'planner ended with {done.returncode}']
         raise OrchestratorError(f'{path}: {words[-1].removeprefix("error: ")}')
-    document: dict[str, Any] = json.loads((folder / 'plan.json').read_text(encoding='utf-8'))
-    return document
-
-
-def _quality_table(path: Path, document: dict[str, Any]) -> Table:
-    table = Table.grid(padding=(0, 2))
-    table.add_column(style='dim')
-    table.add_row('plan', f'{path}, method {document["method"]}')
-    table.add_row(
-        'viewpoints',
-        f'{document["viewpoint_count"]}, which see {100.0 * document["covered_fraction"]:.1f} % '
-        f'of {document["region_area_m2"] / 1e4:.2f} ha',
-    )
-    is_time = document['objective'] == 'longest_time'
-    gap = f', at most {100.0 * document["gap_fraction"]:.1f} % above optimal' if is_time else ''
-    table.add_row(
-        'makespan',
-        f'{clock_text(document["makespan_s"])}; no plan is shorter than '
-        f'{clock_text(document["lower_bound_s"])} ({document["lower_bound_method"]}){gap}',
-    )
-    if not is_time:
-        table.add_row(document['objective'], _objective_text(document))
-    table.add_row(
-        'flown in all',
-        f'{document["total_length_m"] / 1000.0:.2f} km with {document["total_energy_wh"]:.0f} Wh',
-    )
-    nearest = document['minimum_separation_m']
-    if nearest is not None:
-        table.add_row('nearest', f'{nearest:.1f} m between two vehicles in the air')
-    return table
-
-
-def _objective_text(document: dict[str, Any]) -> str:
-    """Return the value of an objective that is no makespan, and how good it is."""
-    name, gap = document['objective'], document['objective_gap_fraction']
-    unit = 'Wh' if name == 'energy' else 'm' if name.endswith('distance') else 's'
-    proof = '' if gap is None else f', at most {100.0 * gap:.1f} % above optimal'
-    return f'{document["objective_value"]:.0f} {unit}{proof}'
-
-
-def _route_table(document: dict[str, Any]) -> Table:
-    table = Table(box=None, pad_edge=False, header_style='dim')
-    for column in (
-        'vehicle',
-        'viewpoints',
-        'flights',
-        'length',
-        'duration',
-        'takes off',
-        'height',
-    ):
-        table.add_column(column, justify='left' if column == 'vehicle' else 'right')
-    for route in document['routes']:
-        table.add_row(
-            route['vehicle'],
-            str(len(route['viewpoints'])),
-            str(len(route['sorties'])),
-            f'{route["length_m"]:.0f} m',
-            clock_text(route['duration_s']),
-            f'after {clock_text(route["delay_s"])}' if route['delay_s'] else 'at once',
-            f'{route["flight_height_m"]:.0f} m',
-        )
-    return table
+    summary: dict[str, Any] = json.loads(done.stdout)
+    return summary
