@@ -20,6 +20,7 @@ from rocsafe_planner.solver.tables import Floats, Ints
 SAFETY = 1e-9
 """Relative amount by which bounds are lowered against rounding."""
 SHELLS = 10
+SPACING_SHELLS = 200
 STEPS = 12
 """Ascent steps between two looks at the clock."""
 
@@ -49,31 +50,44 @@ def homeward_bound(problem: RoutingProblem) -> float:
     return max(least) if problem.objective == 'max' else sum(least)
 
 
-def spacing_bound(relaxed: Relaxation, total: bool) -> float:
+def spacing_bound(
+    relaxed: Relaxation, total: bool, shortest: float, members: Ints | None = None
+) -> float:
     """Return the bound from the shortest leg between any two customers: strong on grids.
 
     m routes over n customers fly at least n - m legs between them, each no shorter than the
     shortest. If q routes serve more than one customer, they have 2q different ends; the others
-    serve one each.
+    serve one each. It holds for some of the customers, `members`, too, if leaving customers out
+    makes no route costlier.
     """
-    n, m = len(relaxed.start), len(relaxed.shares)
-    if n <= m:
+    start = relaxed.start if members is None else relaxed.start[members]
+    end = relaxed.end if members is None else relaxed.end[members]
+    n, m = len(start), len(relaxed.shares)
+    routes = np.arange(1, min(m, n // 2) + 1)
+    if n <= m or not len(routes):
         return 0.0
-    shortest = shortest_leg(relaxed)
-    either = np.sort(np.minimum(relaxed.start, relaxed.end))
-    apart = np.cumsum(np.sort(relaxed.start)) + np.cumsum(np.sort(relaxed.end))
-    best = np.inf
-    for q in range(1, m + 1):
-        if 2 * q > n:
-            break
-        ends = max(float(either[: 2 * q].sum()), float(apart[q - 1]))
-        legs = shortest * (n - m) + ends
-        best = min(best, legs if total else legs / relaxed.shares[q - 1] + relaxed.fixed)
-    return best
+    either = np.cumsum(np.sort(np.minimum(start, end)))[2 * routes - 1]
+    apart = (np.cumsum(np.sort(start)) + np.cumsum(np.sort(end)))[routes - 1]
+    legs = shortest * (n - m) + np.maximum(either, apart)
+    levels = legs if total else legs / relaxed.shares[routes - 1] + relaxed.fixed
+    return float(levels.min())
+
+
+def shell_spacing_bound(relaxed: Relaxation, shortest: float) -> float:
+    """Return the best spacing bound of the customers outside of a shell about the depot.
+
+    At most m routes reach there; on a grid this is as strong as the forest of a shell, at once.
+    """
+    away = relaxed.start + relaxed.end
+    order = np.argsort(-away, kind='stable').astype(np.int32)
+    sizes = np.unique(np.linspace(1, len(order), SPACING_SHELLS).astype(np.int64))
+    return max(spacing_bound(relaxed, False, shortest, order[:size]) for size in sizes)
 
 
 def shortest_leg(relaxed: Relaxation) -> float:
     """Return the cheapest leg between two different customers."""
+    if len(relaxed.start) < 2:
+        return 0.0
     if len(relaxed.costs):
         table = relaxed.costs + np.diag(np.full(len(relaxed.costs), np.inf))
         return float(table.min())
@@ -114,7 +128,10 @@ def _all_bounds(problem: RoutingProblem, target: float) -> Iterator[tuple[float,
     base = idle_base(problem) if total else 0.0
     if relaxed.closed:
         yield farthest_bound(relaxed), 'farthest'
-    yield spacing_bound(relaxed, total) + base, 'spacing'
+    shortest = shortest_leg(relaxed)
+    yield spacing_bound(relaxed, total, shortest) + base, 'spacing'
+    if relaxed.closed and not total:
+        yield shell_spacing_bound(relaxed, shortest), 'shell spacing'
     everybody = np.arange(problem.customers, dtype=np.int32)
     ascent = Ascent(relaxed=relaxed, members=everybody, total=total)
     for value in climb(ascent, target - base, 60):

@@ -36,7 +36,7 @@ def compile_kernels() -> None:
         RoutingProblem(customers=2, vehicles=(home, home), points=points[:3], allowed=picky),
         _QUICK,
     )
-    for _ in zip(range(4), improving_bounds(one_depot(points, points[0], 2), 0.0), strict=False):
+    for _ in zip(range(6), improving_bounds(one_depot(points, points[0], 2), 0.0), strict=False):
         pass
 
 

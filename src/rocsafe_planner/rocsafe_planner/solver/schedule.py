@@ -16,9 +16,9 @@ from rocsafe_planner.solver.search import Lane, Manner, Pacer, Plan
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""
-LEAST_CYCLE, MOST_CYCLE = 3_000, 20_000
+LEAST_CYCLE, MOST_CYCLE = 5_000, 20_000
 """Proposals a customer of a cycle from hot to cold."""
-FOUNDERS = 5
+FOUNDERS = 4
 """Cycles from a construction before plans are crossed."""
 MEMBERS = 10
 """Plans that are kept for crossing."""

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
@@ -36,7 +37,7 @@ Report = Callable[[Progress], None]
 class Incumbent:
     """The best plan of all lanes; guarded, since lanes publish while they run."""
 
-    plan: Plan
+    plan: Plan = field(default_factory=lambda: plan_of(()))
     value: float = np.inf
     lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -74,8 +75,7 @@ class _Search:
         peak = 1.0 if self.problem.objective == 'max' else 0.0
         far = float(relax_far(self.problem)) if peak else 0.0
         lanes = [Lane(self.tables, peak, options.seed, k, far) for k in range(options.lanes)]
-        self.incumbent = self._first(lanes[0], starts)
-        self._tell()
+        self._begin(lanes[0], starts)
         if options.bound_share > 0:
             self.bounds = improving_bounds(self.problem, self.incumbent.value)
         schedule = Schedule(options, self.problem.customers, self.incumbent.plan)
@@ -92,15 +92,15 @@ class _Search:
         made = sum(lane.proposals for lane in lanes)
         return solution(self.problem, routes, self.bound, self.options.clock() - self.began, made)
 
-    def _first(self, lane: Lane, starts: tuple[Routes, ...]) -> Incumbent:
-        """Return the best of the constructed plans and those given."""
-        given = [plan_of(routes) for routes in starts]
-        plans = [*first_plans(self.problem, self.tables), *given]
-        incumbent = Incumbent(plan=plans[0])
-        for plan in plans:
+    def _begin(self, lane: Lane, starts: tuple[Routes, ...]) -> None:
+        """Take the best of the constructed plans and those given."""
+        given = (plan_of(routes) for routes in starts)
+        incumbent = Incumbent()
+        for plan in chain(first_plans(self.problem, self.tables), given):
             lane.begin(plan)
             incumbent.offer(lane.worth(), plan)
-        return incumbent
+            self.incumbent = incumbent
+            self._tell()
 
     def _improve_plainly(self, lane: Lane) -> None:
         """Do what can be done without compiled loops."""
