@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +71,8 @@ class Background:
         longitudes = np.atleast_1d(np.asarray(longitudes_deg, np.float64))
         if self.variation == 0.0:
             return np.zeros_like(latitudes)
-        generator = np.random.default_rng([self.seed, 0xBAC6])
-        numbers = generator.normal(size=(WAVES, 2)) / self.length_m
-        phases = generator.uniform(0.0, 2.0 * math.pi, WAVES)
+        numbers, phases = _drawn_waves(self.seed)
+        numbers = numbers / self.length_m
         east = longitudes * METRES_PER_DEGREE * np.cos(np.radians(latitudes))
         north = latitudes * METRES_PER_DEGREE
         # The waves are read far from their origin, so only their phases there matter.
@@ -80,3 +80,11 @@ class Background:
         return np.asarray(
             self.variation * math.sqrt(2.0 / WAVES) * np.cos(turns + phases).sum(axis=-1)
         )
+
+
+@cache
+def _drawn_waves(seed: int) -> tuple[Array, Array]:
+    """Return wave numbers for a length of 1 m, shape (WAVES, 2), and phases, shape (WAVES,)."""
+    generator = np.random.default_rng([seed, 0xBAC6])
+    numbers = generator.normal(size=(WAVES, 2))
+    return numbers, generator.uniform(0.0, 2.0 * math.pi, WAVES)

@@ -2,6 +2,7 @@
 """The gamma dose-rate field of known sources."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -50,7 +51,8 @@ class RadiationField:
     source_radius_m: float = 0.1
     model: str = PAPER_MODEL
     shielding: Shielding | None = None
-    _still: dict[int, '_Parts'] = field(init=False, repr=False, compare=False)
+    _still: tuple['_Group', ...] = field(init=False, repr=False, compare=False)
+    _moving: tuple[int, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not SMALLEST_SOURCE_RADIUS_M <= self.source_radius_m < math.inf:
@@ -63,11 +65,14 @@ class RadiationField:
         names = [source.name for source in self.sources]
         if len(set(names)) < len(names):
             raise ValueError(f'source names must differ: {", ".join(names)}')
-        still = {
-            index: _Parts.of(source, 0.0)
-            for index, source in enumerate(self.sources)
-            if not isinstance(source.shape, TrackShape)
-        }
+        moves = [isinstance(source.shape, TrackShape) for source in self.sources]
+        by_nuclide: dict[str, list[_Group]] = {}
+        for index, source in enumerate(self.sources):
+            if not moves[index]:
+                group = _Group.of(index, self.sources, 0.0)
+                by_nuclide.setdefault(source.nuclide, []).append(group)
+        still = tuple(map(_Group.joined, by_nuclide.values()))
+        object.__setattr__(self, '_moving', tuple(np.flatnonzero(moves).tolist()))
         object.__setattr__(self, '_still', still)
 
     def dose_rates_usvh(
@@ -102,65 +107,95 @@ class RadiationField:
         points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
         _check_points(points)
         positions = ecef_m(*points)
-        rates_usvps: NDArray[np.float64] = np.empty((len(self.sources), len(positions)))
-        for index, source in enumerate(self.sources):
-            parts = self._still.get(index) or _Parts.of(source, time_s)
-            rates_usvps[index] = self._rates_usvps(source, parts, positions, points)
+        rates_usvps: NDArray[np.float64] = np.zeros((len(self.sources), len(positions)))
+        moving = [_Group.of(index, self.sources, time_s) for index in self._moving]
+        for group in (*self._still, *moving):
+            self._add_rates(group, positions, points, rates_usvps)
         return rates_usvps * SECONDS_PER_HOUR
 
-    def _rates_usvps(
+    def _add_rates(
         self,
-        source: RadiationSource,
-        parts: '_Parts',
+        group: '_Group',
         positions: NDArray[np.float64],
         points: Coordinates,
-    ) -> NDArray[np.float64]:
-        """Return the dose rates of the equal `parts` of a source together, some at a time."""
-        total: NDArray[np.float64] = np.zeros(len(positions))
+        rates_usvps: NDArray[np.float64],
+    ) -> None:
+        """Add the dose rates of the parts of a group to those of their sources."""
         size = max(1, LARGEST_BLOCK // max(1, len(positions)))
-        for start in range(0, len(parts.centres), size):
+        for start in range(0, len(group.centres), size):
             block = slice(start, start + size)
-            distances_m = np.linalg.norm(positions - parts.centres[block, None], axis=2)
+            offsets = positions - group.centres[block, None]
+            distances_m = np.sqrt(np.einsum('pnc,pnc->pn', offsets, offsets))
             rates = dose_rate_usvps(
-                source.sigma_usvps / len(parts.centres), distances_m, self.source_radius_m
+                group.sigmas_usvps[block, None], distances_m, self.source_radius_m
             )
             if self.model != PAPER_MODEL:
-                rates *= self._transmission(source, parts.places[block], distances_m, points)
-            total += rates.sum(axis=0)
-        return total
+                rates *= self._transmission(
+                    group.nuclide, group.places[block], distances_m, points
+                )
+            np.add.at(rates_usvps, group.owners[block], rates)
 
     def _transmission(
         self,
-        source: RadiationSource,
+        nuclide: str,
         places: NDArray[np.float64],
         distances_m: NDArray[np.float64],
         points: Coordinates,
     ) -> NDArray[np.float64]:
         """Return what is left of each ray from a place of the source, shape (places, n)."""
         if self.model == AIR_MODEL or self.shielding is None:
-            return air_transmission(source.nuclide, distances_m)
+            return air_transmission(nuclide, distances_m)
         starts = (places[:, 0], places[:, 1], places[:, 2])
         lengths = dict(self.shielding.lengths_m(starts, points))
         solid = sum(lengths.values(), np.zeros_like(distances_m))
         lengths[AIR] = np.maximum(distances_m - solid, 0.0)
-        return shielded_transmission(source.nuclide, lengths)
+        return shielded_transmission(nuclide, lengths)
 
 
 @dataclass(frozen=True, slots=True)
-class _Parts:
-    """The parts of a source: geodetic and geocentric places, both of shape (parts, 3)."""
+class _Group:
+    """Parts of sources of one nuclide.
 
+    `owners` are the numbers of their sources and `sigmas_usvps` their strengths, shape (parts,);
+    `places` and `centres` are geodetic and geocentric, shape (parts, 3).
+    """
+
+    nuclide: str
+    owners: NDArray[np.intp]
+    sigmas_usvps: NDArray[np.float64]
     places: NDArray[np.float64]
     centres: NDArray[np.float64]
 
     @classmethod
-    def of(cls, source: RadiationSource, time_s: float) -> '_Parts':
+    def of(cls, index: int, sources: Sequence[RadiationSource], time_s: float) -> '_Group':
+        """Return the parts of one source."""
+        source = sources[index]
         places = source.places(time_s)
-        return cls(places, ecef_m(*places.T))
+        count = len(places)
+        return cls(
+            source.nuclide,
+            np.full(count, index, np.intp),
+            np.full(count, source.sigma_usvps / count),
+            places,
+            ecef_m(*places.T),
+        )
+
+    @classmethod
+    def joined(cls, groups: Sequence['_Group']) -> '_Group':
+        """Return groups of one nuclide as one."""
+        return cls(
+            groups[0].nuclide,
+            np.concatenate([group.owners for group in groups]),
+            np.concatenate([group.sigmas_usvps for group in groups]),
+            np.concatenate([group.places for group in groups]),
+            np.concatenate([group.centres for group in groups]),
+        )
 
 
 def dose_rate_usvps(
-    sigma_usvps: float, distances_m: NDArray[np.float64], source_radius_m: float
+    sigma_usvps: float | NDArray[np.float64],
+    distances_m: NDArray[np.float64],
+    source_radius_m: float,
 ) -> NDArray[np.float64]:
     """Return sigma / d^2 in microsievert per second, with d at least `source_radius_m`."""
     clamped_m = np.maximum(distances_m, source_radius_m)
