@@ -7,16 +7,20 @@ same run where ``--foreign PYTHON`` names an interpreter that has stitching and 
 """
 
 import argparse
+import hashlib
 import json
 import math
 import os
 import resource
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -40,13 +44,17 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.photo import footprint
 from rocsafe_mapping.alignment.survey import BY_FEATURES
+from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.handover import Handover, hand_over
 from rocsafe_mapping.live import LiveMap
-from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mapmaker import Alignment, Mapmaker, MapOptions
 from rocsafe_mapping.photograph_files import photographs_of
 from rocsafe_mapping.products.quality import violations
+from rocsafe_mapping.shot import ShotRecord
+from rocsafe_mapping.store import ImageStore, Status
 
 Row = tuple[str, str, str]
+Shot = tuple[ShotRecord, bytes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +86,17 @@ def main() -> int:
 
 
 def mapped(
-    samples: Sequence[Sample], frame: LocalFrame, resolution_m: float = 0.0, *, draw: bool = False
+    samples: Sequence['Sample | OnDisk'],
+    frame: LocalFrame,
+    resolution_m: float = 0.0,
+    *,
+    draw: bool = False,
 ) -> Measured:
     """Align (and draw) a set and compare it with its truth."""
     wall, cpu = time.perf_counter(), time.process_time()
     maker = Mapmaker(MapOptions(ground_resolution_m=resolution_m))
     for sample in samples:
-        maker.add(sample.record, lambda sample=sample: sample.jpeg)
+        maker.add(sample.record, partial(getattr, sample, 'jpeg'))
     alignment = maker.align()
     if draw:
         with tempfile.TemporaryDirectory() as folder:
@@ -93,6 +105,8 @@ def mapped(
             hand_over(maker, alignment, wanted)
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     found, true = [], []
+    if maker.frame is None:
+        raise ValueError('no photograph could be placed')
     origin = frame.enu_of(maker.frame.frame.origin)[:2]
     for sample in samples:
         name = sample.record.shot_id
@@ -158,21 +172,21 @@ def brighton(options: argparse.Namespace) -> list[Row]:
         ('brighton held-out RMSE', f'{ties["rmse"]:.2f} px', '<= 2.3 px'),
         ('brighton distance to GPS', f'{quality["fixes"]["all"]["horizontal_rmse_m"]:.2f} m',
          '<= 0.7 m'),
-        ('brighton seams p95, ground patches', f'{seams["ground_px"]["p95"]:.2f} px '
-         f'({seams["ground_count"]} of {seams["count"]})', '<= 2 px'),
+        ('brighton seams p95, ground patches', (f'{seams["ground_px"]["p95"]:.2f} px '
+         f'({seams["ground_count"]} of {seams["count"]})'), '<= 2 px'),
         ('brighton seams p95, all patches', f'{seams["px"]["p95"]:.2f} px', ''),
         ('brighton CPU with blending', f'{cpu:.1f} s (wall {wall:.1f})', '<= 6 s'),
     ]  # fmt: skip
     if options.foreign:
-        rows += _foreign(options, maker, alignment)
+        rows += _foreign(options, alignment)
     return rows
 
 
-def _foreign(options: argparse.Namespace, maker: Mapmaker, alignment: object) -> list[Row]:
+def _foreign(options: argparse.Namespace, alignment: Alignment) -> list[Row]:
     """Measure OpenCV's Stitcher, stitching and pycolmap on the same photographs."""
     poses = {
         f'DJI_{18 + int(name[-5:]):04d}.JPG': placement.pose.centre.tolist()
-        for name, placement in alignment.placements.items()  # type: ignore[attr-defined]
+        for name, placement in alignment.placements.items()
     }
     script = Path(__file__).with_name('mapping_foreign.py')
     rows: list[Row] = []
@@ -242,8 +256,10 @@ def scale(options: argparse.Namespace) -> list[Row]:
         rows.append(
             (
                 f'{len(samples)} images of 1600 px',
-                f'{made["wall_s"]:.0f} s wall, {made["cpu_s"]:.0f} s CPU, {made["peak_mb"]} MB, '
-                f'{made["tied"]} tied, internal {made["internal_m"]:.3f} m',
+                (
+                    f'{made["wall_s"]:.0f} s wall, {made["cpu_s"]:.0f} s CPU, {made["peak_mb"]} MB, '
+                    f'{made["tied"]} tied, internal {made["internal_m"]:.3f} m'
+                ),
                 '<= 15 min on 2 cores, <= 1000 MB' if count > 100 else '',
             )
         )
@@ -270,7 +286,7 @@ def live(options: argparse.Namespace) -> list[Row]:
             sample = waiting.pop(0)
             name = sample.record.shot_id
             landed[name] = period_s * (len(samples) - len(waiting) - 1)
-            growing.receive(sample.record, lambda sample=sample: sample.jpeg)
+            growing.receive(sample.record, partial(getattr, sample, 'jpeg'))
             growing.preview.png()
             shown.append(time.perf_counter() - start - landed[name])
             queue.append(name)
@@ -289,17 +305,100 @@ def live(options: argparse.Namespace) -> list[Row]:
     hand_over(growing.maker, alignment, wanted)
     final = time.perf_counter() - wall
     growing.close()
+    p95 = float(np.quantile(refined, 0.95))
     return [
         (f'live, {options.rate:.0f} images a minute: shown',
          f'p50 {np.median(shown):.2f} s, largest {max(shown):.2f} s', '<= 1 s'),
-        ('live: refined', f'p50 {np.median(refined):.2f} s, p95 {np.quantile(refined, 0.95):.2f} s, '
-         f'largest {max(refined):.2f} s, {len(refined)} of {len(samples)}', '<= 3 s'),
+        ('live: refined', (f'p50 {np.median(refined):.2f} s, p95 {p95:.2f} s, '
+         f'largest {max(refined):.2f} s, {len(refined)} of {len(samples)}'), '<= 3 s'),
         ('live: share of one core used', f'{100 * busy:.0f} %', 'no growing queue'),
         ('live: final map after the last image', f'{final:.1f} s', '<= 10 s'),
     ]  # fmt: skip
 
 
-def _mapped_apart(samples: Sequence[Sample], folder: Path) -> dict[str, float]:
+def kill(options: argparse.Namespace) -> list[Row]:
+    """Collector and mosaic killed at random points."""
+    ground = _ground(options)
+    samples = flown(ground, Flight(extent_m=(70.0, 55.0)), 51)
+    shots = [(replace(s.record, sha256=hashlib.sha256(s.jpeg).hexdigest()), s.jpeg)
+             for s in samples]  # fmt: skip
+    folder = Path(tempfile.mkdtemp(prefix='kill-'))
+    rng = np.random.default_rng(1)
+    lost, kills = 0, 0
+    whole_s = _stored_until(folder / 'whole', folder / 'whole.txt', shots, None)
+    for number in range(100):
+        place, receipts = folder / str(number), folder / f'{number}.txt'
+        _stored_until(place, receipts, shots, float(rng.uniform(0.0, whole_s)))
+        known = receipts.read_text().split() if receipts.exists() else []
+        store = ImageStore(place, reserve_bytes=0)
+        states = {record.shot_id: store.put(record, jpeg).status for record, jpeg in shots}
+        store.close()
+        kills += len(known) < len(shots)
+        lost += sum(states[name] is not Status.DUPLICATE for name in known)
+        shutil.rmtree(place)
+    first = _poses(folder / 'whole')
+    off_px = 0.0
+    for _ in range(options.mosaic_kills):
+        _mapped_until(folder / 'whole', float(rng.uniform(0.2, 3.0)))
+        again = _poses(folder / 'whole')
+        off_px = max(off_px, *(float(np.abs(again[n] - first[n]).max()) for n in first))
+    return [
+        ('collector killed at 100 random points', (f'{kills} before its end, {lost} acknowledged '
+         'images lost'), '0 lost'),
+        (f'mosaic killed at {options.mosaic_kills} random points, resumed',
+         f'corners differ by {off_px:.4f} px', '<= 0.05 px'),
+    ]  # fmt: skip
+
+
+def _stored_until(
+    place: Path, receipts: Path, shots: Sequence[Shot], kill_s: float | None
+) -> float:
+    """Store photographs in a process that is killed after a time; return how long it ran."""
+    start = time.perf_counter()
+    child = os.fork()
+    if child == 0:
+        store = ImageStore(place, reserve_bytes=0)
+        with receipts.open('wb', buffering=0) as file:
+            for record, jpeg in shots:
+                store.put(record, jpeg)
+                file.write(record.shot_id.encode() + b'\n')
+        os._exit(0)
+    if kill_s is not None:
+        time.sleep(kill_s)
+        os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return time.perf_counter() - start
+
+
+def _mapped_until(place: Path, kill_s: float) -> None:
+    """Map a store live in a process that is killed after a time."""
+    child = os.fork()
+    if child == 0:
+        growing = LiveMap(MapOptions(ground_resolution_m=0.1), place / 'tiles', print)
+        for shot in read_store(place, print):
+            growing.receive(shot.record, shot.read_image)
+            while growing.work():
+                pass
+        os._exit(0)
+    time.sleep(kill_s)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+
+
+def _poses(place: Path) -> dict[str, NDArray[np.float64]]:
+    """Return the corners of the photographs of a store, in pixels of the photographs."""
+    maker = Mapmaker(MapOptions())
+    for shot in read_store(place, print):
+        maker.add(shot.record, shot.read_image)
+    alignment = maker.align()
+    return {
+        name: footprint(alignment.photos[name], placement.pose)
+        / alignment.photos[name].ground_resolution_m
+        for name, placement in alignment.placements.items()
+    }
+
+
+def _mapped_apart(samples: Sequence['OnDisk'], folder: Path) -> dict[str, float]:
     """Map a set in a process of its own, whose memory is its own."""
     import pickle
 
@@ -327,17 +426,17 @@ def apart(folder: str) -> None:
     }))  # fmt: skip
 
 
-def _on_disk(sample: Sample, folder: Path) -> Sample:
+def _on_disk(sample: Sample, folder: Path) -> 'OnDisk':
     path = folder / f'{sample.record.shot_id}.jpg'
     path.write_bytes(sample.jpeg)
-    return OnDisk(sample.record, path, sample.corners_m)  # type: ignore[return-value]
+    return OnDisk(sample.record, path, sample.corners_m)
 
 
 @dataclass(frozen=True)
 class OnDisk:
     """As `Sample`, its file on disk."""
 
-    record: object
+    record: ShotRecord
     path: Path
     corners_m: NDArray[np.float64]
 
@@ -428,6 +527,7 @@ def _peak_mb() -> int:
 
 CASES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     'brighton': brighton,
+    'kill': kill,
     'live': live,
     'robust': robust,
     'scale': scale,
@@ -442,6 +542,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--data', type=Path, required=True, metavar='FOLDER')
     parser.add_argument('--foreign', metavar='PYTHON', help='has stitching and pycolmap')
     parser.add_argument('--count', type=int, default=1000, help='photographs of `scale`')
+    parser.add_argument('--mosaic-kills', type=int, default=5, help='of `kill`')
     parser.add_argument('--rate', type=float, default=60.0, help='images a minute of `live`')
     return parser
 
