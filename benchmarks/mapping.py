@@ -257,7 +257,7 @@ def scale(options: argparse.Namespace) -> list[Row]:
             (
                 f'{len(samples)} images of 1600 px',
                 (
-                    f'{made["wall_s"]:.0f} s wall, {made["cpu_s"]:.0f} s CPU, {made["peak_mb"]} MB, '
+                    f'{made["wall_s"]:.0f} s, {made["cpu_s"]:.0f} s CPU, {made["peak_mb"]} MB, '
                     f'{made["tied"]} tied, internal {made["internal_m"]:.3f} m'
                 ),
                 '<= 15 min on 2 cores, <= 1000 MB' if count > 100 else '',
