@@ -9,6 +9,7 @@ import pathlib
 import numpy as np
 import pytest
 
+from rocsafe_mapping.alignment import initial
 from rocsafe_mapping.alignment.photo import footprint
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
@@ -160,3 +161,16 @@ def test_lonely_photograph_is_not_georeferenced():
     shots = texture.flight(5)[:1]
     maker, alignment, _ = aligned(shots)
     assert 'tied to others' in violations(alignment, maker.survey.state)[0]
+
+
+def test_pair_of_look_alikes_is_left_out(usual):
+    """A pair that puts a photograph elsewhere than its other pairs do is not believed."""
+    _, maker, _, _ = usual
+    true = maker.survey.pairs
+    first, second = 'rav1-00000', 'rav1-00005'
+    others = [pair for pair in true if {pair.first, pair.second} != {first, second}]
+    likeness = next(pair for pair in others if (pair.first, pair.second) == (first, 'rav1-00001'))
+    false = dataclasses.replace(likeness, second=second)
+    found = initial.start(maker.survey.photos, [*others, false])
+    assert false not in found.pairs
+    assert set(map(id, found.pairs)) == set(map(id, others))

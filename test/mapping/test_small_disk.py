@@ -40,7 +40,7 @@ def large_shot(shot, number):
 
 @pytest.mark.parametrize('reserve_bytes', [-(2**40), 512 * 1024])
 def test_a_full_disk_is_one_clear_error_and_loses_nothing(small_disk, shot, reserve_bytes):
-    """From the kernel where the store does not look, else from the store; what is stored is whole."""
+    """From the kernel where the store does not look, else from the store; nothing is torn."""
     store = ImageStore(small_disk / 'images', reserve_bytes=reserve_bytes)
     stored = {}
     message = 'No space left on device' if reserve_bytes < 0 else 'as good as full'

@@ -22,12 +22,16 @@ from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose, rays_of_pixels
 
 ComplexArray = NDArray[np.complex128]
+BoolArray = NDArray[np.bool_]
 ROUNDS = 12
 ANGLE_SCALE_RAD = math.radians(2.0)
 LOG_SCALE = 0.03
 # What a loop of pairs may be off before one of them is disbelieved.
 LARGEST_TURN_RAD = math.radians(9.0)
 LARGEST_LOG_SCALE = 0.16
+# The same of shifts, over the flying height; tilts alone move them by a tenth of it.
+SHIFT_SHARE, LARGEST_SHIFT_SHARE = 0.03, 0.25
+MOST_PASSES = 4
 # Yaws of a group that are this far from what the fixes say are not believed.
 # A height less certain than this is taken from the fixes.
 GUESSED_HEIGHT_SHARE = 0.2
@@ -65,18 +69,30 @@ class _Edge:
 
 
 def start(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Start:
-    """Return first poses for all photographs that `pairs` tie to another."""
+    """Return first poses for all photographs that agreeing `pairs` tie to another."""
+    found = _start(photos, pairs)
+    for _ in range(MOST_PASSES):
+        if len(found.pairs) == len(pairs):
+            break
+        # Without the pairs that contradict the others, groups may fall apart and values change.
+        pairs = found.pairs
+        found = _start(photos, pairs)
+    return found
+
+
+def _start(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Start:
     poses: dict[str, Pose] = {}
     kept: list[Pair] = []
     groups, believed = [], []
     for names in _groups(pairs):
         index = {name: number for number, name in enumerate(names)}
         edges = [_edge(photos, pair, index) for pair in pairs if pair.first in index]
-        edges, turns, heights = _turned(photos, names, edges)
-        places, is_believed = _placed(photos, names, edges, turns, heights)
+        turns, heights, is_turned = _turned(photos, names, edges)
+        places, is_believed, is_placed = _placed(photos, names, edges, turns, heights)
         for name, turn, height, place in zip(names, turns, heights, places, strict=True):
             poses[name] = _pose(photos[name], turn, height, place)
-        kept += [edge.pair for edge in edges]
+        agrees = is_turned & is_placed
+        kept += [edge.pair for edge, is_kept in zip(edges, agrees, strict=True) if is_kept]
         groups.append(names)
         believed.append(is_believed)
     return Start(
@@ -135,25 +151,17 @@ def _slopes(photo: Photo, pixels: FloatArray) -> ComplexArray:
 
 def _turned(
     photos: Mapping[str, Photo], names: Sequence[str], edges: list[_Edge]
-) -> tuple[list[_Edge], FloatArray, FloatArray]:
-    """Return the pairs that agree, and each photograph's turn and height."""
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return each photograph's turn and height, and which pairs agree with them."""
     guess = _spanned(len(names), edges)
     log_prior = np.log([photos[name].prior.centre[2] for name in names])
-    for _ in range(2):
-        turns = _averaged(len(names), edges, guess.imag, ANGLE_SCALE_RAD, wrapped=True)
-        logs = _averaged(len(names), edges, guess.real, LOG_SCALE, wrapped=False)
-        off = [_misfit(edge, turns, logs) for edge in edges]
-        agreeing = [
-            edge
-            for edge, (turn, log) in zip(edges, off, strict=True)
-            if abs(turn) < LARGEST_TURN_RAD and abs(log) < LARGEST_LOG_SCALE
-        ]
-        if len(agreeing) == len(edges) or len(_groups([e.pair for e in agreeing])) != 1:
-            break
-        edges = agreeing
+    turns = _averaged(len(names), edges, guess.imag, ANGLE_SCALE_RAD, wrapped=True)
+    logs = _averaged(len(names), edges, guess.real, LOG_SCALE, wrapped=False)
+    off = np.array([_misfit(edge, turns, logs) for edge in edges])
+    agrees = np.all(np.abs(off) < (LARGEST_TURN_RAD, LARGEST_LOG_SCALE), axis=1)
     turns -= _common_turn(turns, photos, names)
     logs += np.median(log_prior - logs)
-    return edges, turns, np.exp(logs)
+    return turns, np.exp(logs), agrees
 
 
 def _misfit(edge: _Edge, turns: FloatArray, logs: FloatArray) -> tuple[float, float]:
@@ -234,8 +242,8 @@ def _placed(
     edges: Sequence[_Edge],
     turns: FloatArray,
     heights: FloatArray,
-) -> tuple[ComplexArray, bool]:
-    """Return the place below each photograph, and whether the yaws were of use.
+) -> tuple[ComplexArray, bool, BoolArray]:
+    """Return the place below each photograph, whether the yaws were of use, and which pairs agree.
 
     Changes `turns` and `heights` where the fixes say that all of them are wrong alike.
     """
@@ -248,7 +256,7 @@ def _placed(
             for edge in edges
         ]
     )
-    free = _chained(len(names), edges, shifts)
+    free, agrees = _chained(len(names), edges, shifts, float(np.median(heights)))
     turn, scale = _laid_on_fixes(free, fixes, std_m)
     guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
     if np.median(guesses) > GUESSED_HEIGHT_SHARE and len(names) > 2:
@@ -261,25 +269,35 @@ def _placed(
     if not is_believed and turn_std < YAW_DISBELIEF_RAD:
         turns += turn
         free = free * np.exp(1j * turn)
-    return free + _robust_middle(fixes - free, std_m), is_believed
+    return free + _robust_middle(fixes - free, std_m), is_believed, agrees
 
 
-def _chained(count: int, edges: Sequence[_Edge], shifts: ComplexArray) -> ComplexArray:
-    """Return places whose differences, second less first, are `shifts`; the first is at 0."""
+def _chained(
+    count: int, edges: Sequence[_Edge], shifts: ComplexArray, height_m: float
+) -> tuple[ComplexArray, BoolArray]:
+    """Return places whose differences, second less first, are `shifts`, the first at 0, robustly.
+
+    With them which pairs agree: one that ties look-alikes contradicts the loops that it closes.
+    """
     first = np.array([edge.first for edge in edges])
     second = np.array([edge.second for edge in edges])
-    weight = np.sqrt([len(edge.pair) for edge in edges])
+    strength = np.sqrt([len(edge.pair) for edge in edges])
     rows = np.arange(len(edges))
-    design = coo_matrix(
-        (np.concatenate([weight, -weight]), (np.tile(rows, 2), np.concatenate([second, first]))),
-        shape=(len(edges), count),
-    ).tocsr()[:, 1:]
     places = np.zeros(count, complex)
-    normal = (design.T @ design).tocsc()
-    right = design.T @ np.column_stack([(weight * shifts).real, (weight * shifts).imag])
-    solved = np.asarray(spsolve(normal, right)).reshape(-1, 2)
-    places[1:] = solved[:, 0] + 1j * solved[:, 1]
-    return places
+    off = np.zeros(len(edges))
+    for _ in range(ROUNDS):
+        weight = strength / np.sqrt(1.0 + (off / (SHIFT_SHARE * height_m)) ** 2)
+        entries = np.concatenate([weight, -weight])
+        design = coo_matrix(
+            (entries, (np.tile(rows, 2), np.concatenate([second, first]))),
+            shape=(len(edges), count),
+        ).tocsr()[:, 1:]
+        wanted = np.column_stack([(weight * shifts).real, (weight * shifts).imag])
+        solved = spsolve((design.T @ design).tocsc(), design.T @ wanted)
+        solved = np.asarray(solved).reshape(-1, 2)
+        places[1:] = solved[:, 0] + 1j * solved[:, 1]
+        off = np.abs(places[second] - places[first] - shifts)
+    return places, off < LARGEST_SHIFT_SHARE * height_m
 
 
 def _laid_on_fixes(
