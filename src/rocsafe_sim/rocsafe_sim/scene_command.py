@@ -19,6 +19,7 @@ from rocsafe_sim.scene.description import SceneDescription
 from rocsafe_sim.scene.label_picture import truth_sheet
 from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scene.mesh import Floats
+from rocsafe_sim.scene.overview import RunRoutes, draw_routes, read_run
 from rocsafe_sim.scene.placing import to_world
 from rocsafe_sim.scene.scene_file import read_scene
 
@@ -82,6 +83,12 @@ def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]')
     parser.add_argument('--size', type=_size, default=(1280, 800), metavar='WxH')
     parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
     parser.add_argument('--weather', choices=_WEATHERS, help="in place of the scene's")
+    parser.add_argument(
+        '--overview',
+        type=Path,
+        metavar='RUN_DIR',
+        help='of a finished run: with its planned and flown routes',
+    )
     parser.add_argument(
         '--truth',
         action='store_true',
@@ -155,17 +162,33 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
     # Only here, so that check and list work where the engine is not installed.
     from rocsafe_sim.engine.studio import Studio, open_scene
 
-    renderer = open_scene(description, cache=default_folder())
+    routes = read_run(arguments.overview) if arguments.overview else None
+    origin = routes.origin if routes else None
+    renderer = open_scene(description, origin=origin, cache=default_folder())
     if renderer.pipe.notice:
         sys.stderr.write(f'rocsafe: {renderer.pipe.notice}\n')
     lens = PinholeCamera(math.radians(view.fov_deg), *view.size_px)
-    frame = Studio(renderer, lens, arguments.quality).expose(*_pose(description, view))
-    written = [_written(arguments.out, frame.image)]
+    pose = _pose_over(routes) if routes else _pose(description, view)
+    frame = Studio(renderer, lens, arguments.quality).expose(*pose)
+    image = frame.image
+    if routes:
+        image = draw_routes(image, frame.depth_m, lens, pose, routes)
+    written = [_written(arguments.out, image)]
     if arguments.truth:
         sheet = truth_sheet(frame.classes, frame.numbers, frame.depth_m, frame.normals)
         path = arguments.out.with_name(f'{arguments.out.stem}-truth{arguments.out.suffix}')
         written.append(_written(path, sheet))
     return written
+
+
+def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
+    """Return a pose from the south-west that has all planned viewpoints in view."""
+    from rocsafe_sim.engine.lens import looking
+
+    reach = max(60.0, min(routes.reach_m, 160.0))
+    target = np.array([*routes.survey_middle[:2], 0.0])
+    eye = target + reach * np.array([-0.45, -1.15, 0.95])
+    return eye, looking(target - eye)
 
 
 def _pose(description: SceneDescription, view: View) -> tuple[Floats, Floats]:

@@ -44,8 +44,9 @@ class Renderer:
         self.pipe: Pipe = open_pipe()
         self.stage = Stage(environment, weather)
         self.stage.light(lighting)
+        self.stage.move(0.0)
         self._shade = Shade(self.pipe, self.stage, lighting)
-        self._time_s: float | None = None
+        self._time_s = 0.0
 
     def set_time(self, time_s: float) -> None:
         """Put what moves where it is at a time, seconds after the start; shadows follow."""

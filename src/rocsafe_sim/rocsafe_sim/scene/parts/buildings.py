@@ -99,7 +99,7 @@ def barn(length: float = 17.0, width: float = 10.0, eaves: float = 4.6) -> Mesh:
     ridge = eaves + 0.26 * width
     gable = [(-0.5 * width, -0.6), (0.5 * width, -0.6), (0.5 * width, eaves), (0.0, ridge),
              (-0.5 * width, eaves)]  # fmt: skip
-    parts = [prism(gable, length).turned(yaw_deg=90.0).painted((126, 118, 104), Surface.RUSTY)]
+    parts = [prism(gable, length).turned(yaw_deg=90.0).painted((126, 118, 104), Surface.STONE)]
     waves = int(length / 0.5)
     for side in (-1.0, 1.0):
         y, z = side * (0.5 * width + 0.4), eaves - 0.2
@@ -114,7 +114,7 @@ def barn(length: float = 17.0, width: float = 10.0, eaves: float = 4.6) -> Mesh:
                 (x0, 0.0, ridge + lift),
             ]
             tone = _toned((140, 138, 132), 0.94 + 0.06 * ((k * 3) % 4 == 0))
-            parts.append(sheet(face[:: -1 if side > 0.0 else 1]).painted(tone, Surface.RUSTY))
+            parts.append(sheet(face[:: -1 if side > 0.0 else 1]).painted(tone, Surface.PAINT))
     door = box(4.0, 0.1, 3.9).turned(yaw_deg=90.0).moved(0.5 * length, 0.0, 0.0)
     parts.append(door.painted((70, 96, 78), Surface.PAINT))
     return joined(parts)
