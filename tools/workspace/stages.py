@@ -4,6 +4,7 @@
 import os
 import sys
 from collections.abc import Mapping
+from ctypes.util import find_library
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -110,6 +111,16 @@ def make_ready(workspace: Workspace, *, development: bool) -> None:
     _ready_build(workspace, version)
     _ready_commands(workspace, version)
     _ready_kernels(workspace, version)
+    _tell_of_egl()
+
+
+def _tell_of_egl() -> None:
+    """Say in one line what the camera backend `engine` lacks; all else works without."""
+    if not all(map(find_library, ('EGL', 'GL'))):
+        say(
+            'no EGL: the camera backend engine would need sudo apt install '
+            '--no-install-recommends libegl1 libgl1 libgl1-mesa-dri'
+        )
 
 
 def _wanted_version(workspace: Workspace, present: str) -> str:

@@ -187,7 +187,7 @@ def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
 
     reach = max(60.0, min(routes.reach_m, 160.0))
     target = np.array([*routes.survey_middle[:2], 0.0])
-    eye = target + reach * np.array([-0.45, -1.15, 0.95])
+    eye = target + reach * np.array([-0.5, -1.35, 1.2])
     return eye, looking(target - eye)
 
 
