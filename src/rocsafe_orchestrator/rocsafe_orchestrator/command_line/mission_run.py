@@ -106,6 +106,8 @@ class MissionRun:
             self._on_event(event, now_s)
         for order in parts.mission.advance(now_s, self._situation(now_s)):
             self._carry_out(order)
+        while parts.mission.remarks:
+            parts.display.say(parts.mission.remarks.pop(0))
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
 

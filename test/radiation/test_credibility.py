@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Uneven ground feigns no source and hides no strong one."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from rocsafe_radiation.credibility import unevenness, weighed
+from rocsafe_radiation.likelihood import Setting
+from rocsafe_radiation.localization import localize
+from rocsafe_radiation.order_search import search
+from rocsafe_radiation.survey import Survey
+
+from .simulated_survey import LOSSLESS, survey
+
+STRONG = (40.0, 55.0, 2000.0)
+SETTING = Setting(kernel=LOSSLESS.kernel)
+
+
+def uneven(sources, seed, share=0.2):
+    """Return a survey over ground that varies by `share` over 150 to 400 m."""
+    flown = survey([])
+    generator = np.random.default_rng(seed)
+    lengths = generator.uniform(150.0, 400.0, 12)
+    angles, phases = generator.uniform(0.0, 2.0 * np.pi, (2, 12))
+    places = flown.positions_enu_m
+    turns = places[:, :1] * np.cos(angles) + places[:, 1:2] * np.sin(angles)
+    ground = np.cos(2.0 * np.pi * turns / lengths + phases).sum(axis=1) / np.sqrt(6.0)
+    rates = 0.1 * np.exp(share * ground)
+    for x, y, strength in sources:
+        squares = (places[:, 0] - x) ** 2 + (places[:, 1] - y) ** 2 + places[:, 2] ** 2
+        rates = rates + strength / squares
+    return Survey(
+        positions_enu_m=places,
+        counts=generator.poisson(550.0 * rates).astype(float),
+        exposures=flown.exposures,
+    )
+
+
+@pytest.mark.parametrize('seed', [1, 2])
+def test_a_strong_source_at_the_edge_is_the_only_one(seed):
+    """The smooth background neither takes its shape nor leaves rests that look like sources."""
+    found = localize(uneven([STRONG], seed), LOSSLESS)
+    assert len(found.sources) == 1
+    (source,) = found.sources
+    assert np.hypot(*(source.position_enu_m[:2] - STRONG[:2])) < 4.0
+    assert source.dose_rate_at_1m_usvh == pytest.approx(STRONG[2], rel=0.1)
+    assert found.is_structured
+
+
+def test_even_ground_is_seen_as_even():
+    """Nothing is weighed there: the probabilities are those of the counts."""
+    flown = survey([(100.0, 120.0, 925.0)], seed=1).merged(4.0)
+    even = search(flown, SETTING, 2)
+    assert unevenness(even, even) == 0.0
+    assert weighed(even, 0.0) is even
+
+
+def test_a_weak_source_needs_more_than_the_ground_could_feign():
+    """A tenth of the background, on ground that varies by a tenth, is not believed."""
+    weak = search(survey([(150.0, 150.0, 40.0)], seed=3, sensitivity=20_000.0), SETTING, 1)
+    assert weak.order == 1, 'on even ground, with so many counts, it is there'
+    assert weighed(weak, 0.2).order == 0
+    assert weighed(weak, 0.01).order == 1
+    assert dataclasses.replace(weak, scores=weak.scores).probabilities()[1] > 0.99
