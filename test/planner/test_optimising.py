@@ -117,6 +117,19 @@ def test_short_batteries_are_kept_to():
     assert plan.makespan_s <= limit
 
 
+def test_few_swap_rather_than_all():
+    """Batteries 3 % too weak: not everybody flies twice, and it takes less time than that."""
+    free = plan_survey(request(method='solver'))
+    limit = 0.97 * free.makespan_s
+    fleet = tuple(dataclasses.replace(v, endurance_s=limit, battery_swap_s=60.0) for v in FLEET)
+    plan = plan_survey(request(method='solver', vehicles=fleet))
+    flights = [len(route.sorties) for route in plan.routes]
+    assert min(flights) == 1
+    assert max(flights) > 1
+    assert plan.makespan_s < 1.8 * free.makespan_s
+    assert check_plan(plan) == []
+
+
 def test_a_search_stops_when_told():
     """Long before its budget is spent, with routes that visit everything."""
     world = problem([(20.0 * x, 20.0 * y) for x in range(9) for y in range(9)], [(0.0, 0.0)] * 3)

@@ -199,7 +199,8 @@ def _promises(plan: SurveyPlan) -> str:
         east, north = plan.request.wind_mps
         parts.append(f'wind {east:g} m/s east, {north:g} m/s north')
     if plan.request.exclusions:
-        parts.append(f'{len(plan.request.exclusions)} exclusions')
+        count = len(plan.request.exclusions)
+        parts.append(f'{count} exclusion{"s" if count > 1 else ""}')
     return ', '.join(parts)
 
 

@@ -97,10 +97,11 @@ def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> O
         orders = METHODS[request.method](site.problem)
         return Optimised(orders=orders)
     # Loaded when it is asked for: compiled code takes a moment that no other method needs.
-    from rocsafe_planner.optimising import Effort, optimised
+    from rocsafe_planner.optimising import Effort
+    from rocsafe_planner.swap_search import optimised_with_swaps
 
     is_time = request.objective == DEFAULT_OBJECTIVE
-    found = optimised(
+    found = optimised_with_swaps(
         site.problem,
         Effort(
             objective=request.objective,

@@ -11,8 +11,8 @@ def add_to(commands: Commands) -> None:
     """Add the command to those of `rocsafe`."""
     text = (
         'Plan the rest of a survey anew: a vehicle is lost, there is more to photograph, a zone '
-        'is closed. The vehicles that are left go on from where they are, with what is left in their '
-        'batteries. Nothing flies.'
+        'is closed. The vehicles that are left go on from where they are, with what is left in '
+        'their batteries. Nothing flies.'
     )
     parser = commands.add_parser('replan', help='plan the rest of a survey', description=text)
     parser.add_argument(
