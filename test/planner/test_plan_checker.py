@@ -33,7 +33,7 @@ def spoilt(**changes):
 def test_every_plan_is_valid(method, survey):
     """Concave, holed, thin or tiny regions, exclusions, wind, unlike fleets: no fault."""
     try:
-        plan = plan_survey(dataclasses.replace(survey, method=method))
+        plan = plan_survey(dataclasses.replace(survey, method=method, proposals=50_000))
     except (BeyondEnduranceError, NoWayError, ValueError) as error:
         assume(not any(word in str(error) for word in ('exclusion', 'endurance')))
         raise
