@@ -13,8 +13,8 @@ import numpy as np
 
 from rocsafe_planner.solver.forest import Ascent, edge_lengths
 from rocsafe_planner.solver.neighbours import near_points
-from rocsafe_planner.solver.problem import RoutingProblem
-from rocsafe_planner.solver.relaxation import Relaxation, leg_tables, relax
+from rocsafe_planner.solver.problem import PointLegs, RoutingProblem, Vehicle, leg_cost
+from rocsafe_planner.solver.relaxation import Relaxation, relax
 from rocsafe_planner.solver.tables import Floats, Ints
 
 SAFETY = 1e-9
@@ -40,14 +40,16 @@ def farthest_bound(relaxed: Relaxation) -> float:
 
 def homeward_bound(problem: RoutingProblem) -> float:
     """Return what some vehicle pays whether it serves anybody or not: flying to its end."""
-    tables, closed = leg_tables(problem)
-    least = [
-        min(v.idle_cost, v.fixed_cost + (tables[v.legs][v.start, v.end] if closed else 0.0))
-        if v.end is not None
-        else min(v.idle_cost, v.fixed_cost)
-        for v in problem.vehicles
-    ]
+    least = [_homeward_cost(problem, vehicle) for vehicle in problem.vehicles]
     return max(least) if problem.objective == 'max' else sum(least)
+
+
+def _homeward_cost(problem: RoutingProblem, vehicle: Vehicle) -> float:
+    """Return the least that a vehicle pays; legs of a matrix may have detours that are cheaper."""
+    flown = 0.0
+    if vehicle.end is not None and isinstance(problem.legs[vehicle.legs], PointLegs):
+        flown = leg_cost(problem, vehicle.legs, vehicle.start, vehicle.end)
+    return min(vehicle.idle_cost, vehicle.fixed_cost + flown)
 
 
 def spacing_bound(
@@ -122,8 +124,7 @@ def _all_bounds(problem: RoutingProblem, target: float) -> Iterator[tuple[float,
     """Yield bounds in order of the work they take."""
     total = problem.objective == 'sum'
     crew = tuple(range(len(problem.vehicles)))
-    if problem.customers <= 2500:
-        yield homeward_bound(problem), 'homeward'
+    yield homeward_bound(problem), 'homeward'
     relaxed = relax(problem, crew)
     base = idle_base(problem) if total else 0.0
     if relaxed.closed:

@@ -10,7 +10,7 @@ from rocsafe_planner.solver.tables import Floats
 
 CLOSURE_SITES = 800
 """Up to here given matrices are closed under detours, so that cutting corners never costs more."""
-DENSE_CUSTOMERS = 2500
+DENSE_CUSTOMERS = 800
 """Up to here legs between customers are kept as a table."""
 
 

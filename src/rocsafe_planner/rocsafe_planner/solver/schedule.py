@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_planner.solver.flatten import DENSE_SITES
 from rocsafe_planner.solver.outcome import SearchOptions
 from rocsafe_planner.solver.search import Lane, Manner, Pacer, Plan
 
@@ -22,8 +23,8 @@ FOUNDERS = 4
 """Cycles from a construction before plans are crossed."""
 MEMBERS = 10
 """Plans that are kept for crossing."""
-USUAL_RATE = 6e6
-"""Proposals a second that are counted on before any were made."""
+RATES = (6e6, 2.5e6)
+"""Proposals a second that are counted on before any were made: with a table of legs, without."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +59,8 @@ class Schedule:
         self.made = 0
         self.began = options.clock()
         self.choices = np.random.Generator(np.random.PCG64(options.seed))
-        total = options.proposals or options.budget_s * USUAL_RATE
+        self.usual_rate = RATES[customers > DENSE_SITES]
+        total = options.proposals or options.budget_s * self.usual_rate
         share = total / customers
         self.is_single = share < 4 * LEAST_CYCLE
         self.hot_start = share > 2000
@@ -85,7 +87,7 @@ class Schedule:
     def _rate(self) -> float:
         """Return proposals a second and lane."""
         elapsed = self.options.clock() - self.began
-        return self.made / elapsed if self.made and elapsed > 0 else USUAL_RATE
+        return self.made / elapsed if self.made and elapsed > 0 else self.usual_rate
 
     def next_round(self) -> list[Cycle]:
         """Return a cycle for each lane, equally long."""
@@ -128,7 +130,7 @@ class Schedule:
             cold=-5.5,
             floor=float(self.choices.choice([0.1, 0.2])),
             width=float(self.choices.choice([0.01, 0.02])),
-            ruins=40,
+            ruins=10 if self.is_single else 40,
             long=int(self.choices.choice([0, 3])),
         )
 
