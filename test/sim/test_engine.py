@@ -142,3 +142,23 @@ def test_another_thread_is_refused(eye):
     thread.start()
     thread.join(10.0)
     assert caught == ['the engine was asked from another thread than the one it started in']
+
+
+def test_what_moves_is_where_its_path_says():
+    """Half way in time is half way along; its shadow and its labels go with it."""
+    if open_pipe().kind != EGL:
+        pytest.skip(f'no EGL on this machine: sudo apt install {EGL_PACKAGES}')
+    path = ({'time_s': 0.0, 'at': (-10.0, 2.0)}, {'time_s': 10.0, 'at': (10.0, 2.0)})
+    moving = small_environment(
+        {'name': 'van', 'make': 'ambulance', 'at': (0.0, 0.0), 'path': path}
+    )
+    light = lighting(sun_direction(moving.description.light.time, 53.28, -9.06), 'clear')
+    renderer = Renderer(moving, light, 'clear')
+    eye = renderer.camera(LENS)
+    places = []
+    for time_s in (0.0, 5.0, 10.0):
+        renderer.set_time(time_s)
+        frame = eye.expose(np.array([0.0, 2.0, 32.0]), rotation_enu_from_optical(math.pi / 2))
+        column = np.nonzero(frame.numbers == moving.objects[0].number)[1]
+        places.append((column.mean() - 119.5) / LENS.focal_px * 31.0)
+    assert places == pytest.approx([-10.0, 0.0, 10.0], abs=0.8)
