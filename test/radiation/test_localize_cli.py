@@ -154,3 +154,11 @@ def test_a_wrong_rate_of_errors_is_refused(table, capsys):
     with pytest.raises(SystemExit):
         main([str(table(HEAD)), '--errors', '0.7'])
     assert 'errors = 0.7: must be within 1e-06 to 0.49' in capsys.readouterr().err
+
+
+def test_saturated_readings_are_left_out_and_counted(table):
+    """What they say is only a lower limit."""
+    head = 'east_m,north_m,up_m,dose_rate_usvh,saturated\n'
+    readings = read_readings(table(head + '1,2,3,9,0\n1,2,3,9,1\n1,2,3,9,\n'))
+    assert len(readings.observations) == 2
+    assert readings.dropped == {'saturated: the dose rate is only a lower limit': 1}

@@ -20,6 +20,7 @@ columns of the file, comma separated, with a row of names; others do not matter:
                                             hour) or _usvps (microsievert per second)
   or counts, live_time_s                    with --sensitivity; or both, which is best
   dose_rate_std_usvh, time_ns, vehicle      if there are any
+  saturated                                 1 where the detector was: left out
   reference_counts                          of a window of the spectrum above the lines of the
                                             source: they foretell the background of counts
 Rows without a valid place and value are left out and counted.

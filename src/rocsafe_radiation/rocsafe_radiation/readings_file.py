@@ -29,10 +29,11 @@ STD_COLUMN = 'dose_rate_std_usvh'
 REFERENCE_COLUMN = 'reference_counts'
 GEODETIC_COLUMNS = ('latitude_deg', 'longitude_deg')
 LOCAL_COLUMNS = ('east_m', 'north_m')
-NUMBER, PLACE, NEGATIVE, REPEATED = (
+NUMBER, PLACE, NEGATIVE, SATURATED, REPEATED = (
     'not a number where one is needed',
     'a place out of range',
     'a negative value',
+    'saturated: the dose rate is only a lower limit',
     'the same stamp of the same vehicle again',
 )
 
@@ -81,8 +82,9 @@ def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
     Columns: ``latitude_deg``, ``longitude_deg``, ``altitude_m`` or ``east_m``, ``north_m``,
     ``up_m``; one of ``dose_rate_usvh``, ``_nsvh``, ``_msvh``, ``_svh``, ``_usvps``, or ``counts``
     and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
-    ``model``, and ``reference_counts`` of a window of the spectrum above the lines of the source,
-    which foretell the background. Others do not matter. Rows without a valid place and value are
+    ``model``, ``saturated`` (1: only a lower limit, left out), and ``reference_counts`` of a
+    window of the spectrum above the lines of the source, which foretell the background. Others do
+    not matter. Rows without a valid place and value are
     left out and counted.
 
     Parameters
@@ -147,6 +149,8 @@ def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsF
         reason = values if isinstance(values, str) else ''
         if not reason and stamp and (vehicle, stamp) in seen:
             reason = REPEATED
+        if not reason and _number(row.get('saturated')) > 0.0:
+            reason = SATURATED
         if isinstance(values, str) or reason:
             dropped[reason] += 1
             continue

@@ -116,6 +116,7 @@ class _Log:
             counts=message.counts,
             live_time_s=message.live_time_s,
             model=message.model,
+            saturated=message.saturated,
         )
 
     def _on_fix(self, topic: str, message: Any) -> None:

@@ -27,6 +27,7 @@ COLUMNS = (
     ('counts', 'raw counts of the detector, 0 if it does not count'),
     ('live_time_s', 'seconds counted, empty if it does not count'),
     ('model', 'field model of a simulated reading'),
+    ('saturated', '1: the dose rate is only a lower limit'),
 )
 
 
@@ -66,6 +67,7 @@ def _row(reading: Reading, enu: Sequence[float]) -> list[object]:
         reading.counts,
         _exact(reading.live_time_s),
         reading.model,
+        int(reading.saturated),
     ]
 
 

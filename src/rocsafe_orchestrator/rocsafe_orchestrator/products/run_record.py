@@ -94,6 +94,7 @@ class Reading:
     counts: int
     live_time_s: float
     model: str
+    saturated: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
