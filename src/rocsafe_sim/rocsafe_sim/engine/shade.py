@@ -56,7 +56,7 @@ class Shade:
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
         texture.setMagfilter(core.SamplerState.FTShadow)
-        buffer = self._buffer(name, size, size)
+        buffer = self._buffer(name, size, size, is_coloured=False)
         buffer.addRenderTexture(
             texture, core.GraphicsOutput.RTMBindOrCopy, core.GraphicsOutput.RTPDepth
         )
@@ -67,9 +67,10 @@ class Shade:
         self._stage.root.setShaderInput(f'{name}_shadow', texture)
         return buffer
 
-    def _buffer(self, name: str, width: int, height: int) -> Any:
+    def _buffer(self, name: str, width: int, height: int, *, is_coloured: bool = True) -> Any:
         properties = core.FrameBufferProperties()
-        properties.setRgbaBits(8, 8, 8, 8)
+        if is_coloured:
+            properties.setRgbaBits(8, 8, 8, 8)
         properties.setDepthBits(24)
         host = self._pipe.host
         return self._pipe.engine.makeOutput(

@@ -35,13 +35,13 @@ def geom_node(name: str, mesh: Mesh) -> Any:
     rows['colour'], rows['place'] = mesh.colours, mesh.places
     data = core.GeomVertexData(name, _format(), core.Geom.UHStatic)
     data.uncleanSetNumRows(len(rows))
-    memoryview(data.modifyArray(0)).cast('B')[:] = rows.tobytes()
+    memoryview(data.modifyArray(0)).cast('B')[:] = rows.view(np.uint8).data
     triangles = core.GeomTriangles(core.Geom.UHStatic)
     triangles.setIndexType(core.Geom.NTUint32)
     indices = triangles.modifyVertices()
     indices.uncleanSetNumRows(3 * len(mesh.triangles))
     corners = mesh.triangles.astype(np.uint32)
-    memoryview(indices).cast('B')[:] = corners.tobytes()
+    memoryview(indices).cast('B')[:] = corners.data.cast('B')
     geom = core.Geom(data)
     geom.addPrimitive(triangles)
     node = core.GeomNode(name)
@@ -124,7 +124,7 @@ def _fill(texture: Any, values: NDArray[Any]) -> None:
     texture.setCompression(core.Texture.CMOff)
     texture.setKeepRamImage(False)
     raw = np.ascontiguousarray(values)
-    texture.setRamImage(raw.tobytes())
+    texture.setRamImage(raw.data.cast('B'))
 
 
 def _wrap(texture: Any, mode: Any) -> None:
