@@ -24,6 +24,15 @@ class Best(NamedTuple):
     """(1,) worth, as `worth` counts it."""
 
 
+class Dice(NamedTuple):
+    """Random numbers of a lane."""
+
+    counter: Words
+    """(1,) state of the generator."""
+    thresholds: Floats
+    """Acceptance draws, see `acceptance_thresholds`."""
+
+
 @inlined
 def worth(tables: Tables, state: State, peak: float, share: float) -> float:
     """Return what is minimised: peak*longest + share*total, and any breach of limits."""
@@ -137,71 +146,83 @@ def passes(
     return not tables.restricted or (allowed(tables, state, one) and allowed(tables, state, other))
 
 
-@kernel
-def anneal(
-    tables: Tables,
-    state: State,
-    goal: Goal,
-    best: Best,
-    thresholds: Floats,
-    random: Words,
-    peak: float,
-    share: float,
-    temperature: float,
-    ratio: float,
-    proposals: int,
-    ruins: int,
-) -> int:
-    """Make so many proposals while the temperature falls by `ratio` every 256 of them.
-
-    Keeps the best routes met in `best`; answers how many proposals were accepted.
-    """
+@inlined
+def proposal(tables: Tables, state: State, word: Word, long: Word) -> tuple[Change, Change]:
+    """Describe a random move beside a random customer, drawn from the bits of a word."""
     n, near = tables.near.shape
-    m = len(state.length)
-    counter = random[0]
+    i = below(word >> Word(32), n)
+    a = Long(state.route[i])
+    p = Long(state.place[i])
+    pick = Long((((word >> Word(12)) & Word(127)) * Word(near * 16 + 8)) >> Word(7))
+    more = scramble(word)
+    if pick < near * 16:
+        j = tables.near[i, pick >> 4]
+        b = Long(state.route[j])
+        q = Long(state.place[j])
+    else:
+        b = below(more >> Word(32), len(state.length))
+        q = Long(0 if pick & 1 else state.length[b] + 1)
+    if a == b:
+        return within(state, a, p, q, more, long), NONE
+    return between(state, a, p, b, q, more, long)
+
+
+@inlined
+def note(tables: Tables, state: State, best: Best, peak: float, share: float) -> None:
+    """Keep the routes if they are the best so far."""
+    value = worth(tables, state, peak, share)
+    if value < best.value[0]:
+        best.value[0] = value
+        unload(state, best.order, best.lengths)
+
+
+class Heat(NamedTuple):
+    """How a chunk of proposals anneals."""
+
+    temperature: float
+    ratio: float
+    """Factor of the temperature every 256 proposals."""
+    proposals: int
+    ruins: int
+    """Of 4096 proposals, how many are ruin and recreate."""
+    long: int
+    """Of 16 segments, how many may be long."""
+
+
+class Aim(NamedTuple):
+    """What is searched for: the energy that guides, and the worth that decides."""
+
+    goal: Goal
+    peak: float
+    share: float
+
+
+@kernel
+def anneal(tables: Tables, state: State, aim: Aim, best: Best, random: Dice, heat: Heat) -> int:
+    """Make so many proposals; keep the best routes met in `best`.
+
+    Answers how many proposals were accepted.
+    """
+    counter = random.counter[0]
+    temperature = heat.temperature
     accepted = 0
-    ruin_words = Word(ruins & 65535)
-    long = Word(ruins >> 16)
-    for step in range(proposals):
+    for step in range(heat.proposals):
         if step & 255 == 255:
-            temperature *= ratio
+            temperature *= heat.ratio
         counter += GOLDEN
         word = scramble(counter)
-        if (word >> Word(52)) < ruin_words:
-            random[0] = counter
-            bar = temperature * thresholds[word & Word((1 << THRESHOLD_BITS) - 1)]
-            made = ruin(tables, state, goal, random, bar)
-            counter = random[0]
+        bar = temperature * random.thresholds[word & Word((1 << THRESHOLD_BITS) - 1)]
+        if (word >> Word(52)) < Word(heat.ruins):
+            random.counter[0] = counter
+            made = ruin(tables, state, aim.goal, random.counter, bar)
+            counter = random.counter[0]
+        else:
+            one, other = proposal(tables, state, word, Word(heat.long))
+            made = passes(tables, state, aim.goal, bar, one, other)
             if made:
-                accepted += 1
-                value = worth(tables, state, peak, share)
-                if value < best.value[0]:
-                    best.value[0] = value
-                    unload(state, best.order, best.lengths)
-            continue
-        bar = temperature * thresholds[word & Word((1 << THRESHOLD_BITS) - 1)]
-        i = below(word >> Word(32), n)
-        a = Long(state.route[i])
-        p = Long(state.place[i])
-        pick = Long((((word >> Word(12)) & Word(127)) * Word(near * 16 + 8)) >> Word(7))
-        more = scramble(word)
-        if pick < near * 16:
-            j = tables.near[i, pick >> 4]
-            b = Long(state.route[j])
-            q = Long(state.place[j])
-        else:
-            b = below(more >> Word(32), m)
-            q = Long(0 if pick & 1 else state.length[b] + 1)
-        if a == b:
-            one, other = within(state, a, p, q, more, long), NONE
-        else:
-            one, other = between(state, a, p, b, q, more, long)
-        if passes(tables, state, goal, bar, one, other):
-            make(tables, state, one, other)
+                make(tables, state, one, other)
+        if made:
             accepted += 1
-            value = worth(tables, state, peak, share)
-            if value < best.value[0]:
-                best.value[0] = value
-                unload(state, best.order, best.lengths)
-    random[0] = counter
+            note(tables, state, best, aim.peak, aim.share)
+    random.counter[0] = counter
     return accepted

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_planner.solver.anneal import Best, anneal
+from rocsafe_planner.solver.anneal import Aim, Best, Dice, Heat, anneal
 from rocsafe_planner.solver.crossover import complete, mix
 from rocsafe_planner.solver.moves import Goal
 from rocsafe_planner.solver.randomness import acceptance_thresholds, seed_word
@@ -113,20 +113,15 @@ class Lane:
         """Make some proposals; `progress` of the cycle goes by `rate` with each."""
         exponent = manner.hot + (manner.cold - manner.hot) * progress
         ratio = power_of_two((manner.cold - manner.hot) * rate * STEP)
-        anneal(
-            self.tables,
-            self.state,
-            self.goal(manner),
-            self.best,
-            THRESHOLDS,
-            self.random,
-            self.peak,
-            self.share,
-            self.scale * power_of_two(exponent),
-            ratio,
-            proposals,
-            manner.ruins | manner.long << 16,
+        heat = Heat(
+            temperature=self.scale * power_of_two(exponent),
+            ratio=ratio,
+            proposals=proposals,
+            ruins=manner.ruins,
+            long=manner.long,
         )
+        aim = Aim(self.goal(manner), self.peak, self.share)
+        anneal(self.tables, self.state, aim, self.best, Dice(self.random, THRESHOLDS), heat)
         self.proposals += proposals
 
     def cycle(self, manner: Manner, pacer: 'Pacer') -> None:
