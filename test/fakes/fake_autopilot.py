@@ -48,14 +48,24 @@ class FakeCopter:
     home : latitude and longitude, degrees.
     boot_s : for how long it has been on already.
     unix_s : time of day at simulated time 0, seconds since 1970.
+    patience : by how much it waits longer for a mission, where its time runs fast.
     fs_gcs_enable : whether it returns when the station's heartbeats stop; off by default, as on
         the real one.
     """
 
     def __init__(
-        self, system=1, *, fs_gcs_enable=False, speed_mps=10.0, home=HOME, boot_s=0.0, unix_s=0.0
+        self,
+        system=1,
+        *,
+        fs_gcs_enable=False,
+        speed_mps=10.0,
+        home=HOME,
+        boot_s=0.0,
+        unix_s=0.0,
+        patience=1.0,
     ):
-        self.missions = MissionStore(system, home=_home_item(home))
+        self._patience = patience
+        self.missions = MissionStore(system, home=_home_item(home), patience=patience)
         self.home = home
         self._unix_s = unix_s
         self._head_start_s = boot_s
@@ -147,7 +157,9 @@ class FakeCopter:
 
     def reboot(self):
         """Start again: rates, home and the mission of the simulator are gone."""
-        self.missions = MissionStore(self._system, home=_home_item(self.home))
+        self.missions = MissionStore(
+            self._system, home=_home_item(self.home), patience=self._patience
+        )
         self._start()
 
     def lose_battery(self):

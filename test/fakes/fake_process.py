@@ -48,6 +48,7 @@ class Served:
                 boot_s=arguments.boot,
                 unix_s=self.began_s,
                 fs_gcs_enable=arguments.returns,
+                patience=max(1.0, arguments.rate),
             )
             for system in arguments.systems
         }

@@ -45,6 +45,15 @@ class Airspace:
         """Let the battery's voltage fall below its limit."""
         self.copters[system].lose_battery()
 
+    def leave_fence(self, system=1):
+        """Fly out of the circle."""
+        self.copters[system].breach_fence()
+
+    def restart(self, system=1):
+        """Switch the autopilot off and on; it has been on for long enough to fly."""
+        self.copters[system].reboot()
+        self.copters[system].boot_s -= 60.0
+
     def fall_silent(self, system=1):
         """End the autopilot."""
         self.copters[system].is_silent = True

@@ -48,14 +48,25 @@ class SitlCopter:
         lines = {**PARAMETERS, 'MAV_SYSID': system, **parameters}
         (folder / 'own.parm').write_text(''.join(f'{k} {v}\n' for k, v in lines.items()))
         control = self._control.getsockname()[1]
+        self._link_port = link_port
+        self._folder, self._speedup, self._control_port = folder, speedup, control
         self._log = (folder / 'sitl.log').open('wb')
+        self.process = None
+        self.start()
+
+    def start(self):
+        """Switch it on; off before, if it is on."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait()
+        system, speedup, folder = self.system, self._speedup, self._folder
         self.process = subprocess.Popen(
             [
                 *(BINARY, '--model', '+', '--wipe', '--speedup', str(speedup)),
                 *('--home', f'{HOME[0]},{HOME[1]},488,0'),
                 *('--instance', str(system - 1), '--sysid', str(system)),
-                *('--serial0', f'udpclient:127.0.0.1:{link_port}'),
-                *('--serial1', f'udpclient:127.0.0.1:{control}', '--serial2', 'none'),
+                *('--serial0', f'udpclient:127.0.0.1:{self._link_port}'),
+                *('--serial1', f'udpclient:127.0.0.1:{self._control_port}', '--serial2', 'none'),
                 *('--defaults', 'own.parm'),
             ],
             cwd=folder,
@@ -135,6 +146,13 @@ class SitlAirspace:
     def drain(self, system=1):
         """Let the battery's voltage fall below its limit."""
         self.copters[system].set('SIM_BATT_VOLTAGE', 10.6)
+
+    def leave_fence(self, system=1):
+        """Do nothing: it flies out of its circle by its route."""
+
+    def restart(self, system=1):
+        """Switch the autopilot off and on."""
+        self.copters[system].start()
 
     def fall_silent(self, system=1):
         """End the autopilot."""

@@ -34,6 +34,7 @@ from rocsafe_ros.conversions import point_of_position
 
 # Wall time for a flight of some minutes on a busy machine.
 DEADLINE_S = 120.0
+CIRCLE = {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 120, 'FENCE_ACTION': 1}
 LOW_BATTERY_RETURNS = {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 2}
 # Time-outs of the autopilot run as fast as its time: slow enough for heartbeats once a second.
 SLOW = 3.0
@@ -220,6 +221,41 @@ def test_low_battery_ends_the_flight(start):
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.BATTERY_LOW
     assert 'Battery' in answer.error_msg
+
+
+def test_fence_ends_the_flight(start):
+    """It leaves its circle, returns by itself, and is not sent out again."""
+    ground = start(parameters=CIRCLE)
+    result = in_air(ground, survey(12))
+    ground.air.leave_fence()
+    answer = ended(ground, result)
+    assert answer.outcome == FlyRoute.Result.FAILSAFE_FENCE
+    assert 'fence breached' in answer.error_msg
+    assert answer.viewpoints_visited < 12
+
+
+def test_camera_is_triggered_by_distance(start):
+    """Every 20 m between the first and the last waypoint, the counter without gaps."""
+    ground = start(trigger_distance_m=20.0)
+    answer = ended(ground, ground.fly(route=survey(6)))
+    assert answer.outcome == FlyRoute.Result.COMPLETED
+    ground.listen(topics.STATE)
+    ground.until(lambda: ground.seen().vehicle == 'rav1', DEADLINE_S)
+    # 200 m, the first at once.
+    assert ground.seen().shots_taken == pytest.approx(11, abs=1)
+
+
+def test_autopilot_that_starts_again_is_asked_anew(start):
+    """Its rates are gone: within seconds positions come again, and nothing else was sent."""
+    ground = start()
+    fixes, events = ground.listen(topics.FIX), ground.listen(topics.EVENTS)
+    ground.until(lambda: len(fixes) > 20 and fixes[-1].status.status >= 0, DEADLINE_S)
+    ground.air.restart()
+    ground.until(
+        lambda: any(event.kind in ('started again', 'found') for event in events), DEADLINE_S
+    )
+    count = len(fixes)
+    ground.until(lambda: len(fixes) > count + 20 and fixes[-1].status.status >= 0, DEADLINE_S)
 
 
 def test_lost_receiver_ends_the_flight(start):

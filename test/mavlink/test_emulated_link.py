@@ -148,3 +148,31 @@ def test_silence_in_flight_changes_nothing():
     air.until(lambda: air.flight().is_over)
     assert air.flight().outcome is Outcome.COMPLETED
     assert [number for number in air.copters[1].commands if number != 511] == before
+
+
+def test_landing_that_nobody_heard_is_told_by_the_mission():
+    """Silent from the first waypoint to the ground: its mission says that it is complete."""
+    air = RadioAir(Radio())
+    air.until(lambda: air.now_s > READY_S and may_fly(air))
+    air.until(lambda: air.flight().visited >= 1)
+    air.radio.loss = 1.0
+    air.until(lambda: not air.copters[1].is_armed)
+    air.radio.loss = 0.0
+    air.until(lambda: air.flight().is_over, 60.0)
+    assert (air.flight().outcome, air.flight().visited) == (Outcome.COMPLETED, 3)
+
+
+@pytest.mark.parametrize('fault', ['fence', 'receiver'])
+def test_failsafe_whose_words_were_lost_is_seen(fault):
+    """The fence's status, or the estimate's flags, say what the text would have said."""
+    air = RadioAir(Radio())
+    air.until(lambda: air.now_s > READY_S and may_fly(air))
+    air.until(lambda: air.flight().visited >= 1)
+    air.copters[1]._text = lambda *_words: None
+    if fault == 'fence':
+        air.copters[1].breach_fence()
+    else:
+        air.copters[1].has_gps = False
+    air.until(lambda: air.flight().is_over)
+    wanted = Outcome.FAILSAFE_FENCE if fault == 'fence' else Outcome.FAILSAFE_GPS
+    assert air.flight().outcome is wanted

@@ -11,7 +11,6 @@ from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
@@ -26,9 +25,8 @@ from rocsafe_mavlink.drone import DroneSpec
 from rocsafe_mavlink.events import Event
 from rocsafe_mavlink.fence import Ring
 from rocsafe_mavlink.flight_journal import Assignment
-from rocsafe_mavlink.flight_outcome import Outcome
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.observation import FlightSummary, Left, Observation
+from rocsafe_mavlink.observation import Observation
 from rocsafe_mavlink.preflight import Check, Verdict
 from rocsafe_mavlink.vehicle import Contact
 from rocsafe_ros.conversions import position_of_point
@@ -45,17 +43,6 @@ STATES = {
     FlightState.LANDING: VehicleState.LANDING,
     FlightState.LANDED: VehicleState.LANDED,
     FlightState.LOST: VehicleState.LOST,
-}
-OUTCOMES = {
-    Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
-    Outcome.ABORTED_BY_OPERATOR: FlyRoute.Result.RETURNED_EARLY,
-    Outcome.FAILSAFE_BATTERY: FlyRoute.Result.BATTERY_LOW,
-    Outcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
-    Outcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
-    Outcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
-    Outcome.REJECTED: FlyRoute.Result.REJECTED,
-    Outcome.RESTARTED: FlyRoute.Result.ABORTED,
-    Outcome.LOST: FlyRoute.Result.LOST,
 }
 _VERDICTS = {
     Verdict.PASS: PreflightCheck.PASS,
@@ -257,36 +244,6 @@ def check_message(check: Check) -> PreflightCheck:
     return PreflightCheck(
         name=check.name, verdict=_VERDICTS[check.verdict], value=check.value, limit=check.limit
     )
-
-
-def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
-    """Return the result of a flight that has ended."""
-    is_complete = summary.outcome is Outcome.COMPLETED
-    words = ': '.join(filter(None, (summary.outcome.value, summary.text)))
-    return FlyRoute.Result(
-        outcome=OUTCOMES[summary.outcome],
-        error_msg='' if is_complete else words,
-        viewpoints_visited=summary.visited,
-        shots_taken=shots,
-        distance_flown_m=summary.distance_m,
-        duration_s=summary.duration_s,
-    )
-
-
-def cancelled_message(left: Left, shots: int, reason: str) -> FlyRoute.Result:
-    """Return the result of a flight that was cancelled; `reason`: why it does not even hold."""
-    outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
-    return FlyRoute.Result(
-        outcome=outcome,
-        error_msg=reason or 'cancelled by request: the vehicle holds',
-        viewpoints_visited=left.visited,
-        shots_taken=shots,
-    )
-
-
-def refusal_message(reason: str) -> FlyRoute.Result:
-    """Return the result of a route that is not flown."""
-    return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
 
 
 def link_status(

@@ -9,21 +9,26 @@ no reason to resume, and what is believed is always the vehicle's own word.
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink import commands
 from rocsafe_mavlink.autopilot import Autopilot, Verb
 from rocsafe_mavlink.commands import CallStage, CommandCall
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
 from rocsafe_mavlink.flight_plan import FlightPlan, Mission, mission_of
+from rocsafe_mavlink.flight_signs import home_moved, shown_failsafe
 from rocsafe_mavlink.mission_item import MissionItem
 from rocsafe_mavlink.mission_transfer import Transfer, TransferStage, compare, transfer
-from rocsafe_mavlink.vehicle import Contact, Home, Landed, Vehicle
+from rocsafe_mavlink.vehicle import (
+    Contact,
+    Home,
+    Landed,
+    MissionPhase,
+    Vehicle,
+)
 
 # A mode or arming that was accepted shows in a heartbeat within this time, two of them lost.
 SHOWS_WITHIN_S = 3.5
 GIVE_UP_LOST_S = 600.0
-HOME_MOVED_M, HOME_ROSE_M = 10.0, 3.0
 Answer = tuple['Flight', list[Message]]
 
 
@@ -211,17 +216,24 @@ class Flight:
             if silent_s > GIVE_UP_LOST_S:
                 return self._end(Outcome.LOST, f'nothing heard for {silent_s:.0f} s')
             return self
-        going = replace(self, visited=max(self.visited, self._visited(vehicle)))
-        return going if vehicle.is_armed else going._landed()
+        going = replace(
+            self,
+            visited=max(self.visited, self._visited(vehicle)),
+            cause=self.cause or shown_failsafe(vehicle),
+        )
+        return going if vehicle.is_armed else going._landed(vehicle)
 
     def _visited(self, vehicle: Vehicle) -> int:
         is_on_mission = vehicle.is_armed and self.autopilot.is_in(vehicle, Verb.MISSION)
         before_current = vehicle.mission.current - 1 if is_on_mission else -1
         return self.mission.visited(max(vehicle.mission.reached, before_current))
 
-    def _landed(self) -> 'Flight':
-        if self.visited == len(self.mission.waypoint_items):
-            return self._end(Outcome.COMPLETED, '')
+    def _landed(self, vehicle: Vehicle) -> 'Flight':
+        # What was reached unheard shows in the end: its mission is complete.
+        is_complete = vehicle.mission.phase is MissionPhase.COMPLETE and self.cause is None
+        count = len(self.mission.waypoint_items)
+        if is_complete or self.visited == count:
+            return replace(self, visited=count)._end(Outcome.COMPLETED, '')
         cause = self.cause or Outcome.ABORTED_BY_OPERATOR
         return self._end(cause, self.reason or 'it landed before its last waypoint')
 
@@ -280,19 +292,3 @@ def adopted(
         target=(vehicle.system, vehicle.component),
         stage=FlightStage.FLYING,
     )
-
-
-def home_moved(planned: Home, now: Home | None) -> str:
-    """Return how far home moved, if it is more than a flight planned before can stand."""
-    if now is None:
-        return 'home is not known after arming'
-    level_m = distance_m(_place(planned), _place(now))
-    rise_m = abs(now.altitude_msl_m - planned.altitude_msl_m)
-    if level_m <= HOME_MOVED_M and rise_m <= HOME_ROSE_M:
-        return ''
-    limits = f'at most {HOME_MOVED_M:g} m and {HOME_ROSE_M:g} m'
-    return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height at arming: {limits} allowed'
-
-
-def _place(home: Home) -> GeoPosition:
-    return GeoPosition(home.latitude_deg, home.longitude_deg)

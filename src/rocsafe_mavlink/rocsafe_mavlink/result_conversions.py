@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How flights ended -> results of fly_route."""
+
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_mavlink.flight_outcome import Outcome
+from rocsafe_mavlink.observation import FlightSummary, Left
+
+OUTCOMES = {
+    Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
+    Outcome.ABORTED_BY_OPERATOR: FlyRoute.Result.RETURNED_EARLY,
+    Outcome.FAILSAFE_BATTERY: FlyRoute.Result.BATTERY_LOW,
+    Outcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
+    Outcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
+    Outcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
+    Outcome.REJECTED: FlyRoute.Result.REJECTED,
+    Outcome.RESTARTED: FlyRoute.Result.ABORTED,
+    Outcome.LOST: FlyRoute.Result.LOST,
+}
+
+
+def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
+    """Return the result of a flight that has ended."""
+    is_complete = summary.outcome is Outcome.COMPLETED
+    words = ': '.join(filter(None, (summary.outcome.value, summary.text)))
+    return FlyRoute.Result(
+        outcome=OUTCOMES[summary.outcome],
+        error_msg='' if is_complete else words,
+        viewpoints_visited=summary.visited,
+        shots_taken=shots,
+        distance_flown_m=summary.distance_m,
+        duration_s=summary.duration_s,
+    )
+
+
+def cancelled_message(left: Left, shots: int, reason: str) -> FlyRoute.Result:
+    """Return the result of a flight that was cancelled; `reason`: why it does not even hold."""
+    outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
+    return FlyRoute.Result(
+        outcome=outcome,
+        error_msg=reason or 'cancelled by request: the vehicle holds',
+        viewpoints_visited=left.visited,
+        shots_taken=shots,
+    )
+
+
+def refusal_message(reason: str) -> FlyRoute.Result:
+    """Return the result of a route that is not flown."""
+    return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
