@@ -124,7 +124,7 @@ class Ground:
             node.destroy_node()
 
 
-def survey(count=4, vehicle='rav1', *, height_m=30.0, step_m=40.0):
+def survey(count=4, vehicle='rav1', *, height_m=15.0, step_m=30.0):
     """Return a route of viewpoints in a row to the north."""
     places = [offset(HOME_PLACE, 0.0, step_m * (n + 1), height_m) for n in range(count)]
     return Route(
