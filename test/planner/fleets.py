@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.motion.autopilot import DIRECT
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.fleet_problem import FleetProblem
@@ -44,7 +45,7 @@ CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
 
 def vehicle(name='rav1', home=STARTS[0], altitude=12.0, **changes):
-    """Return a vehicle of ordinary performance."""
+    """Return a vehicle of ordinary performance, whose times can be worked by hand."""
     values = {
         'cruise_speed_mps': 8.0,
         'acceleration_mps2': 2.5,
@@ -52,6 +53,7 @@ def vehicle(name='rav1', home=STARTS[0], altitude=12.0, **changes):
         'descent_rate_mps': 2.0,
         'hover_s': 2.0,
         'endurance_s': 10_000.0,
+        'autopilot': DIRECT,
         **changes,
     }
     return Vehicle(name=name, home=GeoPosition(*home, altitude), **values)

@@ -6,6 +6,7 @@ import math
 from hypothesis import strategies as st
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_planner.survey_region import SurveyRegion
 
@@ -46,6 +47,13 @@ def areas(draw):
     return SurveyArea(ring(corners), tuple(holes))
 
 
+AUTOPILOTS = (
+    Autopilot(),
+    DIRECT,
+    Autopilot(jerk_mps3=4.0, smoothing_s=0.0, waypoint_radius_m=8.0, landing_height_m=50.0),
+)
+
+
 @st.composite
 def fleets(draw):
     """Draw one to four unlike vehicles that stand outside the regions."""
@@ -60,7 +68,8 @@ def fleets(draw):
                 (home.latitude_deg, home.longitude_deg),
                 cruise_speed_mps=draw(st.floats(4.0, 15.0)),
                 acceleration_mps2=draw(st.floats(0.5, 4.0)),
-                hover_s=draw(st.floats(0.0, 3.0)),
+                hover_s=draw(st.just(0.0) | st.floats(0.0, 3.0)),
+                autopilot=draw(st.sampled_from(AUTOPILOTS)),
                 endurance_s=draw(st.sampled_from((900.0, 10_000.0))),
                 battery_swap_s=60.0,
                 is_open=landing == 'open',

@@ -105,7 +105,7 @@ BOW_TIE = [CORNERS[0], CORNERS[2], CORNERS[1], CORNERS[3]]
             changed(['vehicles', 0, 'home'], [91, 0]),
             'rav1 home: latitude_deg is 91: must be -90 to',
         ),
-        (changed(['vehicles', 0, 'endurance_s'], 60), 'rav1 needs 5'),
+        (changed(['vehicles', 0, 'endurance_s'], 60), 'rav1 needs '),
         (changed(['height_agl_m'], -1), 'height_agl_m is -1 m: must be above 0'),
         (
             changed(['camera', 'horizontal_fov_deg'], 180),

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 from hypothesis import strategies as st
 
-from rocsafe_geo.motion import MotionLimits
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.observation import Observation
 from rocsafe_sim.route import Route, Waypoint
@@ -15,9 +16,9 @@ from rocsafe_sim.vehicle import Vehicle
 HOME = (-40.0, 25.0, 0.0)
 START_NS = 1_700_000_000_000_000_000
 AIRFRAME = Airframe(
-    limits=MotionLimits(cruise_speed_mps=8.0, acceleration_mps2=2.0),
-    climb_rate_mps=3.0,
-    descent_rate_mps=2.0,
+    performance=Performance(
+        cruise_speed_mps=8.0, acceleration_mps2=2.0, climb_rate_mps=3.0, descent_rate_mps=2.0
+    ),
     hover_s=1.5,
     endurance_s=1200.0,
     reserve_fraction=0.2,
@@ -39,13 +40,23 @@ coordinates = st.floats(-120.0, 120.0)
 @st.composite
 def airframes(draw: st.DrawFn) -> Airframe:
     """Return multirotors from sluggish to brisk, with batteries that always suffice."""
-    speeds = st.floats(3.0, 20.0)
-    return Airframe(
-        limits=MotionLimits(
-            cruise_speed_mps=draw(speeds), acceleration_mps2=draw(st.floats(0.3, 8.0))
-        ),
+    autopilot = Autopilot(
+        jerk_mps3=draw(st.floats(0.3, 10.0)),
+        smoothing_s=draw(st.just(0.0) | st.floats(0.05, 1.0)),
+        vertical_acceleration_mps2=draw(st.floats(0.3, 3.0)),
+        waypoint_radius_m=draw(st.just(0.0) | st.floats(0.5, 8.0)),
+        lean_angle_deg=draw(st.floats(20.0, 45.0)),
+    )
+    performance = Performance(
+        cruise_speed_mps=draw(st.floats(3.0, 20.0)),
+        acceleration_mps2=draw(st.floats(0.3, 8.0)),
         climb_rate_mps=draw(st.floats(0.5, 6.0)),
         descent_rate_mps=draw(st.floats(0.5, 6.0)),
+        autopilot=autopilot,
+        wind_mps=draw(st.just((0.0, 0.0)) | st.tuples(st.floats(-4, 4), st.floats(-4, 4))),
+    )
+    return Airframe(
+        performance=performance,
         hover_s=draw(st.floats(0.0, 5.0)),
         endurance_s=1e6,
         reserve_fraction=0.1,

@@ -47,6 +47,13 @@ COMMON = {
     'image_height_px': 48,
     'hover_s': 0.5,
     'climb_rate_mps': 5.0,
+    # brisk, to be over soon
+    'jerk_mps3': 20.0,
+    'vertical_acceleration_mps2': 5.0,
+    'vertical_jerk_mps3': 20.0,
+    'landing_height_m': 0.0,
+    'landing_speed_mps': 5.0,
+    'home_wait_s': 0.0,
     'descent_rate_mps': 5.0,
 }
 DEADLINE_S = 30.0

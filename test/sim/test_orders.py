@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehicle_on
@@ -17,7 +18,10 @@ from rocsafe_sim.vehicle import Vehicle
 
 ORDERS = ('hold', 'resume', 'return_home', 'land')
 # seconds after take-off at which the flight of ROUTE is in each mode
-TIMES_S = {Mode.TAKING_OFF: 5.0, Mode.FLYING: 25.0, Mode.RETURNING: 51.0, Mode.LANDING: 62.0}
+TIMES_S = {Mode.TAKING_OFF: 5.0, Mode.FLYING: 36.0, Mode.RETURNING: 70.0, Mode.LANDING: 90.0}
+# full acceleration takes 2 s to let go of, on the way to 8 m/s; then 8 m/s take 4 s and 2 s
+LONGEST_STOP_S = 2.0 + 4.0 + 2.0
+LONGEST_STOP_M = 8.0 * 2.0 + 0.5 * 8.0 * 6.0
 OBEYED = {
     Mode.DISARMED: (),
     Mode.TAKING_OFF: ('hold', 'return_home', 'land'),
@@ -35,7 +39,7 @@ def vehicle_in(mode: Mode) -> Vehicle:
     if mode in TIMES_S:
         at_s(vehicle, TIMES_S[mode])
     elif mode is Mode.HOLDING:
-        at_s(vehicle, 25.0)
+        at_s(vehicle, 36.0)
         vehicle.hold()
     elif mode is Mode.LANDED:
         at_s(vehicle, 1000.0)
@@ -56,18 +60,18 @@ def test_orders_are_obeyed_or_refused_with_the_mode(mode: Mode, order: str) -> N
 
 
 @settings(max_examples=15, deadline=None)
-@given(st.floats(0.1, 55.0), st.floats(0.0, 100.0))
+@given(st.floats(0.1, 75.0), st.floats(0.0, 100.0))
 def test_hold_stops_and_resume_visits_the_rest(held_s: float, for_s: float) -> None:
-    """A hold brakes within the limits; after it all viewpoints are photographed, once each."""
+    """A hold brakes at once, smoothly; after it all viewpoints are photographed, once each."""
     vehicle = vehicle_on()
     shots = list(at_s(vehicle, held_s).shots)
     before = vehicle.step(vehicle.time_ns).pose
     vehicle.hold()
-    stopped = at_s(vehicle, held_s + 8.0 / 2.0).pose
-    braking_m = before.speed_mps**2 / (2 * AIRFRAME.limits.acceleration_mps2)
+    assert vehicle.step(vehicle.time_ns).pose == before
+    stopped = at_s(vehicle, held_s + LONGEST_STOP_S).pose
     assert stopped.velocity_enu == (0.0, 0.0, 0.0)
-    assert math.dist(stopped.position_enu[:2], before.position_enu[:2]) == pytest.approx(braking_m)
-    shots += at_s(vehicle, held_s + 4.0 + for_s).shots
+    assert math.dist(stopped.position_enu, before.position_enu) <= LONGEST_STOP_M
+    shots += at_s(vehicle, held_s + LONGEST_STOP_S + for_s).shots
     vehicle.resume()
     shots += [shot for seen in steps(vehicle, 1.0) for shot in seen.shots]
     assert [s.viewpoint_id for s in shots] == [w.viewpoint_id for w in ROUTE.waypoints]
@@ -96,7 +100,7 @@ def test_land_comes_down_where_it_can_stop() -> None:
     vehicle.land()
     last = list(steps(vehicle, 0.5))[-1].pose
     assert last.position_enu[2] == 0.0
-    assert math.dist(before.position_enu[:2], last.position_enu[:2]) <= 8.0**2 / 4.0
+    assert math.dist(before.position_enu[:2], last.position_enu[:2]) <= LONGEST_STOP_M
     summary = vehicle.summary()
     assert summary is not None
     assert summary.outcome is Outcome.RETURNED_EARLY
@@ -161,7 +165,7 @@ def test_route_from_elsewhere_is_refused() -> None:
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.floats(40.0, 200.0), st.floats(0.0, 0.5), st.sampled_from([0.7, 30.0]))
+@given(st.floats(60.0, 300.0), st.floats(0.0, 0.5), st.sampled_from([0.7, 30.0]))
 def test_lands_with_its_reserve(endurance_s: float, reserve: float, step_s: float) -> None:
     """However small the battery: refused, or landed at home with at least the reserve."""
     airframe = replace(AIRFRAME, endurance_s=endurance_s, reserve_fraction=reserve)
@@ -183,10 +187,12 @@ def test_lands_with_its_reserve(endurance_s: float, reserve: float, step_s: floa
 
 def test_low_battery_is_not_called_too_early() -> None:
     """The vehicle turns back with no more than the safety margin to spare."""
-    airframe = replace(AIRFRAME, endurance_s=60.0, reserve_fraction=0.2)
+    airframe = replace(AIRFRAME, endurance_s=120.0, reserve_fraction=0.2)
     vehicle = vehicle_on(airframe=airframe)
     last = list(steps(vehicle, 0.1))[-1]
-    assert 0.2 <= last.battery_fraction <= 0.2 + 6.0 / 60.0
+    # 8 s until the next look, and less power than at full speed for 60 s of return
+    assert 0.2 <= last.battery_fraction <= 0.2 + (8.0 + 0.06 * 60.0) / 120.0
+    assert 0 < last.viewpoints_visited < len(ROUTE.waypoints)
 
 
 def test_held_vehicle_returns_before_its_battery_is_empty() -> None:
@@ -207,3 +213,43 @@ def test_distance_is_that_of_the_route() -> None:
     expected = sum(math.dist(a[:2], b[:2]) for a, b in pairwise(stops))
     assert vehicle.left()[0] == pytest.approx(expected)
     assert at_s(vehicle, 1e4).distance_flown_m == pytest.approx(expected)
+
+
+# Between home and all viewpoints but the first; further to the north than to the south.
+WALL = ((5.0, 5.0), (12.0, 5.0), (12.0, 60.0), (5.0, 60.0))
+BEHIND_WALL = tuple(
+    replace(ROUTE.waypoints[0], viewpoint_id=number, position_enu=place)
+    for number, place in enumerate([(0.0, -20.0, 32.0), (40.0, 30.0, 32.0), (60.0, 30.0, 32.0)])
+)
+WALLED = replace(
+    ROUTE,
+    waypoints=(
+        BEHIND_WALL[0],
+        replace(BEHIND_WALL[1], approach_enu=((14.1, 0.0, 32.0),)),
+        BEHIND_WALL[2],
+    ),
+    homeward_enu=((5.0, 2.9, 32.0),),
+    exclusions=(WALL,),
+    clearance_m=2.0,
+)
+
+
+@pytest.mark.parametrize('why', ['told', 'battery', 'another route'])
+def test_giving_up_a_route_goes_around_exclusions(why: str) -> None:
+    """Home, or to another route, the vehicle keeps as clear as its route does."""
+    vehicle = vehicle_on(WALLED, replace(AIRFRAME, endurance_s=150.0 if why == 'battery' else 1e4))
+    flown = []
+    while vehicle.mode is not Mode.RETURNING and vehicle.flight.visited < 2:
+        flown.append(vehicle.step(vehicle.time_ns + 100_000_000).pose.position_enu[:2])
+    if why == 'told':
+        vehicle.return_home()
+    elif why == 'another route':
+        vehicle.cancel()
+        west = replace(BEHIND_WALL[0], position_enu=(-20.0, 40.0, 32.0))
+        vehicle.fly_route(replace(WALLED, plan_id='plan-2', waypoints=(west,), homeward_enu=()))
+    else:
+        assert vehicle.flight.ending is Outcome.BATTERY_LOW
+    assert flown[-1][0] > 12.0
+    flown += [seen.pose.position_enu[:2] for seen in steps(vehicle, 0.1)]
+    assert flown[-1] == HOME[:2]
+    assert shapely.distance(shapely.LineString(flown), shapely.Polygon(WALL)) >= 2.0 - 0.03

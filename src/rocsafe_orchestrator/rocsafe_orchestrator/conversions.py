@@ -7,6 +7,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
+    Autopilot,
     CameraSpec,
     GeoPoint,
     MissionState,
@@ -120,6 +121,7 @@ def _vehicle_spec(scenario: Scenario, vehicle: VehicleBlock) -> VehicleSpec:
         sensors=list(vehicle.sensors),
         cruise_power_w=vehicle.cruise_power_w,
         hover_power_w=vehicle.hover_power_w,
+        autopilot=Autopilot(**vehicle.autopilot.model_dump()),
     )
 
 

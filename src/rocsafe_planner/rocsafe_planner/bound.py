@@ -96,6 +96,8 @@ def _ways_s(problem: FleetProblem, vehicle: int) -> tuple[FloatArray, FloatArray
 
 def _is_exact(problem: FleetProblem) -> bool:
     """Return whether legs are timed as they are flown: where length alone does not tell it."""
+    if any(vehicle.hover_s == 0.0 for vehicle in problem.vehicles):
+        return False  # who passes viewpoints saves at corners: legs are estimates
     return not problem.legs_are_plain and len(problem.points) <= _DENSE_POINTS
 
 

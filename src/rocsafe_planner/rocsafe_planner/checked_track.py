@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.motion import MotionLimits, leg_duration_s
-from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.motion.route_motion import RouteMotion
+from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.plan import Route, SurveyPlan
-from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
@@ -70,33 +70,33 @@ def terrain_shift_m(plan: SurveyPlan) -> float:
     return float(np.mean([h.altitude_m for h in known] - said))
 
 
-def leg_s(
-    vehicle: Vehicle, wind_mps: tuple[float, float], a: GeoPosition, b: GeoPosition
-) -> float:
-    """Return the time of a leg at one height."""
-    frame = LocalFrame(GeoPosition(a.latitude_deg, a.longitude_deg, 0.0))
-    track = plane_of(frame, (a, b))
-    return leg_duration_s(distance_m(a, b), limits_along(vehicle, wind_mps, track[1] - track[0]))
+def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> RouteMotion:
+    """Return how a flight moves, by the kinematics of its drawn track alone."""
+    vehicle, sortie = route.vehicle, route.sorties[number]
+    performance = vehicle.performance(plan.request.wind_mps)
+    track = corners_of(plan, route, number, frame)
+    photographed = {view.position for view in sortie.viewpoints}
+    shots = [place in photographed for place in way(route, number)]
+    height = route.flight_height_m
+    from_air = number == 0 and vehicle.aloft is not None
+    here = track[0]
+    start = here if from_air else (here[0], here[1], here[2] - height)
+    ways = [] if from_air else performance.ascent(start, here[2])
+    for here, place, is_shot in zip(track, track[1:], shots[1:], strict=False):
+        stand_s = vehicle.hover_s if is_shot else 0.0
+        is_passed = is_shot and stand_s == 0.0
+        ways.append(performance.way(here, place, stand_s, is_passed=is_passed))
+    ways.append(performance.way(track[-1], track[-1], vehicle.autopilot.home_wait_s))
+    ways.extend(performance.descent(track[-1], track[-1][2] - height))
+    return RouteMotion(start, ways, performance.corner_radius_m)
 
 
-def limits_along(
-    vehicle: Vehicle, wind_mps: tuple[float, float], track: FloatArray
-) -> MotionLimits:
-    """Return the motion over ground along a track: by the triangle of velocities."""
-    length = math.hypot(*track)
-    if length == 0.0 or wind_mps == (0.0, 0.0):
-        return vehicle.motion
-    heading = math.atan2(track[1], track[0])
-    angle = math.atan2(wind_mps[1], wind_mps[0]) - heading
-    wind = math.hypot(*wind_mps)
-    crab = math.asin(wind * math.sin(angle) / vehicle.cruise_speed_mps)
-    speed = vehicle.cruise_speed_mps * math.cos(crab) + wind * math.cos(angle)
-    return MotionLimits(speed, vehicle.acceleration_mps2)
-
-
-def vertical_s(vehicle: Vehicle, up: float) -> float:
-    """Return the time of a climb of `up` metres, or of a descent if it is negative."""
-    return up / vehicle.climb_rate_mps if up > 0.0 else -up / vehicle.descent_rate_mps
+def corners_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> list[Enu]:
+    """Return the corners of a flight, (east, north, up)."""
+    level = 0.0 if plan.request.terrain is not None else route.flight_height_m
+    ups = (ups_m(plan, route, number) + level).tolist()
+    plane = plane_of(frame, way(route, number)).tolist()
+    return [(east, north, up) for (east, north), up in zip(plane, ups, strict=True)]
 
 
 def frame_of(plan: SurveyPlan) -> LocalFrame:

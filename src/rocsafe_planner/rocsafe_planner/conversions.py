@@ -2,7 +2,9 @@
 """Requests and plans <-> ROCSAFE messages."""
 
 import math
+from dataclasses import fields
 
+from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces import action, msg
@@ -172,7 +174,12 @@ def _vehicle(vehicle: msg.VehicleSpec) -> Vehicle:
         sensors=tuple(vehicle.sensors),
         cruise_power_w=vehicle.cruise_power_w,
         hover_power_w=vehicle.hover_power_w,
+        autopilot=_autopilot(vehicle.autopilot),
     )
+
+
+def _autopilot(message: msg.Autopilot) -> Autopilot:
+    return Autopilot(**{field.name: getattr(message, field.name) for field in fields(Autopilot)})
 
 
 def _only_place(name: str, points: list[msg.GeoPoint]) -> GeoPosition | None:

@@ -17,7 +17,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.motion.route_motion import RouteMotion
 from rocsafe_planner.airspace import Air, Detours
+from rocsafe_planner.flight_motion import enu, flight_motion
 from rocsafe_planner.flight_time import FlightTime
 from rocsafe_planner.relief import Relief
 from rocsafe_planner.terrain import LocalGround
@@ -100,11 +102,9 @@ class FleetProblem:
         """Return the times of a vehicle's flights."""
         spec = self.vehicles[vehicle]
         return FlightTime(
-            motion=spec.motion,
-            climb_rate_mps=spec.climb_rate_mps,
-            descent_rate_mps=spec.descent_rate_mps,
-            wind_mps=self.wind_mps,
+            performance=spec.performance(self.wind_mps),
             relief=self.relief,
+            passes=spec.hover_s == 0.0,
         )
 
     @property
@@ -186,6 +186,8 @@ class FleetProblem:
         """Return the time from the start to touch-down; 0 for a vehicle on the ground."""
         if not self.flies(vehicle, order):
             return 0.0
+        if self.flight(vehicle).passes:
+            return self.motion(vehicle, order).duration_s
         stops = self.stops(vehicle, order)
         flying = float(self.legs_s(vehicle, stops[:-1], stops[1:]).sum())
         return self.first_fixed_s(vehicle) + flying + len(order) * self.vehicles[vehicle].hover_s
@@ -193,6 +195,29 @@ class FleetProblem:
     def flies(self, vehicle: int, order: Sequence[int]) -> bool:
         """Return whether a vehicle with such an order is, or will be, in the air."""
         return len(order) > 0 or self.vehicles[vehicle].aloft is not None
+
+    def motion(
+        self, vehicle: int, order: Sequence[int], *, is_first: bool = True, is_last: bool = True
+    ) -> RouteMotion:
+        """Return the motion of one of a vehicle's flights, by default of its only one."""
+        spec, height = self.vehicles[vehicle], self.flight_height_m(vehicle)
+        home = self.home_site(vehicle)
+        start = self.start_site(vehicle) if is_first else home
+        end = self.end_site(vehicle) if is_last else home
+        stops = [start, *order, *([] if end is None else [end])]
+        ways = [self.way(vehicle, a, b) for a, b in pairwise(stops)]
+        first = ways[0][0] if ways else self.way(vehicle, start, start)[0]
+        corners = [(enu(first), False)]
+        for site, way in zip(stops[1:], ways, strict=True):
+            corners.extend((enu(bend), False) for bend in way[1:-1])
+            corners.append((enu(way[-1]), site < len(self.points)))
+        is_aloft = is_first and spec.aloft is not None
+        return flight_motion(
+            self.flight(vehicle).performance,
+            corners,
+            spec.hover_s,
+            (None if is_aloft else height, height),
+        )
 
     def way(self, vehicle: int, origin: int, target: int) -> FloatArray:
         """Return the places (east, north, up) of a leg: origin, bends, target; shape (k, 3)."""

@@ -10,11 +10,10 @@ from rocsafe_geo.position import distance_m
 from rocsafe_planner.checked_track import (
     FloatArray,
     frame_of,
-    leg_s,
+    motion_of,
     plane_of,
     terrain_shift_m,
     ups_m,
-    vertical_s,
     way,
 )
 from rocsafe_planner.plan import Route, SurveyPlan
@@ -56,18 +55,8 @@ def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
     length = sum(distance_m(a, b) for a, b in pairwise(track))
     if abs(length - sortie.length_m) > RELATIVE * length + ABSOLUTE_M:
         yield f'states {sortie.length_m} m: it is {length} m long'
-    flying = sum(
-        max(leg_s(vehicle, plan.request.wind_mps, a, b), vertical_s(vehicle, up))
-        for (a, b), up in zip(pairwise(track), np.diff(ups).tolist(), strict=True)
-    )
-    height = route.flight_height_m
-    duration = (
-        (0.0 if from_air else height / vehicle.climb_rate_mps)
-        + flying
-        + len(sortie.viewpoints) * vehicle.hover_s
-        + height / vehicle.descent_rate_mps
-    )
-    # A stop-to-stop time grows with the root of a very short leg: millimetres there take longer.
+    duration = motion_of(plan, route, number, frame_of(plan)).duration_s
+    # A very short leg takes as long as the fourth root of its length: micrometres count there.
     slack = RELATIVE * duration + _ABSOLUTE_S * len(track)
     if abs(duration - sortie.duration_s) > slack:
         yield f'states {sortie.duration_s} s: it takes {duration} s'

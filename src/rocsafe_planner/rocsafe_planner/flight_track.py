@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a vehicle is at any time of its route, in the planner's time model."""
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,9 +8,12 @@ from rocsafe_planner.fleet_problem import FleetProblem, Order
 
 FloatArray = NDArray[np.float64]
 
+# While two legs are flown at once, their speeds add up to a little more than either may have.
+_CORNER_HASTE = 1.5
+
 
 class FlightTrack:
-    """Pieces of flights, each straight, at a steady speed or from standstill to standstill.
+    """The motions of a vehicle's flights by one clock.
 
     Attributes
     ----------
@@ -27,28 +28,24 @@ class FlightTrack:
     """
 
     def __init__(self, problem: FleetProblem, vehicle: int, flights: list[Order]) -> None:
-        self._spec = problem.vehicles[vehicle]
+        spec = problem.vehicles[vehicle]
+        last = len(flights) - 1
+        self._motions = [
+            problem.motion(vehicle, order, is_first=number == 0, is_last=number == last)
+            for number, order in enumerate(flights)
+        ]
+        swap_s = spec.battery_swap_s or 0.0
+        durations = np.array([motion.duration_s for motion in self._motions])
+        ends = np.cumsum(durations + swap_s) - swap_s
+        self.windows: FloatArray = np.column_stack([ends - durations, ends]).reshape(-1, 2)
+        self.is_aloft = spec.aloft is not None
+        places = [place for motion in self._motions for place in motion.places_enu]
+        self.low, self.high = np.min(places, axis=0), np.max(places, axis=0)
         flight = problem.flight(vehicle)
-        pieces = _Pieces(problem, vehicle)
-        self.windows = np.array(
-            [
-                pieces.fly(
-                    _path(problem, vehicle, order, (number == 0, number == len(flights) - 1)),
-                    in_air=number == 0 and self._spec.aloft is not None,
-                )
-                for number, order in enumerate(flights)
-            ]
-        ).reshape(-1, 2)
-        self.is_aloft = self._spec.aloft is not None
-        self._begin_s = np.array(pieces.begin_s)
-        self._duration_s = np.array(pieces.duration_s)
-        self._from = np.array(pieces.origins).reshape(-1, 3)
-        self._to = np.array(pieces.targets).reshape(-1, 3)
-        self._is_leg = np.array(pieces.is_leg, dtype=bool)
-        ends = np.vstack([self._from, self._to])
-        self.low, self.high = ends.min(axis=0), ends.max(axis=0)
-        rates = (self._spec.climb_rate_mps, self._spec.descent_rate_mps)
-        self.top_speed_mps = float(np.hypot(flight.fastest().cruise_speed_mps, max(rates)))
+        level = flight.fastest().cruise_speed_mps * (_CORNER_HASTE if flight.passes else 1.0)
+        self.top_speed_mps = float(
+            np.hypot(level, max(spec.climb_rate_mps, spec.descent_rate_mps))
+        )
 
     @property
     def duration_s(self) -> float:
@@ -57,93 +54,10 @@ class FlightTrack:
 
     def places(self, times_s: FloatArray) -> FloatArray:
         """Return (east, north, up) at times in the air, shape (n, 3)."""
-        piece = np.clip(np.searchsorted(self._begin_s, times_s, side='right') - 1, 0, None)
-        elapsed = np.clip(times_s - self._begin_s[piece], 0.0, self._duration_s[piece])
-        duration = np.where(self._duration_s[piece] > 0.0, self._duration_s[piece], 1.0)
-        share = np.where(self._is_leg[piece], self._leg_share(piece, elapsed), elapsed / duration)
-        path = self._to[piece] - self._from[piece]
-        places: FloatArray = self._from[piece] + share[:, None] * path
+        begins = self.windows[:, 0]
+        flight = np.clip(np.searchsorted(begins, times_s, side='right') - 1, 0, None)
+        places = np.empty((len(times_s), 3))
+        for number in np.unique(flight).tolist():
+            chosen = flight == number
+            places[chosen] = self._motions[number].positions(times_s[chosen] - begins[number])
         return places
-
-    def _leg_share(self, piece: NDArray[np.intp], elapsed: FloatArray) -> FloatArray:
-        """Return the part of legs flown: a ramp up, a cruise, a ramp down."""
-        acceleration = self._spec.acceleration_mps2
-        path = (self._to - self._from)[piece]
-        distance = np.hypot(path[:, 0], path[:, 1])
-        duration = self._duration_s[piece]
-        # d = peak * (duration - peak / a), the smaller root
-        root = np.sqrt(np.maximum(0.0, duration**2 - 4.0 * distance / acceleration))
-        peak = 0.5 * acceleration * (duration - root)
-        ramp = peak / acceleration
-        left = duration - elapsed
-        flown = np.where(
-            elapsed < ramp,
-            0.5 * acceleration * elapsed**2,
-            np.where(
-                left < ramp,
-                distance - 0.5 * acceleration * left**2,
-                peak * (elapsed - 0.5 * ramp),
-            ),
-        )
-        share: FloatArray = np.clip(flown / np.where(distance > 0.0, distance, 1.0), 0.0, 1.0)
-        return share
-
-
-class _Pieces:
-    """Collects the pieces of flights one after the other."""
-
-    def __init__(self, problem: FleetProblem, vehicle: int) -> None:
-        self._spec, self._flight = problem.vehicles[vehicle], problem.flight(vehicle)
-        self._height = problem.flight_height_m(vehicle)
-        self._now = 0.0
-        self.begin_s: list[float] = []
-        self.duration_s: list[float] = []
-        self.origins: list[FloatArray] = []
-        self.targets: list[FloatArray] = []
-        self.is_leg: list[bool] = []
-
-    def fly(self, path: list[tuple[FloatArray, bool]], *, in_air: bool) -> tuple[float, float]:
-        """Add a flight along places, hovering at those marked; return its begin and end."""
-        if self.begin_s:
-            self._now += self._spec.battery_swap_s or 0.0
-        begin, spec = self._now, self._spec
-        here, down = path[0][0], np.array([0.0, 0.0, self._height])
-        if not in_air:
-            self._add(here - down, here, self._height / spec.climb_rate_mps, is_leg=False)
-        for place, is_viewpoint in path[1:]:
-            leg_s = float(self._flight.straight(here, place))
-            self._add(here, place, leg_s, is_leg=True)
-            here = place
-            if is_viewpoint:
-                self._add(here, here, spec.hover_s, is_leg=False)
-        self._add(here, here - down, self._height / spec.descent_rate_mps, is_leg=False)
-        return begin, self._now
-
-    def _add(
-        self, origin: FloatArray, target: FloatArray, duration_s: float, *, is_leg: bool
-    ) -> None:
-        is_vertical = bool(np.hypot(*(target - origin)[:2]) < 1e-9)
-        self.is_leg.append(is_leg and not is_vertical)
-        self.begin_s.append(self._now)
-        self.duration_s.append(duration_s)
-        self.origins.append(origin)
-        self.targets.append(target)
-        self._now += duration_s
-
-
-def _path(
-    problem: FleetProblem, vehicle: int, order: Order, is_first_last: tuple[bool, bool]
-) -> list[tuple[FloatArray, bool]]:
-    """Return the places of a flight, bends included, and whether each is a viewpoint."""
-    home = problem.home_site(vehicle)
-    start = problem.start_site(vehicle) if is_first_last[0] else home
-    end = problem.end_site(vehicle) if is_first_last[1] else home
-    stops = [start, *order, *([] if end is None else [end])]
-    if len(stops) == 1:
-        return [(problem.way(vehicle, start, start)[0], False)]
-    path = [(problem.way(vehicle, start, stops[1])[0], False)]
-    for here, site in pairwise(stops):
-        *bends, place = problem.way(vehicle, here, site)[1:]
-        path.extend((bend, False) for bend in bends)
-        path.append((place, site < len(problem.points)))
-    return path

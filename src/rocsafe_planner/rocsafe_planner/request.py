@@ -3,7 +3,6 @@
 
 import hashlib
 import json
-import math
 from collections import Counter
 from dataclasses import dataclass
 
@@ -74,7 +73,7 @@ class SurveyRequest:
     exclusions, clearance_m
         Zones that no leg crosses and no viewpoint lies in, and the distance to be kept from them.
     wind_mps
-        (east, north) that the air moves towards, slower than any vehicle.
+        (east, north) that the air moves towards; every vehicle must be able to fly in it.
     separation_m
         Least distance of any two in the air; 0: they all take off at once, at one height.
     separation_by
@@ -218,10 +217,8 @@ def _check_front_overlap(overlap: float) -> None:
 
 def _check_wind(wind_mps: tuple[float, float], vehicles: tuple[Vehicle, ...]) -> None:
     east, north = (require_finite('wind_mps', part, 'm/s') for part in wind_mps)
-    speed = math.hypot(east, north)
-    slowest = min(vehicles, key=lambda vehicle: vehicle.cruise_speed_mps)
-    if speed >= slowest.cruise_speed_mps:
-        raise ValueError(
-            f'wind_mps is {speed:g} m/s: must be below the cruise speed of {slowest.name}, '
-            f'{slowest.cruise_speed_mps:g} m/s'
-        )
+    for vehicle in vehicles:
+        try:
+            vehicle.performance((east, north))
+        except ValueError as error:
+            raise ValueError(f'{vehicle.name}: {error}') from error

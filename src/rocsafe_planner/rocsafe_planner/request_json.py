@@ -16,11 +16,13 @@ refused. Example::
 """
 
 import math
+from dataclasses import fields
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from rocsafe_geo.area import Ring, SurveyArea
+from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.request import (
@@ -82,6 +84,7 @@ class VehicleJson(StrictJson):
     sensors: list[str] = []
     cruise_power_w: float = 200.0
     hover_power_w: float = 220.0
+    autopilot: dict[str, float] = {}
 
 
 class RequestJson(StrictJson):
@@ -183,8 +186,19 @@ def _vehicle(vehicle: VehicleJson) -> Vehicle:
             'home': home,
             'end': end,
             'sensors': tuple(vehicle.sensors),
+            'autopilot': _autopilot(vehicle),
         }
     )
+
+
+def _autopilot(vehicle: VehicleJson) -> Autopilot:
+    known = {field.name for field in fields(Autopilot)}
+    for key in sorted(set(vehicle.autopilot) - known):
+        raise ValueError(f'{vehicle.name} autopilot.{key}: no such setting')
+    try:
+        return Autopilot(**vehicle.autopilot)
+    except ValueError as error:
+        raise ValueError(f'{vehicle.name} autopilot: {error}') from error
 
 
 def position_of(path: str, place: Place) -> GeoPosition:

@@ -55,6 +55,10 @@ def _sortie(site: SurveySite, vehicle: int, flight: Order, stops: list[int]) -> 
     is_first = stops[0] == problem.start_site(vehicle)
     vertical = problem.first_fixed_s(vehicle) if is_first else problem.fixed_s(vehicle)
     moving = vertical + float(problem.legs_s(vehicle, origins, targets).sum())
+    if spec.hover_s == 0.0:  # it passes viewpoints: corners depend on three places
+        is_last = stops[-1] != problem.home_site(vehicle)
+        motion = problem.motion(vehicle, flight, is_first=is_first, is_last=is_last)
+        moving = motion.duration_s
     energy = moving * spec.cruise_power_w + hovering * spec.hover_power_w
     return Sortie(
         viewpoints=tuple(site.viewpoint(vehicle, point) for point in flight),

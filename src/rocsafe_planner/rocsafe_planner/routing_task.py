@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.motion import leg_duration_s
 from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
@@ -19,6 +20,9 @@ from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 Legs = PointLegs | MatrixLegs
+
+MOST_EXACT_SITES = 4000
+"""Of more sites the times of all pairs would not fit: 4000 take 128 MB."""
 
 PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
 """Those of the costliest route; the others add up all routes."""
@@ -50,7 +54,8 @@ class _LegTable:
     def time(self, vehicle: int) -> int:
         """Return the number of the legs that cost a vehicle's time."""
         spec = self._problem.vehicles[vehicle]
-        return self._of((spec.motion, spec.hover_s), lambda: self._time(vehicle))
+        flight = self._problem.flight(vehicle)
+        return self._of((flight, spec.hover_s), lambda: self._time(vehicle))
 
     def length(self) -> int:
         """Return the number of the legs that cost their length."""
@@ -60,7 +65,8 @@ class _LegTable:
         """Return the number of the legs that cost a vehicle's energy, in watt seconds."""
         spec = self._problem.vehicles[vehicle]
         powers = (spec.cruise_power_w, spec.hover_power_w)
-        return self._of((spec.motion, spec.hover_s, *powers), lambda: self._energy(vehicle))
+        flight = self._problem.flight(vehicle)
+        return self._of((flight, spec.hover_s, *powers), lambda: self._energy(vehicle))
 
     def _of(self, key: tuple[object, ...], make: Callable[[], Legs]) -> int:
         if key not in self._numbers:
@@ -70,13 +76,21 @@ class _LegTable:
 
     def _time(self, vehicle: int) -> Legs:
         spec = self._problem.vehicles[vehicle]
-        if self._is_plain:
-            return PointLegs(
-                speed_mps=spec.cruise_speed_mps,
-                acceleration_mps2=spec.acceleration_mps2,
-                stay=spec.hover_s,
-            )
+        if self._is_plain and len(self._problem.sites) > MOST_EXACT_SITES:
+            return self._trapezoids(spec)
         return MatrixLegs(matrix=self._durations(vehicle) + self._stays(spec.hover_s))
+
+    def _trapezoids(self, spec: Vehicle) -> PointLegs:
+        """Return legs without jerk that cost the same where they reach their speed, else less.
+
+        With T(v) for the ramp to speed v, these take d/v + T(v), or 2 sqrt(d T(v)/v): less than
+        legs with jerk because T(v)/v falls with v. What is proven of them holds of those.
+        """
+        fastest = spec.performance().fastest()
+        far_m = 1e6
+        speed = fastest.cruise_speed_mps
+        ramp_s = leg_duration_s(far_m, fastest) - far_m / speed
+        return PointLegs(speed_mps=speed, acceleration_mps2=speed / ramp_s, stay=spec.hover_s)
 
     def _length(self) -> Legs:
         detours = self._problem.detours

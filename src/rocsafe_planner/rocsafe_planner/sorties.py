@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.fleet_problem import FleetProblem, Order
+from rocsafe_planner.flight_time import turn_s
 
 FloatArray = NDArray[np.float64]
 
@@ -77,7 +78,11 @@ class _Flights:
         )
         legs = problem.legs_s(vehicle, stops[:-1], stops[1:])
         self._elapsed = np.concatenate([[0.0], np.cumsum(legs)])
-        self.endurance_s = self._spec.endurance_s
+        flight = problem.flight(vehicle)
+        # legs that share their corners are known together only: these may need a little more
+        slack_s = 2.0 * turn_s(flight.performance) if flight.passes else 0.0
+        self.first_endurance_s -= slack_s
+        self.endurance_s = self._spec.endurance_s - slack_s
 
     def land_first(self) -> None:
         """Let also the first flight begin at home with a full battery."""

@@ -5,7 +5,8 @@ import re
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_not_negative, require_positive
-from rocsafe_geo.motion import MotionLimits
+from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
+from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import GeoPosition
 
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
@@ -24,7 +25,7 @@ class Aloft:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Vehicle:
-    """A vehicle that flies stop to stop, climbs and descends vertically at its home.
+    """A vehicle that flies from place to place, climbs and descends vertically at its home.
 
     Attributes
     ----------
@@ -37,7 +38,7 @@ class Vehicle:
     climb_rate_mps, descent_rate_mps
         Constant vertical speeds, both positive.
     hover_s
-        Standing time at each viewpoint.
+        Standing time at each viewpoint; 0: it passes viewpoints without a stop.
     endurance_s
         Usable flight time on a full battery.
     battery_swap_s
@@ -50,6 +51,8 @@ class Vehicle:
         Electric power on legs, climb and descent, and at viewpoints: for the objective `energy`.
     aloft
         Where it is in the air and begins its route; None: it takes off at home.
+    autopilot
+        How it speeds up, turns, climbs and lands.
     """
 
     name: str
@@ -67,6 +70,7 @@ class Vehicle:
     cruise_power_w: float = 200.0
     hover_power_w: float = 220.0
     aloft: Aloft | None = None
+    autopilot: Autopilot = ARDUCOPTER
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
@@ -87,10 +91,22 @@ class Vehicle:
             raise ValueError(f'{self.name} has an end and is_open: must have one of them at most')
         object.__setattr__(self, 'sensors', require_sensors(self.name, self.sensors))
 
-    @property
-    def motion(self) -> MotionLimits:
-        """Limits of its horizontal legs."""
-        return MotionLimits(self.cruise_speed_mps, self.acceleration_mps2)
+    def performance(self, wind_mps: tuple[float, float] = (0.0, 0.0)) -> Performance:
+        """Return the limits of its flight in a wind that blows towards (east, north).
+
+        Raises
+        ------
+        ValueError
+            If it cannot fly in so much wind.
+        """
+        return Performance(
+            cruise_speed_mps=self.cruise_speed_mps,
+            acceleration_mps2=self.acceleration_mps2,
+            climb_rate_mps=self.climb_rate_mps,
+            descent_rate_mps=self.descent_rate_mps,
+            autopilot=self.autopilot,
+            wind_mps=wind_mps,
+        )
 
     @property
     def start(self) -> GeoPosition:
@@ -104,12 +120,14 @@ class Vehicle:
 
     def vertical_s(self, height_m: float) -> float:
         """Return the time to climb to `height_m` above home and to descend from it."""
-        return height_m / self.climb_rate_mps + height_m / self.descent_rate_mps
+        performance = self.performance()
+        return performance.ascent_s(height_m) + performance.descent_s(height_m)
 
     def first_vertical_s(self, height_m: float) -> float:
         """Return the same of its first flight: no climb if it is in the air."""
-        climb = height_m / self.climb_rate_mps if self.aloft is None else 0.0
-        return climb + height_m / self.descent_rate_mps
+        if self.aloft is None:
+            return self.vertical_s(height_m)
+        return self.performance().descent_s(height_m)
 
 
 def require_sensors(owner: str, sensors: tuple[str, ...]) -> tuple[str, ...]:

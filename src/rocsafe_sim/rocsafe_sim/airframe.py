@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle can do: its speeds, its hover time, its battery."""
+"""What a vehicle can do: its flight, its hover time, its battery."""
 
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
-from rocsafe_geo.motion import MotionLimits
+from rocsafe_geo.motion.battery import PowerModel
+from rocsafe_geo.motion.performance import Performance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -13,31 +14,35 @@ class Airframe:
 
     Attributes
     ----------
-    limits : horizontal speed and acceleration.
-    climb_rate_mps, descent_rate_mps : vertical speeds, reached and lost at once.
-    hover_s : standing time at a viewpoint, at whose end it photographs.
-    endurance_s : time in the air on a full battery.
+    performance : of its flight, and the wind.
+    hover_s : standing time at a viewpoint, at whose end it photographs; 0: it passes viewpoints
+        without a stop and photographs on the way.
+    endurance_s : time in the air on a full battery, however it flies.
     reserve_fraction : part of a full battery with which it wants to land.
+    hover_power_w, drag_power_w_s2_per_m2, voltage_v : of its battery, see `PowerModel`.
     """
 
-    limits: MotionLimits
-    climb_rate_mps: float
-    descent_rate_mps: float
+    performance: Performance
     hover_s: float
     endurance_s: float
     reserve_fraction: float
+    hover_power_w: float = 350.0
+    drag_power_w_s2_per_m2: float = 0.2
+    voltage_v: float = 12.6
 
     def __post_init__(self) -> None:
-        require_positive('climb_rate_mps', self.climb_rate_mps)
-        require_positive('descent_rate_mps', self.descent_rate_mps)
         require_not_negative('hover_s', self.hover_s)
         require_positive('endurance_s', self.endurance_s)
         require_between('reserve_fraction', self.reserve_fraction, 0.0, 0.9)
+        _ = self.power
 
-    def vertical_rate_mps(self, change_m: float) -> float:
-        """Return the vertical speed, above zero, of a change of height with this sign."""
-        return self.climb_rate_mps if change_m > 0.0 else self.descent_rate_mps
-
-    def drain_fraction(self, airborne_s: float) -> float:
-        """Return the part of a full battery that `airborne_s` seconds in the air use."""
-        return airborne_s / self.endurance_s
+    @property
+    def power(self) -> PowerModel:
+        """Power in flight; at the largest airspeed a battery lasts for `endurance_s`."""
+        return PowerModel(
+            hover_power_w=self.hover_power_w,
+            drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
+            voltage_v=self.voltage_v,
+            endurance_s=self.endurance_s,
+            top_airspeed_mps=self.performance.airspeed_mps,
+        )

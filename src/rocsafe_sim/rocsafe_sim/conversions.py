@@ -10,9 +10,10 @@ from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.motion.battery import PowerModel
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_interfaces.msg import GeoPoint, VehicleState
+from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight_record import Outcome
@@ -64,6 +65,8 @@ def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
             for viewpoint in message.viewpoints
         ),
         homeward_enu=_places(frame, message.homeward),
+        exclusions=tuple(_outline(frame, zone) for zone in message.exclusions),
+        clearance_m=message.clearance_m,
     )
 
 
@@ -122,17 +125,21 @@ def path_pose(position_enu: Enu, stamp: Time) -> PoseStamped:
     return message
 
 
-def battery_message(observation: Observation, stamp: Time, frame_id: str) -> BatteryState:
-    """Return the charge left; what is not simulated is NaN."""
+def battery_message(
+    observation: Observation, power: PowerModel, stamp: Time, frame_id: str
+) -> BatteryState:
+    """Return charge left and current; what is not simulated is NaN."""
     airborne = observation.mode.is_airborne
+    capacity_ah = power.capacity_ah
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
-        voltage=_UNKNOWN,
+        voltage=power.voltage_v,
         temperature=_UNKNOWN,
-        current=_UNKNOWN,
-        charge=_UNKNOWN,
-        capacity=_UNKNOWN,
-        design_capacity=_UNKNOWN,
+        # REP 147 and sensor_msgs: negative while it discharges
+        current=-observation.power_w / power.voltage_v,
+        charge=capacity_ah * observation.battery_fraction,
+        capacity=capacity_ah,
+        design_capacity=capacity_ah,
         percentage=observation.battery_fraction,
         power_supply_status=(
             BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
@@ -161,6 +168,12 @@ def result_message(summary: FlightSummary) -> FlyRoute.Result:
 def refusal_message(reason: str) -> FlyRoute.Result:
     """Return the result of a route that is not flown."""
     return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
+
+
+def _outline(frame: LocalFrame, zone: GeoPolygon) -> tuple[tuple[float, float], ...]:
+    """Return the corners of a zone, east and north."""
+    corners = [_enu(frame, position_of_point(point)) for point in zone.points]
+    return tuple((east, north) for east, north, _ in corners)
 
 
 def _places(frame: LocalFrame, points: list[GeoPoint]) -> tuple[Enu, ...]:

@@ -30,8 +30,8 @@ class Course:
         self.order = order
         self.route = route
         self.timeline = timeline_of(order, route, airframe)
-        self._airframe = airframe
-        low_s = low_battery_s(airframe, self.timeline, order.charge_fraction, route.home_enu)
+        self._capacity_j = airframe.power.capacity_j
+        low_s = low_battery_s(airframe, self.timeline, order.charge_fraction, route)
         self.low_ns = self._after_start_ns(low_s)
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
 
@@ -53,8 +53,14 @@ class Course:
 
     def charge_fraction(self, time_ns: int) -> float:
         """Return the battery charge left at `time_ns`, 0 to 1; on the ground none is used."""
-        used = self._airframe.drain_fraction(self.elapsed_s(time_ns))
+        used = self.timeline.used_j(self.elapsed_s(time_ns)) / self._capacity_j
         return max(0.0, self.order.charge_fraction - used)
+
+    def power_w(self, time_ns: int) -> float:
+        """Return the power of the motors at `time_ns`; on the ground none."""
+        if time_ns >= self.touch_down_ns:
+            return 0.0
+        return self.timeline.power_w(self.elapsed_s(time_ns))
 
     def distance_m(self, time_ns: int) -> float:
         """Return the horizontal distance flown until `time_ns` since power-up."""

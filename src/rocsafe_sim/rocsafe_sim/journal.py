@@ -17,7 +17,7 @@ from rocsafe_sim.orders import Order, OrderKind
 from rocsafe_sim.route import Enu, Route, Waypoint
 from rocsafe_sim.segment import Pose
 
-FORMAT = 2
+FORMAT = 3
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -100,6 +100,7 @@ def _order(fields: dict[str, Any]) -> Order:
         position_enu=_enu(start['position_enu']),
         velocity_enu=_enu(start['velocity_enu']),
         yaw_rad=float(start['yaw_rad']),
+        acceleration_enu=_enu(start['acceleration_enu']),
     )
     return Order(**{**fields, 'kind': OrderKind(fields['kind']), 'start': pose})
 
@@ -119,6 +120,11 @@ def _route(fields: dict[str, Any]) -> Route:
             for waypoint in fields['waypoints']
         ),
         homeward_enu=tuple(map(_enu, fields['homeward_enu'])),
+        exclusions=tuple(
+            tuple((float(east), float(north)) for east, north in ring)
+            for ring in fields['exclusions']
+        ),
+        clearance_m=float(fields['clearance_m']),
     )
 
 

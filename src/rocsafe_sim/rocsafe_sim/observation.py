@@ -29,6 +29,7 @@ class Observation:
     viewpoints_visited : on the last flight; also the index of the next one to be flown to.
     shots_taken : since power-up.
     battery_fraction : charge left, 0 to 1.
+    power_w : that the motors take.
     distance_flown_m : horizontal, since power-up.
     shots : due since the step before, in order of time.
     """
@@ -39,6 +40,7 @@ class Observation:
     viewpoints_visited: int
     shots_taken: int
     battery_fraction: float
+    power_w: float
     distance_flown_m: float
     shots: tuple[ShotDue, ...] = ()
 

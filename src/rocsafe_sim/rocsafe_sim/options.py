@@ -2,15 +2,12 @@
 """Options of the nodes of this package."""
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
-from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
-from rocsafe_geo.motion import MotionLimits
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.flight_options import FlightOptions
+from rocsafe_sim.origin_options import OriginOptions, option
 from rocsafe_sim.scenery.catalogue import SCENES
 from rocsafe_sim.sensing_noise import LARGEST_SWAY_STDS
 
@@ -21,44 +18,18 @@ LARGEST_IMAGE_PX = 12_000_000
 LARGEST_VIEW_ANGLE_DEG = 70.0
 
 
-def _option(default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
-    limits = {name: value for name, value in (('min', low), ('max', high)) if value is not None}
-    return field(default=default, metadata={'doc': doc, **limits})
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OriginOptions:
-    """Where the mission's local frame lies; the ground is its plane up = 0."""
-
-    origin_latitude_deg: float = _option(0.0, 'latitude of the mission origin, deg', -90.0, 90.0)
-    origin_longitude_deg: float = _option(
-        0.0, 'longitude of the mission origin, deg', -180.0, 180.0
-    )
-    origin_altitude_m: float = _option(
-        0.0, 'altitude of the ground above the ellipsoid, m', -1e3, 1e4
-    )
-
-    def frame(self) -> LocalFrame:
-        """Return the mission's local frame."""
-        return LocalFrame(
-            GeoPosition(
-                self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
-            )
-        )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldOptions(OriginOptions):
     """Options of the node `world`."""
 
-    step_s: float = _option(0.1, 'simulated time between two steps, s', 1e-3, 10.0)
-    speed: float = _option(0.0, 'simulated seconds a second; 0: as fast as possible', 0.0, 1e3)
-    participants: tuple[str, ...] = _option((), 'names waited for at every step')
-    autostart: bool = _option(True, 'let time run from the start; else world/run does')
-    pause_when_idle: bool = _option(False, 'pause when all participants have become idle')
-    start_time_s: float = _option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
-    scene: str = _option('none', f'what lies on the ground: {", ".join(SCENES)}')
-    seed: int = _option(1, 'of all that is random', 0, 2**31 - 1)
+    step_s: float = option(0.1, 'simulated time between two steps, s', 1e-3, 10.0)
+    speed: float = option(0.0, 'simulated seconds a second; 0: as fast as possible', 0.0, 1e3)
+    participants: tuple[str, ...] = option((), 'names waited for at every step')
+    autostart: bool = option(True, 'let time run from the start; else world/run does')
+    pause_when_idle: bool = option(False, 'pause when all participants have become idle')
+    start_time_s: float = option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
+    scene: str = option('none', f'what lies on the ground: {", ".join(SCENES)}')
+    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
 
     def __post_init__(self) -> None:
         require_between('step_s', self.step_s, 1e-3, 10.0)
@@ -81,35 +52,28 @@ class WorldOptions(OriginOptions):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class VehicleOptions(OriginOptions):
+class VehicleOptions(FlightOptions):
     """What all simulated vehicles have in common; see config/rocsafe.yaml."""
 
-    cruise_speed_mps: float = _option(5.0, 'horizontal speed, m/s', 0.01, 100.0)
-    acceleration_mps2: float = _option(2.0, 'horizontal acceleration, m/s^2', 0.01, 50.0)
-    climb_rate_mps: float = _option(2.5, 'vertical speed up, m/s', 0.01, 50.0)
-    descent_rate_mps: float = _option(1.5, 'vertical speed down, m/s', 0.01, 50.0)
-    hover_s: float = _option(1.0, 'standing time before each photograph, s', 0.0, 600.0)
-    endurance_s: float = _option(1500.0, 'time in the air on a full battery, s', 1.0, 604_800.0)
-    reserve_fraction: float = _option(0.1, 'charge to land with, 0 to 0.9', 0.0, 0.9)
-    gps_horizontal_std_m: float = _option(0.02, 'GPS error in east and in north, m', 0.0, 100.0)
-    gps_vertical_std_m: float = _option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
-    tilt_std_deg: float = _option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
-    attitude_std_deg: float = _option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
-    fix_rate_hz: float = _option(5.0, 'of fix, velocity and odom, Hz', 0.01, 1e3)
-    camera_horizontal_fov_deg: float = _option(60.0, 'across the image width, deg', 5.0, 150.0)
-    image_width_px: int = _option(640, 'of a photograph', 16, 8192)
-    image_height_px: int = _option(480, 'of a photograph', 16, 8192)
-    jpeg_quality: int = _option(90, 'of a photograph, 1 to 100', 1, 100)
-    camera_backend: str = _option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
-    scene_file: str = _option('', 'path of the scene, for the engine')
-    scene_start_s: float = _option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
-    scene_cache: str = _option('', "folder of painted ground; empty: the user's own")
-    camera_oversampling: int = _option(2, 'the engine draws so many times as wide and high', 1, 4)
-    ground: str = _option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
-    scene: str = _option('none', f'painted on procedural ground: {", ".join(SCENES)}')
-    seed: int = _option(1, 'of all that is random', 0, 2**31 - 1)
-    spool_directory: str = _option('', 'of journal and photographs; empty: memory only')
-    lock_step: bool = _option(True, 'step with the world; else with the wall clock')
+    gps_horizontal_std_m: float = option(0.02, 'GPS error in east and in north, m', 0.0, 100.0)
+    gps_vertical_std_m: float = option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
+    tilt_std_deg: float = option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
+    attitude_std_deg: float = option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
+    fix_rate_hz: float = option(5.0, 'of fix, velocity and odom, Hz', 0.01, 1e3)
+    camera_horizontal_fov_deg: float = option(60.0, 'across the image width, deg', 5.0, 150.0)
+    image_width_px: int = option(640, 'of a photograph', 16, 8192)
+    image_height_px: int = option(480, 'of a photograph', 16, 8192)
+    jpeg_quality: int = option(90, 'of a photograph, 1 to 100', 1, 100)
+    camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
+    scene_file: str = option('', 'path of the scene, for the engine')
+    scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
+    scene_cache: str = option('', "folder of painted ground; empty: the user's own")
+    camera_oversampling: int = option(2, 'the engine draws so many times as wide and high', 1, 4)
+    ground: str = option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
+    scene: str = option('none', f'painted on procedural ground: {", ".join(SCENES)}')
+    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
+    spool_directory: str = option('', 'of journal and photographs; empty: memory only')
+    lock_step: bool = option(True, 'step with the world; else with the wall clock')
 
     def __post_init__(self) -> None:
         require_positive('fix_rate_hz', self.fix_rate_hz)
@@ -159,17 +123,6 @@ class VehicleOptions(OriginOptions):
         """Simulated time between two fixes, nanoseconds."""
         return round(NS_PER_S / self.fix_rate_hz)
 
-    def airframe(self) -> Airframe:
-        """Return what the vehicles can do."""
-        return Airframe(
-            limits=MotionLimits(self.cruise_speed_mps, self.acceleration_mps2),
-            climb_rate_mps=self.climb_rate_mps,
-            descent_rate_mps=self.descent_rate_mps,
-            hover_s=self.hover_s,
-            endurance_s=self.endurance_s,
-            reserve_fraction=self.reserve_fraction,
-        )
-
     def lens(self) -> PinholeCamera:
         """Return the camera without its ground."""
         return PinholeCamera(
@@ -183,17 +136,17 @@ class VehicleOptions(OriginOptions):
 class RavOptions(VehicleOptions):
     """Options of the node `rav`: one vehicle, named after its namespace."""
 
-    home_latitude_deg: float = _option(0.0, 'latitude of its home, deg', -90.0, 90.0)
-    home_longitude_deg: float = _option(0.0, 'longitude of its home, deg', -180.0, 180.0)
+    home_latitude_deg: float = option(0.0, 'latitude of its home, deg', -90.0, 90.0)
+    home_longitude_deg: float = option(0.0, 'longitude of its home, deg', -180.0, 180.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FleetOptions(VehicleOptions):
     """Options of the node `fleet`: many vehicles alike; the lists run in parallel."""
 
-    vehicles: tuple[str, ...] = _option(('rav1',), 'namespaces of the vehicles')
-    home_latitudes_deg: tuple[float, ...] = _option((0.0,), 'latitudes of their homes, deg')
-    home_longitudes_deg: tuple[float, ...] = _option((0.0,), 'longitudes of their homes, deg')
+    vehicles: tuple[str, ...] = option(('rav1',), 'namespaces of the vehicles')
+    home_latitudes_deg: tuple[float, ...] = option((0.0,), 'latitudes of their homes, deg')
+    home_longitudes_deg: tuple[float, ...] = option((0.0,), 'longitudes of their homes, deg')
 
     def __post_init__(self) -> None:
         VehicleOptions.__post_init__(self)

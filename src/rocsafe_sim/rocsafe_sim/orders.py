@@ -7,13 +7,8 @@ from enum import Enum
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.route import Route
 from rocsafe_sim.segment import Pose
-from rocsafe_sim.timeline import (
-    Timeline,
-    fly_segments,
-    hold_segments,
-    land_segments,
-    return_segments,
-)
+from rocsafe_sim.tasks import fly_timeline, hold_timeline, land_timeline, return_timeline
+from rocsafe_sim.timeline import Timeline
 
 
 class OrderKind(Enum):
@@ -50,9 +45,9 @@ class Order:
 def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline:
     """Return what a vehicle flies from `order` on."""
     if order.kind is OrderKind.FLY:
-        return Timeline(fly_segments(airframe, order.start, route, order.first_index))
+        return fly_timeline(airframe, order.start, route, order.first_index)
     if order.kind is OrderKind.HOLD:
-        return Timeline(hold_segments(airframe, order.start))
+        return hold_timeline(airframe, order.start)
     if order.kind is OrderKind.RETURN:
-        return Timeline(return_segments(airframe, order.start, route.home_enu))
-    return Timeline(land_segments(airframe, order.start, route.home_enu[2]))
+        return return_timeline(airframe, order.start, route)
+    return land_timeline(airframe, order.start, route.home_enu[2])

@@ -3,9 +3,16 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
+from rocsafe_geo.detour import Place, Ring, WaysAround
+from rocsafe_geo.limits import require_not_negative
+
 Enu = tuple[float, float, float]
+
+# A vehicle this near to its planned way is on it, and needs no way around exclusions to it.
+ON_WAY_M = 0.01
 
 
 def require_enu(name: str, position_enu: Enu) -> None:
@@ -59,17 +66,25 @@ class Route:
     home_enu : where to land; up is that of the ground there.
     waypoints : in flying order, at least one.
     homeward_enu : where the way from the last one home bends, metres.
+    exclusions : outlines (east, north) that are not flown over, by who gives up the route either.
+    clearance_m : distance to keep from them.
     """
 
     plan_id: str
     home_enu: Enu
     waypoints: tuple[Waypoint, ...]
     homeward_enu: tuple[Enu, ...] = ()
+    exclusions: tuple[Ring, ...] = ()
+    clearance_m: float = 0.0
 
     def __post_init__(self) -> None:
         require_enu('home_enu', self.home_enu)
         for bend in self.homeward_enu:
             require_enu('homeward_enu', bend)
+        require_not_negative('clearance_m', self.clearance_m, 'm')
+        for ring in self.exclusions:
+            if len(ring) < 3 or not all(math.isfinite(v) for place in ring for v in place):
+                raise ValueError(f'exclusion {ring}: must be three or more finite places')
         if not self.waypoints:
             raise ValueError(f'route of plan {self.plan_id!r} has 0 viewpoints: must have 1')
 
@@ -84,7 +99,23 @@ class Route:
         bends = self.homeward_enu if is_home else self.waypoints[index].approach_enu
         corners = (before, *bends, after)
         offsets = [_offset_m(here_enu, a, b) for a, b in pairwise(corners)]
-        return bends[offsets.index(min(offsets)) :]
+        ahead = bends[offsets.index(min(offsets)) :]
+        if min(offsets) < ON_WAY_M:
+            return ahead
+        return (*self.around(here_enu, ahead[0] if ahead else after), *ahead)
+
+    def around(self, here_enu: Enu, there_enu: Enu) -> tuple[Enu, ...]:
+        """Return where the way between any two places bends around the exclusions."""
+        if not self.exclusions:
+            return ()
+        ways = _ways_around(self.exclusions, self.clearance_m, there_enu[:2])
+        return tuple((east, north, here_enu[2]) for east, north in ways.bends(here_enu[:2]))
+
+
+@lru_cache(maxsize=32)
+def _ways_around(zones: tuple[Ring, ...], clearance_m: float, goal: Place) -> WaysAround:
+    """Return the ways to a goal: looked for at every check of the battery, found once."""
+    return WaysAround(zones, clearance_m, goal)
 
 
 def _offset_m(place: Enu, a: Enu, b: Enu) -> float:

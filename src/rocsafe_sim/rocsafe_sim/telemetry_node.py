@@ -56,7 +56,8 @@ class Telemetry:
         if self._fixes.is_due(seen.time_ns):
             self._publish_motion(seen, stamp)
         if self._slow.is_due(seen.time_ns):
-            self._battery.publish(battery_message(seen, stamp, f'{self._name}/base_link'))
+            power = self._rav.vehicle.airframe.power
+            self._battery.publish(battery_message(seen, power, stamp, f'{self._name}/base_link'))
             self._publish_path(seen, stamp)
             self._publish_state(seen, stamp)
         elif self._news(seen) != self._said:

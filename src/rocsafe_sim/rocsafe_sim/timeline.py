@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flight as a sequence of segments: where the vehicle is at any time, past or to come."""
+"""A flight over time: where the vehicle is at any time, past or to come."""
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from itertools import accumulate
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
+from rocsafe_geo.motion.battery import Discharge
+from rocsafe_geo.motion.route_motion import RouteMotion, Way
+from rocsafe_geo.motion.state import Motion, MotionState
+from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.airframe import Airframe
-from rocsafe_sim.route import Enu, Route
-from rocsafe_sim.segment import Mode, Pose, Segment, brake, leg, stand, standing
-
-# Heights nearer than this count as equal; coordinates that went through degrees come back to 1 nm.
-LEVEL_TOLERANCE_M = 1e-3
+from rocsafe_sim.segment import Mode, Pose, Segment
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,155 +23,151 @@ class ShotTime:
     viewpoint_index: int
 
 
-class Timeline:
-    """Segments flown one after the other from time 0 on; at least one.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """A leg with the stand at its end, and what it is for.
 
-    All elapsed times are seconds since the start of the first segment. Before it the vehicle is
-    where the first segment begins, after the last one where that ends.
+    Attributes
+    ----------
+    way : to fly.
+    mode : what the vehicle is about meanwhile.
+    yaw_rad : of the nose at its end.
+    viewpoint_index : in the route, of the viewpoint flown to; None on the way home.
+    takes_shot : whether its end is photographed.
     """
 
-    def __init__(self, segments: Iterable[Segment]) -> None:
-        self.segments = tuple(segments)
-        self._ends = list(accumulate(segment.duration_s for segment in self.segments))
-        self._distances = list(
-            accumulate((segment.distance_m for segment in self.segments), initial=0.0)
-        )
+    way: Way
+    mode: Mode
+    yaw_rad: float
+    viewpoint_index: int | None = None
+    takes_shot: bool = False
+
+
+class Timeline:
+    """A stop from any motion, if there is one, then tasks one after the other.
+
+    All elapsed times are seconds since the start. Before it the vehicle is where it starts, after
+    the last task where that ends.
+
+    Parameters
+    ----------
+    airframe : of the vehicle.
+    start : pose at time 0.
+    stop : from it, None if it stands.
+    tasks : at least one; they begin where the stop ends.
+    """
+
+    def __init__(
+        self, airframe: Airframe, start: Pose, stop: StopMotion | None, tasks: Sequence[Task]
+    ) -> None:
+        self._airframe = airframe
+        self._stop = stop
+        self._stop_s = 0.0 if stop is None else stop.duration_s
+        at = start.position_enu if stop is None else stop.state(self._stop_s).position_enu
+        radius = airframe.performance.corner_radius_m
+        self._route = RouteMotion(at, [task.way for task in tasks], radius)
+        self.segments = tuple(self._segments(start.yaw_rad, tasks))
+        self._ends = [segment.end_s for segment in self.segments]
 
     @property
     def duration_s(self) -> float:
-        """Time of the last segment's end; infinity for a stand without end."""
-        return self._ends[-1]
+        """Time of the end; infinity for a stand without end."""
+        return self._stop_s + self._route.duration_s
 
     @property
     def distance_m(self) -> float:
         """Horizontal distance flown in all."""
-        return self._distances[-1]
+        return self._stop_m + self._route.distance_m
 
     def pose(self, elapsed_s: float) -> Pose:
         """Return the pose at a time."""
-        index = self._index(elapsed_s)
-        return self.segments[index].pose(self._within(index, elapsed_s))
+        state = self._state(elapsed_s)
+        return Pose(
+            position_enu=state.position_enu,
+            velocity_enu=state.velocity_enu,
+            yaw_rad=self.segment(elapsed_s).yaw_rad(elapsed_s),
+            acceleration_enu=state.acceleration_enu,
+        )
 
     def segment(self, elapsed_s: float) -> Segment:
-        """Return the segment being flown at a time."""
-        return self.segments[self._index(elapsed_s)]
+        """Return what the vehicle is about at a time."""
+        return self.segments[min(bisect_right(self._ends, elapsed_s), len(self._ends) - 1)]
 
     def progress_m(self, elapsed_s: float) -> float:
         """Return the horizontal distance flown until a time."""
-        index = self._index(elapsed_s)
-        within_s = self._within(index, elapsed_s)
-        return self._distances[index] + self.segments[index].progress_m(within_s)
+        if self._stop is not None and elapsed_s < self._stop_s:
+            return self._stop.progress_m(elapsed_s)
+        return self._stop_m + self._route.progress_m(elapsed_s - self._stop_s)
+
+    def used_j(self, elapsed_s: float) -> float:
+        """Return the energy that the motors have used until a time."""
+        first, second = self._discharges
+        used = 0.0 if first is None else first.used_j(min(elapsed_s, self._stop_s))
+        return used + second.used_j(max(0.0, elapsed_s - self._stop_s))
+
+    def power_w(self, elapsed_s: float) -> float:
+        """Return the power of the motors at a time."""
+        first, second = self._discharges
+        if first is not None and elapsed_s < self._stop_s:
+            return first.power_w(elapsed_s)
+        return second.power_w(elapsed_s - self._stop_s)
 
     def shots(self) -> Iterator[ShotTime]:
         """Yield the photographs of this timeline, in order of time."""
-        for segment, end_s in zip(self.segments, self._ends, strict=True):
+        for segment in self.segments:
             if segment.takes_shot and segment.viewpoint_index is not None:
-                yield ShotTime(end_s, segment.viewpoint_index)
+                yield ShotTime(segment.end_s, segment.viewpoint_index)
 
     def first_start_s(self, *modes: Mode) -> float:
         """Return when the first segment of one of `modes` begins; infinity if none is."""
-        for index, segment in enumerate(self.segments):
-            if segment.mode in modes:
-                return self._begin(index)
-        return math.inf
+        begins = (segment.begin_s for segment in self.segments if segment.mode in modes)
+        return next(begins, math.inf)
 
-    def _index(self, elapsed_s: float) -> int:
-        return min(bisect_right(self._ends, elapsed_s), len(self._ends) - 1)
+    @cached_property
+    def _stop_m(self) -> float:
+        return 0.0 if self._stop is None else self._stop.distance_m
 
-    def _within(self, index: int, elapsed_s: float) -> float:
-        """Return the time since a segment's start; at the very end no rounding counts."""
-        return math.inf if elapsed_s >= self.duration_s else elapsed_s - self._begin(index)
+    @cached_property
+    def _discharges(self) -> tuple[Discharge | None, Discharge]:
+        def discharge(motion: Motion) -> Discharge:
+            return Discharge(motion, self._airframe.power, self._airframe.performance.wind_mps)
 
-    def _begin(self, index: int) -> float:
-        return self._ends[index - 1] if index else 0.0
+        first = None if self._stop is None else discharge(self._stop)
+        return first, discharge(self._route)
 
+    def _state(self, elapsed_s: float) -> MotionState:
+        if self._stop is not None and elapsed_s < self._stop_s:
+            return self._stop.state(elapsed_s)
+        return self._route.state(elapsed_s - self._stop_s)
 
-def _route_segments(
-    airframe: Airframe, start: Pose, route: Route, first_index: int
-) -> Iterator[Segment]:
-    """Yield the flight from standstill at `start` over viewpoints, home, and down."""
-    first = route.waypoints[first_index]
-    yield from _to_height(airframe, start, first.position_enu[2], first_index)
-    at = standing((*start.position_enu[:2], first.position_enu[2]), start.yaw_rad)
-    for index in range(first_index, len(route.waypoints)):
-        waypoint = route.waypoints[index]
-        for bend in route.way_to(index, at.position_enu):
-            over_bend = (*bend[:2], at.position_enu[2])
-            way = leg(Mode.FLYING, at, over_bend, at.yaw_rad, airframe)
-            yield replace(way, viewpoint_index=index)
-            at = standing(over_bend, at.yaw_rad)
-        way = leg(Mode.FLYING, at, waypoint.position_enu, waypoint.yaw_rad, airframe)
-        yield replace(way, viewpoint_index=index)
-        at = standing(waypoint.position_enu, waypoint.yaw_rad)
-        hover = stand(Mode.FLYING, at, airframe.hover_s, airframe.limits)
-        yield replace(hover, viewpoint_index=index, takes_shot=True)
-    yield from return_segments(airframe, at, route.home_enu, _way_home(route, at))
+    def _segments(self, yaw_rad: float, tasks: Sequence[Task]) -> Iterator[Segment]:
+        now, yaw = self._stop_s, yaw_rad
+        if self._stop is not None:
+            yield _segment(tasks[0], 0.0, now, (yaw, yaw))
+        times = zip(self._route.arrivals_s, self._route.departures_s, strict=True)
+        for task, (arrival, departure) in zip(tasks, times, strict=True):
+            arrives, departs = self._stop_s + arrival, self._stop_s + departure
+            has_stand = departs > arrives
+            shoots = task.takes_shot
+            yield _segment(task, now, arrives, (yaw, task.yaw_rad), shoots and not has_stand)
+            if has_stand:
+                yield _segment(task, arrives, departs, (task.yaw_rad, task.yaw_rad), shoots)
+            now, yaw = departs, task.yaw_rad
 
 
-def _way_home(route: Route, at: Pose) -> tuple[Enu, ...]:
-    """Return where the way home bends for a vehicle that has been everywhere."""
-    return route.way_to(len(route.waypoints), at.position_enu)
-
-
-def return_segments(
-    airframe: Airframe, start: Pose, home_enu: Enu, bends_enu: tuple[Enu, ...] = ()
-) -> Iterator[Segment]:
-    """Yield the way home from `start`, standing or moving, at the same height, and down.
-
-    A vehicle that gives up its route knows of no bends: it returns straight, even over exclusions.
-    """
-    at = start
-    if start.speed_mps > 0.0:
-        stop = brake(Mode.RETURNING, start, airframe.limits)
-        yield stop
-        at = standing(stop.end_enu, start.yaw_rad)
-    for bend in bends_enu:
-        over_bend = (*bend[:2], at.position_enu[2])
-        yield leg(Mode.RETURNING, at, over_bend, at.yaw_rad, airframe)
-        at = standing(over_bend, at.yaw_rad)
-    over_home = (home_enu[0], home_enu[1], at.position_enu[2])
-    yield leg(Mode.RETURNING, at, over_home, at.yaw_rad, airframe)
-    yield leg(Mode.LANDING, standing(over_home, at.yaw_rad), home_enu, at.yaw_rad, airframe)
-
-
-def hold_segments(airframe: Airframe, start: Pose) -> Iterator[Segment]:
-    """Yield the stop from `start` and a stand without end."""
-    stop = brake(Mode.HOLDING, start, airframe.limits)
-    yield stop
-    at = standing(stop.end_enu, start.yaw_rad)
-    yield stand(Mode.HOLDING, at, math.inf, airframe.limits)
-
-
-def land_segments(airframe: Airframe, start: Pose, ground_up_m: float) -> Iterator[Segment]:
-    """Yield the stop from `start` and the way straight down."""
-    stop = brake(Mode.LANDING, start, airframe.limits)
-    yield stop
-    down = (*stop.end_enu[:2], ground_up_m)
-    yield leg(Mode.LANDING, standing(stop.end_enu, start.yaw_rad), down, start.yaw_rad, airframe)
-
-
-def fly_segments(
-    airframe: Airframe, start: Pose, route: Route, first_index: int
-) -> Iterator[Segment]:
-    """Yield the flight over the viewpoints from `first_index` on, home, and down.
-
-    `start` may be on the ground or in the air, standing or moving; no viewpoint may be left.
-    """
-    at = start
-    if start.speed_mps > 0.0:
-        stop = brake(Mode.FLYING, start, airframe.limits)
-        yield stop
-        at = standing(stop.end_enu, start.yaw_rad)
-    if first_index < len(route.waypoints):
-        yield from _route_segments(airframe, at, route, first_index)
-    else:
-        yield from return_segments(airframe, at, route.home_enu, _way_home(route, at))
-
-
-def _to_height(
-    airframe: Airframe, start: Pose, up_m: float, viewpoint_index: int
-) -> Iterator[Segment]:
-    if abs(up_m - start.position_enu[2]) > LEVEL_TOLERANCE_M:
-        over_start = (*start.position_enu[:2], up_m)
-        climb = leg(Mode.TAKING_OFF, start, over_start, start.yaw_rad, airframe)
-        yield replace(climb, viewpoint_index=viewpoint_index)
+def _segment(
+    task: Task,
+    begin_s: float,
+    end_s: float,
+    yaws_rad: tuple[float, float],
+    takes_shot: bool = False,
+) -> Segment:
+    return Segment(
+        mode=task.mode,
+        begin_s=begin_s,
+        end_s=end_s,
+        yaw_start_rad=yaws_rad[0],
+        yaw_end_rad=yaws_rad[1],
+        viewpoint_index=task.viewpoint_index,
+        takes_shot=takes_shot,
+    )

@@ -92,6 +92,7 @@ class Vehicle:
             viewpoints_visited=visited,
             shots_taken=self._record.shots_taken,
             battery_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            power_w=0.0 if course is None else course.power_w(time_ns),
             distance_flown_m=self._distance_m(time_ns),
             shots=shots,
         )
@@ -252,13 +253,15 @@ class Vehicle:
             low_ns = self._course.low_ns
             due_ns = self._shots[0][0] if self._shots else math.inf
             if due_ns <= min(time_ns, low_ns):
-                yield self._take_shot(self.flight, *self._shots.popleft())
+                yield self._take_shot(self._course, self.flight, *self._shots.popleft())
             elif low_ns <= time_ns:
                 self._return_on_low_battery(self.flight, int(low_ns))
             else:
                 return
 
-    def _take_shot(self, flight: FlightRecord, due_ns: int, shot: ShotTime) -> ShotDue:
+    def _take_shot(
+        self, course: Course, flight: FlightRecord, due_ns: int, shot: ShotTime
+    ) -> ShotDue:
         sequence = self._record.shots_taken
         visited = replace(flight, visited=shot.viewpoint_index + 1)
         self._record = replace(self._record, shots_taken=sequence + 1, flight=visited)
@@ -267,7 +270,9 @@ class Vehicle:
             sequence=sequence,
             viewpoint_id=waypoint.viewpoint_id,
             time_ns=due_ns,
-            pose=standing(waypoint.position_enu, waypoint.yaw_rad),
+            pose=standing(waypoint.position_enu, waypoint.yaw_rad)
+            if self.airframe.hover_s
+            else course.timeline.pose(shot.elapsed_s),
         )
 
     def _return_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:

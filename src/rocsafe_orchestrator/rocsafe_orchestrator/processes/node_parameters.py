@@ -146,10 +146,14 @@ def _vehicle_participants(scenario: Scenario) -> list[str]:
 
 def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
-    own_keys = {'name', 'home', *PLANNING_KEYS, *LINK_KEYS}
+    own_keys = {'name', 'home', 'autopilot', *PLANNING_KEYS, *LINK_KEYS}
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),
+        **vehicle.autopilot.model_dump(),
+        'hover_power_w': vehicle.hover_power_w,
+        'wind_east_mps': scenario.survey.wind_mps[0],
+        'wind_north_mps': scenario.survey.wind_mps[1],
         **simulation,
         **{f'{_camera_prefix(key)}{key}': v for key, v in scenario.camera.model_dump().items()},
         'scene': scenario.scene,

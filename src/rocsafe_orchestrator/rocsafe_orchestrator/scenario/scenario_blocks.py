@@ -164,6 +164,27 @@ class DroneBlock(Block):
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
 
 
+class AutopilotBlock(Block):
+    """How a vehicle speeds up, turns, climbs and lands; the defaults are ArduCopter's.
+
+    See the message Autopilot. `waypoint_radius_m` counts where viewpoints are passed without a
+    stop: with `hover_s: 0`.
+    """
+
+    jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
+    smoothing_s: float = Field(default=0.3, ge=0.0, le=10.0)
+    vertical_acceleration_mps2: float = Field(default=1.0, gt=0.0, le=1e9)
+    vertical_jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
+    waypoint_radius_m: float = Field(default=2.0, ge=0.0, le=100.0)
+    lean_angle_deg: float = Field(default=30.0, ge=1.0, le=80.0)
+    drag_per_m: float = Field(default=0.054, ge=1e-6, le=100.0)
+    landing_speed_mps: float = Field(default=0.5, gt=0.0, le=100.0)
+    landing_height_m: float = Field(default=10.0, ge=0.0, le=1000.0)
+    take_off_delay_s: float = Field(default=2.5, ge=0.0, le=600.0)
+    home_wait_s: float = Field(default=5.0, ge=0.0, le=600.0)
+    landed_delay_s: float = Field(default=2.0, ge=0.0, le=600.0)
+
+
 class VehicleBlock(Block):
     """A vehicle: its name, which is its ROS namespace, its home and what it can do.
 
@@ -185,6 +206,7 @@ class VehicleBlock(Block):
     sensors: tuple[SensorName, ...] = ()
     cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
     hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
+    autopilot: AutopilotBlock = AutopilotBlock()
     link: str = ''
     drone: DroneBlock = DroneBlock()
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a scenario's blocks say together: polygons, names, distances, size of the survey."""
 
-import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import distance_m
 from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_blocks import PLANNING_KEYS
@@ -103,13 +104,16 @@ def _two_ends(scenario: Scenario) -> Iterator[str]:
 
 
 def _too_much_wind(scenario: Scenario) -> Iterator[str]:
-    wind = math.hypot(*scenario.survey.wind_mps)
-    slowest = min(vehicle.cruise_speed_mps for vehicle in scenario.vehicles)
-    if wind >= slowest:
-        yield (
-            f'survey.wind_mps = {list(scenario.survey.wind_mps)}: is {wind:g} m/s, must be below '
-            f'the slowest cruise_speed_mps, {slowest:g}'
-        )
+    rates = ('cruise_speed_mps', 'acceleration_mps2', 'climb_rate_mps', 'descent_rate_mps')
+    for index, vehicle in enumerate(scenario.vehicles):
+        try:
+            Performance(
+                **vehicle.model_dump(include=set(rates)),
+                autopilot=Autopilot(**vehicle.autopilot.model_dump()),
+                wind_mps=scenario.survey.wind_mps,
+            )
+        except ValueError as error:
+            yield f'vehicles[{index}] in survey.wind_mps: {error}'
 
 
 def _missing_sensors(scenario: Scenario) -> Iterator[str]:

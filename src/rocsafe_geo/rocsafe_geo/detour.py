@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shortest way around zones, from anywhere to one place.
+
+A shortest path among polygons bends at their corners only (Lozano-Perez and Wesley, 1979). Zones
+are widened by a clearance; the corners to bend at lie a little further out, so that no rounding
+makes a path touch the zone that it follows.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_geo.projection import FloatArray
+
+BoolArray = NDArray[np.bool_]
+
+Place = tuple[float, float]
+Ring = tuple[Place, ...]
+
+_MARGIN_M = 1e-3
+# Who stands at the clearance, or passes it in another frame, is this near to it: still outside.
+_SLACK_M = 0.02
+
+
+class WaysAround:
+    """Shortest ways to `goal`; places are (east, north) in metres.
+
+    Parameters
+    ----------
+    zones : outlines that are not to be crossed.
+    clearance_m : distance to keep from them.
+    goal : where all ways end.
+    """
+
+    def __init__(self, zones: Sequence[Ring], clearance_m: float, goal: Place) -> None:
+        union = shapely.union_all([shapely.make_valid(shapely.Polygon(zone)) for zone in zones])
+        self._closed = _widened(union, clearance_m - _SLACK_M)
+        self._outline = shapely.boundary(_widened(union, clearance_m + _MARGIN_M))
+        shapely.prepare(self._closed)
+        corners = shapely.get_coordinates(self._outline)
+        self._corners = np.unique(corners, axis=0)
+        self._goal = goal
+        self._left_m, self._next = self._ways()
+
+    def bends(self, place: Place) -> list[Place]:
+        """Return where the way from `place` bends.
+
+        From inside a zone or its clearance it leads out at the nearest point first. If the zones
+        shut off the goal, the way is straight: there is no other.
+        """
+        if not shapely.intersects_xy(self._closed, *place):
+            return self._bends_outside(place)
+        line = shapely.shortest_line(shapely.Point(place), self._outline)
+        east, north = shapely.get_coordinates(line)[-1].tolist()
+        return [(east, north), *self._bends_outside((east, north))]
+
+    def _bends_outside(self, place: Place) -> list[Place]:
+        here = np.array([place])
+        if self._sees(here, np.array([self._goal]))[0, 0]:
+            return []
+        lengths = _distances(here, self._corners) + self._left_m
+        lengths[~self._sees(here, self._corners)] = np.inf
+        corner = int(lengths[0].argmin())
+        if np.isinf(lengths[0, corner]):
+            return []
+        path = [corner]
+        while self._next[path[-1]] >= 0:
+            path.append(int(self._next[path[-1]]))
+        return [(east, north) for east, north in self._corners[path].tolist()]
+
+    def _ways(self) -> tuple[FloatArray, list[int]]:
+        """Return the way left from each corner, and its next corner (Dijkstra, 1959)."""
+        steps = _distances(self._corners, self._corners)
+        steps[~self._sees(self._corners, self._corners)] = np.inf
+        goal = np.array([self._goal])
+        left = _distances(self._corners, goal)[:, 0]
+        left[~self._sees(self._corners, goal)[:, 0]] = np.inf
+        following = [-1] * len(left)
+        is_open = np.ones(len(left), dtype=bool)
+        while is_open.any():
+            nearest = int(np.where(is_open, left, np.inf).argmin())
+            if not is_open[nearest] or np.isinf(left[nearest]):
+                break
+            is_open[nearest] = False
+            through = left[nearest] + steps[:, nearest]
+            for corner in np.flatnonzero(is_open & (through < left)).tolist():
+                left[corner], following[corner] = through[corner], nearest
+        return left, following
+
+    def _sees(self, a: FloatArray, b: FloatArray) -> BoolArray:
+        """Return which straight lines from a (n, 2) to b (k, 2) keep clear, shape (n, k)."""
+        ends = np.broadcast_arrays(a[:, None, :], b[None, :, :])
+        lines = shapely.linestrings(np.stack(ends, axis=2))
+        clear: BoolArray = ~shapely.intersects(self._closed, lines)
+        return clear
+
+
+def _widened(union: shapely.Geometry, distance_m: float) -> shapely.Geometry:
+    return shapely.buffer(union, distance_m, join_style='mitre')
+
+
+def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
+    difference = a[:, None, :] - b[None, :, :]
+    distances: FloatArray = np.hypot(difference[..., 0], difference[..., 1])
+    return distances

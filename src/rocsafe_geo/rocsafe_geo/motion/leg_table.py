@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Legs as tables of polynomials: where, how fast and how hard at any time.
+
+Along a leg the jerk changes evenly or not at all: fifteen pieces, each a polynomial of fourth
+degree in the time since its begin.
+"""
+
+from bisect import bisect_right
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.motion.leg import Legs, as_given, limit_arrays, solve_legs
+from rocsafe_geo.motion.limits import MotionLimits
+from rocsafe_geo.projection import FloatArray
+
+PIECES = 15
+# Of each piece: jerk at its begin in parts of the leg's jerk, and its change in parts of it.
+_JERK = (0, 1, 1, 0, 0, -1, -1, 0, 0, -1, -1, 0, 0, 1, 1)
+_RISE = (1, 0, -1, 0, -1, 0, 1, 0, -1, 0, 1, 0, 1, 0, -1)
+
+Along = tuple[float, float, float]
+"""Distance from the start (m), speed (m/s) and acceleration (m/s^2) along a leg."""
+
+
+class LegTable:
+    """The motion along legs; `legs` holds arrays of shape (n,).
+
+    Attributes
+    ----------
+    begin_s : of each piece since the start of its leg, shape (n, 15).
+    coefficients : of each piece, ascending, shape (n, 15, 5).
+    """
+
+    def __init__(self, legs: Legs) -> None:
+        self.legs = legs
+        durations = _durations(legs)
+        ends = np.cumsum(durations, axis=1)
+        self.begin_s: FloatArray = np.hstack([np.zeros((len(ends), 1)), ends[:, :-1]])
+        self.coefficients: FloatArray = _coefficients(legs, durations)
+        self._begins = self.begin_s.tolist()
+        self._pieces = self.coefficients.tolist()
+        self._distances = legs.distance_m.tolist()
+        self._ends = legs.duration_s.tolist()
+
+    def at(self, leg: int, elapsed_s: float) -> Along:
+        """Return the motion along one leg; before its start and after its end it stands."""
+        if elapsed_s <= 0.0:
+            return 0.0, 0.0, 0.0
+        if elapsed_s >= self._ends[leg]:
+            return self._distances[leg], 0.0, 0.0
+        begins = self._begins[leg]
+        piece = bisect_right(begins, elapsed_s) - 1
+        x, v, a, j, s = self._pieces[leg][piece]
+        t = elapsed_s - begins[piece]
+        return (
+            x + t * (v + t * (a + t * (j + t * s))),
+            v + t * (2.0 * a + t * (3.0 * j + t * 4.0 * s)),
+            2.0 * a + t * (6.0 * j + t * 12.0 * s),
+        )
+
+    def progress_m(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
+        """Return the distances flown along legs, arrays (k,)."""
+        t, (x, v, a, j, s) = self._pieces_at(leg, elapsed_s)
+        progress = x + t * (v + t * (a + t * (j + t * s)))
+        distance = self.legs.distance_m[leg]
+        is_done = elapsed_s >= self.legs.duration_s[leg]
+        return np.where(is_done, distance, np.clip(progress, 0.0, distance))
+
+    def speed_mps(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
+        """Return the speeds along legs, arrays (k,)."""
+        t, (_, v, a, j, s) = self._pieces_at(leg, elapsed_s)
+        speed = v + t * (2.0 * a + t * (3.0 * j + t * 4.0 * s))
+        is_done = elapsed_s >= self.legs.duration_s[leg]
+        return np.where(is_done, 0.0, np.clip(speed, 0.0, self.legs.speed_mps[leg]))
+
+    def _pieces_at(
+        self, leg: NDArray[np.intp], elapsed_s: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return time since the begin of the piece, and its coefficients, shape (5, k)."""
+        elapsed = np.maximum(elapsed_s, 0.0)
+        begins = self.begin_s[leg]
+        piece = (begins <= elapsed[:, None]).sum(axis=1) - 1
+        time = elapsed - begins[np.arange(len(leg)), piece]
+        return time, self.coefficients[leg, piece].T
+
+
+@overload
+def leg_progress_m(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
+@overload
+def leg_progress_m(
+    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
+) -> float | FloatArray: ...
+def leg_progress_m(
+    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
+) -> float | FloatArray:
+    """Return how far a leg has been flown `elapsed_s` seconds after its start, in metres.
+
+    0 before the start, exactly `distance_m` from the leg's end on. Scalars or arrays that
+    broadcast. Raises ValueError if a distance is negative or NaN.
+    """
+    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
+    return as_given(table.progress_m(leg, elapsed).reshape(shape))
+
+
+@overload
+def leg_speed_mps(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
+@overload
+def leg_speed_mps(
+    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
+) -> float | FloatArray: ...
+def leg_speed_mps(
+    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
+) -> float | FloatArray:
+    """Return the speed `elapsed_s` seconds after a leg's start, in m/s; 0 outside the leg.
+
+    Scalars or arrays that broadcast. Raises ValueError if a distance is negative or NaN.
+    """
+    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
+    return as_given(table.speed_mps(leg, elapsed).reshape(shape))
+
+
+def _tabled(
+    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
+) -> tuple[LegTable, NDArray[np.intp], FloatArray, tuple[int, ...]]:
+    """Return a table of the legs, and which leg and time are meant by each value."""
+    distance = np.asarray(distance_m, float)
+    table = LegTable(solve_legs(distance.ravel(), limit_arrays(limits)))
+    number = np.arange(distance.size).reshape(distance.shape)
+    elapsed, leg = np.broadcast_arrays(np.asarray(elapsed_s, float), number)
+    return table, leg.ravel(), elapsed.ravel(), elapsed.shape
+
+
+def _durations(legs: Legs) -> FloatArray:
+    """Return the durations of all pieces, shape (n, 15)."""
+    a, j, s = legs.acceleration_mps2, legs.jerk_mps3, legs.smoothing_s
+    rise = np.divide(a, j, out=np.zeros_like(a), where=j > 0.0)
+    full_jerk = np.maximum(0.0, rise - s)
+    full = np.divide(legs.speed_mps, a, out=np.zeros_like(a), where=a > 0.0)
+    rest = np.maximum(0.0, full - rise - s)
+    cruise = np.maximum(0.0, legs.duration_s - 2.0 * legs.ramp_s)
+    ramp = (s, full_jerk, s, rest, s, full_jerk, s)
+    return np.column_stack([*ramp, cruise, *ramp])
+
+
+def _coefficients(legs: Legs, durations: FloatArray) -> FloatArray:
+    """Return the coefficients of all pieces, integrated from standstill, shape (n, 15, 5)."""
+    jerk = legs.jerk_mps3
+    snap = np.divide(jerk, legs.smoothing_s, out=np.zeros_like(jerk), where=legs.smoothing_s > 0)
+    x, v, a = np.zeros((3, len(jerk)))
+    table = np.empty((len(jerk), PIECES, 5))
+    for piece in range(PIECES):
+        t, j, s = durations[:, piece], _JERK[piece] * jerk, _RISE[piece] * snap
+        table[:, piece] = np.column_stack([x, v, a / 2.0, j / 6.0, s / 24.0])
+        x = x + t * (v + t * (a / 2.0 + t * (j / 6.0 + t * s / 24.0)))
+        v = v + t * (a + t * (j / 2.0 + t * s / 6.0))
+        a = a + t * (j + t * s / 2.0)
+    return table

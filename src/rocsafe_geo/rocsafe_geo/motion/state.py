@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How something moves at one instant."""
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+Enu = tuple[float, float, float]
+"""East, north, up."""
+
+STILL: Enu = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class MotionState:
+    """Position (m), velocity (m/s) and acceleration (m/s^2), each east, north, up."""
+
+    position_enu: Enu
+    velocity_enu: Enu = STILL
+    acceleration_enu: Enu = STILL
+
+    @property
+    def speed_mps(self) -> float:
+        """Horizontal speed."""
+        return math.hypot(self.velocity_enu[0], self.velocity_enu[1])
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing of it moves."""
+        return self.velocity_enu == STILL and self.acceleration_enu == STILL
+
+
+class Motion(Protocol):
+    """A motion from time 0 on."""
+
+    @property
+    def duration_s(self) -> float:
+        """When it ends; infinity for a stand without end."""
+
+    @property
+    def distance_m(self) -> float:
+        """Horizontal distance covered in all."""
+
+    @property
+    def knots_s(self) -> list[float]:
+        """Times between which it is a polynomial of fourth degree, ascending from 0."""
+
+    def state(self, elapsed_s: float) -> MotionState:
+        """Return the motion at a time; before 0 that at 0, after the end that at the end."""
+
+    def progress_m(self, elapsed_s: float) -> float:
+        """Return the horizontal distance covered until a time."""

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From any motion to standstill, as soon as the limits allow."""
+
+import math
+from bisect import bisect_right
+from itertools import accumulate
+
+from rocsafe_geo.motion.limits import MotionLimits
+from rocsafe_geo.motion.state import MotionState
+
+Vector = tuple[float, ...]
+_Phase = tuple[float, Vector]
+"""How long a jerk lasts, and the jerk."""
+
+# Slower than this a vehicle stands; it is what rounding leaves of a motion.
+_STANDING_MPS = 1e-9
+
+
+class StopMotion:
+    """A vehicle brakes, each of its horizontal and its vertical motion for itself.
+
+    What it accelerates across its way comes to rest first. Jerks begin and end at once.
+
+    Parameters
+    ----------
+    start : motion at time 0.
+    level, vertical : limits of the horizontal and the vertical motion.
+    """
+
+    def __init__(self, start: MotionState, level: MotionLimits, vertical: MotionLimits) -> None:
+        p, v, a = start.position_enu, start.velocity_enu, start.acceleration_enu
+        self._level = _Braking(p[:2], v[:2], a[:2], level)
+        self._vertical = _Braking(p[2:], v[2:], a[2:], vertical)
+        self._start = p
+
+    @property
+    def duration_s(self) -> float:
+        """When it stands."""
+        return max(self._level.duration_s, self._vertical.duration_s)
+
+    @property
+    def distance_m(self) -> float:
+        """Horizontal distance from where it began to where it stands."""
+        return self.progress_m(self.duration_s)
+
+    @property
+    def knots_s(self) -> list[float]:
+        """Times between which it is a polynomial, ascending from 0."""
+        return sorted({*self._level.begins, *self._vertical.begins, self.duration_s})
+
+    def state(self, elapsed_s: float) -> MotionState:
+        """Return the motion at a time."""
+        level, vertical = self._level.at(elapsed_s), self._vertical.at(elapsed_s)
+        position, velocity, acceleration = (
+            (a[0], a[1], b[0]) for a, b in zip(level, vertical, strict=True)
+        )
+        return MotionState(position, velocity, acceleration)
+
+    def progress_m(self, elapsed_s: float) -> float:
+        """Return the horizontal distance from where it began."""
+        east, north = self._level.at(elapsed_s)[0]
+        return math.hypot(east - self._start[0], north - self._start[1])
+
+
+class _Braking:
+    """Phases of steady jerk, in one dimension or two.
+
+    Attributes
+    ----------
+    begins : of the phases, seconds, and `duration_s` their end.
+    """
+
+    def __init__(
+        self, position: Vector, velocity: Vector, acceleration: Vector, limits: MotionLimits
+    ) -> None:
+        phases = _phases(velocity, acceleration, limits)
+        self._jerks = [jerk for _, jerk in phases]
+        self.begins = list(accumulate((duration for duration, _ in phases), initial=0.0))
+        self.duration_s = self.begins.pop()
+        states = [(position, velocity, acceleration)]
+        for duration, jerk in phases:
+            states.append(_after(states[-1], jerk, duration))
+        still = tuple(0.0 for _ in position)
+        self._end = (states.pop()[0], still, still)
+        self._states = states
+
+    def at(self, elapsed_s: float) -> tuple[Vector, Vector, Vector]:
+        """Return position, velocity and acceleration."""
+        if elapsed_s >= self.duration_s or not self._states:
+            return self._end
+        elapsed = max(0.0, elapsed_s)
+        phase = bisect_right(self.begins, elapsed) - 1
+        return _after(self._states[phase], self._jerks[phase], elapsed - self.begins[phase])
+
+
+def _after(
+    state: tuple[Vector, Vector, Vector], jerk: Vector, t: float
+) -> tuple[Vector, Vector, Vector]:
+    rows = list(zip(*state, jerk, strict=True))
+    return (
+        tuple(x + t * (v + t * (a / 2.0 + t * j / 6.0)) for x, v, a, j in rows),
+        tuple(v + t * (a + t * j / 2.0) for _, v, a, j in rows),
+        tuple(a + t * j for _, _, a, j in rows),
+    )
+
+
+def _phases(velocity: Vector, acceleration: Vector, limits: MotionLimits) -> list[_Phase]:
+    """Return the jerks that bring a motion to rest."""
+    still = tuple(0.0 for _ in velocity)
+    first: list[_Phase] = []
+    speed = math.hypot(*velocity)
+    along = _dot(acceleration, velocity) / speed if speed > _STANDING_MPS else 0.0
+    size = math.hypot(*acceleration)
+    if size - abs(along) > 1e-9 * (1.0 + size):
+        # across the way: let go of all acceleration first
+        rest_s = size / limits.jerk_mps3
+        jerk = _scaled(acceleration, -limits.jerk_mps3 / size)
+        _, velocity, _ = _after((still, velocity, acceleration), jerk, rest_s)
+        first, along, speed = [(rest_s, jerk)], 0.0, math.hypot(*velocity)
+    if speed <= _STANDING_MPS:
+        return first
+    backwards = _scaled(velocity, -1.0 / speed)
+    return [
+        *first,
+        *((duration, _scaled(backwards, jerk)) for duration, jerk in _brake(speed, along, limits)),
+    ]
+
+
+def _brake(speed: float, acceleration: float, limits: MotionLimits) -> list[tuple[float, float]]:
+    """Return durations and backward jerks of a stop from a speed and an acceleration along it.
+
+    The deceleration rises to a peak, rests there if it is the largest allowed, and falls to zero
+    with the speed: v + a |a| / 2j is what must be braked from rest of acceleration.
+    """
+    jerk = limits.jerk_mps3
+    # a braking vehicle has at least the speed that its deceleration takes to die away
+    from_rest = max(speed + acceleration**2 / (2.0 * jerk), acceleration**2 / jerk)
+    peak = min(max(limits.acceleration_mps2, -acceleration), math.sqrt(jerk * from_rest))
+    rest_s = max(0.0, (from_rest - peak**2 / jerk) / peak)
+    return [
+        (max(0.0, (peak + acceleration) / jerk), jerk),
+        (rest_s, 0.0),
+        (peak / jerk, -jerk),
+    ]
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def _scaled(vector: Vector, factor: float) -> Vector:
+    return tuple(factor * value for value in vector)

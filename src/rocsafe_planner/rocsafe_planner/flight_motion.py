@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole flight as it will be flown: take-off, legs, stops, corners, descent."""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.motion.performance import Performance
+from rocsafe_geo.motion.route_motion import RouteMotion, Way
+from rocsafe_geo.motion.state import Enu
+
+Corner = tuple[Enu, bool]
+"""A place (east, north, up) that a flight leads to, and whether it is a viewpoint."""
+
+
+def flight_motion(
+    performance: Performance,
+    corners: list[Corner],
+    hover_s: float,
+    heights_m: tuple[float | None, float],
+) -> RouteMotion:
+    """Return the motion of a flight.
+
+    Parameters
+    ----------
+    performance
+        Of the vehicle, in the wind.
+    corners
+        Where it is flown along, from over its start to over where it lands.
+    hover_s
+        Standing time at viewpoints; 0: they are passed.
+    heights_m
+        Of the first corner above where it takes off, None if it is in the air already; of the
+        last corner above where it lands.
+    """
+    climb_m, descent_m = heights_m
+    here = start = corners[0][0]
+    ways: list[Way] = []
+    if climb_m is not None:
+        start = (here[0], here[1], here[2] - climb_m)
+        ways = performance.ascent(start, here[2])
+    for (here, _), (place, is_viewpoint) in pairwise(corners):
+        stand_s = hover_s if is_viewpoint else 0.0
+        is_passed = is_viewpoint and hover_s == 0.0
+        ways.append(performance.way(here, place, stand_s, is_passed=is_passed))
+    last = corners[-1][0]
+    # it stands above where it lands, wherever it came from
+    ways.append(performance.way(last, last, performance.autopilot.home_wait_s))
+    ways.extend(performance.descent(last, last[2] - descent_m))
+    return RouteMotion(start, ways, performance.corner_radius_m)
+
+
+def enu(place: NDArray[np.float64]) -> Enu:
+    """Return a place (3,) as numbers."""
+    east, north, up = place.tolist()
+    return east, north, up

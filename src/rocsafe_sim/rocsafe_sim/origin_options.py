@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options that all nodes of this package have."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+
+
+def option(default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
+    """Return a field whose metadata become the descriptor of a ROS parameter."""
+    limits = {name: value for name, value in (('min', low), ('max', high)) if value is not None}
+    return field(default=default, metadata={'doc': doc, **limits})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OriginOptions:
+    """Where the mission's local frame lies; the ground is its plane up = 0."""
+
+    origin_latitude_deg: float = option(0.0, 'latitude of the mission origin, deg', -90.0, 90.0)
+    origin_longitude_deg: float = option(
+        0.0, 'longitude of the mission origin, deg', -180.0, 180.0
+    )
+    origin_altitude_m: float = option(
+        0.0, 'altitude of the ground above the ellipsoid, m', -1e3, 1e4
+    )
+
+    def frame(self) -> LocalFrame:
+        """Return the mission's local frame."""
+        return LocalFrame(
+            GeoPosition(
+                self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
+            )
+        )
