@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_planner.document import Document
@@ -108,6 +109,7 @@ def _vehicle(vehicle: Document) -> Vehicle:
         if aloft is None
         else Aloft(position=_position(aloft), used_s=aloft['used_s']),
         'sensors': tuple(vehicle['sensors']),
+        'autopilot': Autopilot(**vehicle.get('autopilot', {})),
     }
     return Vehicle(**{**vehicle, **changes})
 
