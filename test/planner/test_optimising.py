@@ -38,7 +38,7 @@ def test_never_worse_than_survey_tools(seed, vehicles):
         assert best <= min(makespan_s(world, METHODS[tool](world)) for tool in TOOLS) + 1e-3
 
 
-@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surveys(separation_m=0.0, exclusions=()))
 def test_never_worse_than_survey_tools_on_regions(survey):
     """On concave, holed, thin and tiny regions, with unlike fleets, ends, sensors and wind."""
