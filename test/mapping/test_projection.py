@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
-from rocsafe_mapping.alignment.equations import turned
 from rocsafe_mapping.alignment.projection import Views, transfer
+from rocsafe_mapping.alignment.rotation import turned
 
 STEP = 1e-6
 # Central differences of pixels of a few hundred: eight digits.

@@ -13,12 +13,13 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from rocsafe_mapping.alignment.equations import Equations, Unknowns, ties_of
+from rocsafe_mapping.alignment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
 from rocsafe_mapping.alignment.projection import Transfer
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid
+from rocsafe_mapping.alignment.ties import ties_of
 
 MOST_STEPS = 12
 LARGEST_TIE_STD_PX = 4.0

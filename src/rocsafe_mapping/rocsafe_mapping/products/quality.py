@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from rocsafe_mapping.alignment.equations import tilt_and_yaw
 from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.alignment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.state import State
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
 from rocsafe_mapping.drawing.grid import Window
