@@ -2,6 +2,7 @@
 """The track of a flight as the checker sees it, from the plan's places alone."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,9 +83,9 @@ def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) ->
     here = track[0]
     start = here if from_air else (here[0], here[1], here[2] - height)
     ways = [] if from_air else performance.ascent(start, here[2])
-    for here, place, is_shot in zip(track, track[1:], shots[1:], strict=False):
-        stand_s = vehicle.hover_s if is_shot else 0.0
-        is_passed = is_shot and stand_s == 0.0
+    for number, (here, place) in enumerate(pairwise(track), start=1):
+        stand_s = vehicle.hover_s if shots[number] else 0.0
+        is_passed = shots[number] and stand_s == 0.0 and any(shots[number + 1 :])
         ways.append(performance.way(here, place, stand_s, is_passed=is_passed))
     ways.append(performance.way(track[-1], track[-1], vehicle.autopilot.home_wait_s))
     ways.extend(performance.descent(track[-1], track[-1][2] - height))

@@ -29,7 +29,7 @@ def flight_motion(
     corners
         Where it is flown along, from over its start to over where it lands.
     hover_s
-        Standing time at viewpoints; 0: they are passed.
+        Standing time at viewpoints; 0: they are passed, but for the last.
     heights_m
         Of the first corner above where it takes off, None if it is in the air already; of the
         last corner above where it lands.
@@ -40,9 +40,11 @@ def flight_motion(
     if climb_m is not None:
         start = (here[0], here[1], here[2] - climb_m)
         ways = performance.ascent(start, here[2])
-    for (here, _), (place, is_viewpoint) in pairwise(corners):
+    last_view = max((k for k, (_, is_viewpoint) in enumerate(corners) if is_viewpoint), default=0)
+    for number, ((here, _), (place, is_viewpoint)) in enumerate(pairwise(corners), start=1):
         stand_s = hover_s if is_viewpoint else 0.0
-        is_passed = is_viewpoint and hover_s == 0.0
+        # before it turns home a vehicle stops, as autopilots do before they return
+        is_passed = is_viewpoint and hover_s == 0.0 and number < last_view
         ways.append(performance.way(here, place, stand_s, is_passed=is_passed))
     last = corners[-1][0]
     # it stands above where it lands, wherever it came from

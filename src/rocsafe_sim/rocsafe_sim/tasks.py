@@ -89,8 +89,10 @@ def _viewpoint_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> 
         task = _task(performance.way(at.position_enu, over_bend), Mode.FLYING, at, index)
         yield task
         at = _at_end(task)
+    # before it turns home a vehicle stops, as autopilots do before they return
+    is_passed = airframe.hover_s == 0.0 and index < len(route.waypoints) - 1
     way = performance.way(
-        at.position_enu, waypoint.position_enu, airframe.hover_s, is_passed=airframe.hover_s == 0.0
+        at.position_enu, waypoint.position_enu, airframe.hover_s, is_passed=is_passed
     )
     yield Task(
         way=way,
