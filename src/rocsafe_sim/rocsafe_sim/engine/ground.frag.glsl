@@ -35,8 +35,11 @@ void main() {
         vec3 bump = cross(along, n) * rise_x + cross(n, across) * rise_y;
         float area = dot(n, cross(across, along));
         n = normalize(n - sign(area) * bump / max(abs(area), 1e-6) * 0.05);
-        float puddle = wet * smoothstep(0.45, 0.6, tile.g);
-        look.x += 0.1 * wet + 0.5 * puddle; look.y += 50.0 * wet;
+        // Water stands in hollows of bare ground, not in grass.
+        float bare = 1.0 - smoothstep(1.0, 1.25, albedo.g / max(albedo.r, 0.01));
+        float puddle = wet * bare * smoothstep(0.66, 0.76, texture(grain, world.xy * 0.041).g);
+        look.x += 0.05 * wet + 0.45 * puddle; look.y += 50.0 * wet;
+        n = normalize(mix(n, vec3(0.0, 0.0, 1.0), puddle));
         albedo *= 1.0 - 0.45 * wet;
     }
 #ifdef INNER
