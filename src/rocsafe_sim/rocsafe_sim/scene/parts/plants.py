@@ -59,7 +59,7 @@ def leaves(
     crown as a volume rather than as confetti.
     """
     count = len(centres)
-    facing = unit(outward + rng.normal(0.0, 0.4, (count, 3)) + np.array([0.0, 0.0, 0.35]))
+    facing = unit(outward + rng.normal(0.0, 0.32, (count, 3)) + np.array([0.0, 0.0, 0.35]))
     along = unit(np.cross(facing, rng.normal(0.0, 1.0, (count, 3))))
     across = np.cross(facing, along)
     long = species.leaf_m * size * rng.uniform(0.6, 1.25, (count, 1))
@@ -82,7 +82,7 @@ def leaves(
 
 def _leaf_colours(outward: Floats, species: Species, rng: np.random.Generator) -> Floats:
     count = len(outward)
-    tone = 1.0 + species.variety * rng.normal(0.0, 0.42, (count, 1))
+    tone = 1.0 + species.variety * rng.normal(0.0, 0.34, (count, 1))
     # Depth in the crown travels in the length of `outward`: inner leaves are darker.
     depth = np.clip(np.linalg.norm(outward, axis=1, keepdims=True), 0.0, 1.0)
     warm = rng.normal(0.0, 0.06, (count, 1)) * np.array([1.0, 0.15, -0.6])
@@ -134,7 +134,7 @@ def tree(
 
 def _toned(crown: Mesh, counts: Floats, rng: np.random.Generator) -> Mesh:
     """Return `crown` with a tone of its own for each blob: branches differ in age and light."""
-    tones = rng.uniform(0.66, 1.34, len(counts))[:, None] + rng.normal(0.0, 0.07, (len(counts), 3))
+    tones = rng.uniform(0.72, 1.28, len(counts))[:, None] + rng.normal(0.0, 0.07, (len(counts), 3))
     leaf_tones = np.repeat(np.repeat(tones, counts, axis=0), 4, axis=0)
     colours = crown.colours.copy()
     colours[:, :3] = np.clip(colours[:, :3] * leaf_tones, 6, 250)
