@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 from mapping_sets import (
     Flight,
+    OnDisk,
     Orthophoto,
     Sample,
     enlarged,
@@ -86,7 +87,7 @@ def main() -> int:
 
 
 def mapped(
-    samples: Sequence['Sample | OnDisk'],
+    samples: Sequence[Sample | OnDisk],
     frame: LocalFrame,
     resolution_m: float = 0.0,
     *,
@@ -398,7 +399,7 @@ def _poses(place: Path) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def _mapped_apart(samples: Sequence['OnDisk'], folder: Path) -> dict[str, float]:
+def _mapped_apart(samples: Sequence[OnDisk], folder: Path) -> dict[str, float]:
     """Map a set in a process of its own, whose memory is its own."""
     import pickle
 
@@ -426,24 +427,10 @@ def apart(folder: str) -> None:
     }))  # fmt: skip
 
 
-def _on_disk(sample: Sample, folder: Path) -> 'OnDisk':
+def _on_disk(sample: Sample, folder: Path) -> OnDisk:
     path = folder / f'{sample.record.shot_id}.jpg'
     path.write_bytes(sample.jpeg)
     return OnDisk(sample.record, path, sample.corners_m)
-
-
-@dataclass(frozen=True)
-class OnDisk:
-    """As `Sample`, its file on disk."""
-
-    record: ShotRecord
-    path: Path
-    corners_m: NDArray[np.float64]
-
-    @property
-    def jpeg(self) -> bytes:
-        """The file."""
-        return self.path.read_bytes()
 
 
 def _rows(name: str, made: Measured, **targets: float) -> list[Row]:

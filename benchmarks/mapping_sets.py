@@ -37,6 +37,20 @@ class Sample:
     corners_m: NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class OnDisk:
+    """As `Sample`, its file on disk."""
+
+    record: ShotRecord
+    path: Path
+    corners_m: NDArray[np.float64]
+
+    @property
+    def jpeg(self) -> bytes:
+        """The file."""
+        return self.path.read_bytes()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flight:
     """What is flown.
