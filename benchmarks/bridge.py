@@ -17,6 +17,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [
@@ -48,7 +49,10 @@ WARM_UP_S, MEASURED_S = 6.0, 20.0
 ITEMS = 500
 MESSAGES = 60_000
 PORT = 14987
+LONGITUDE = 85_455_940
+# Ticks of a quarter of a millisecond, wrapped after ten seconds: a drone at 30 m/s.
 TICK_S = 0.1
+TICKS_PER_S, WRAP = 4000, 40_000
 
 
 def main() -> int:
@@ -86,6 +90,11 @@ def main() -> int:
     return 0 if all(row[3] for row in rows) else 1
 
 
+def stamp() -> int:
+    """Return the time in ticks, the same in all processes of this machine."""
+    return int(time.monotonic() * TICKS_PER_S) % WRAP
+
+
 def bridge_load() -> tuple[float, float, int]:
     """Return the share of a core, the p99 latency in ms, and how many fixes that is of."""
     names = [f'rav{number + 1}' for number in range(DRONES)]
@@ -102,33 +111,29 @@ def bridge_load() -> tuple[float, float, int]:
         command += ['-p', f'{key}:={value}']
     environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)}
     bridge = subprocess.Popen(command, env=environment)
-    air = Air()
+    air = subprocess.Popen([sys.executable, __file__, '--air'])
     try:
-        return watch(bridge, air, names)
+        return watch(bridge, names)
     finally:
-        air.close()
+        air.kill()
+        air.wait()
         bridge.send_signal(signal.SIGINT)
         bridge.wait(timeout=20.0)
 
 
-def watch(
-    bridge: 'subprocess.Popen[bytes]', air: 'Air', names: list[str]
-) -> tuple[float, float, int]:
+def watch(bridge: 'subprocess.Popen[bytes]', names: list[str]) -> tuple[float, float, int]:
     """Listen to the fixes while the bridge works."""
     rclpy.init()
     node = rclpy.create_node('listener')
     latencies: list[float] = []
 
-    def on_fix(name: str, message: object) -> None:
-        # The latitude tells which position it is.
-        sent_s = air.sent.get((name, round(message.latitude * 1e7)))  # type: ignore[attr-defined]
-        if sent_s is not None:
-            latencies.append(time.monotonic() - sent_s)
+    def on_fix(message: Any) -> None:
+        # The longitude tells when it was sent.
+        sent = round(message.longitude * 1e7) - LONGITUDE
+        latencies.append((stamp() - sent) % WRAP / TICKS_PER_S)
 
     for name in names:
-        topics.create_subscription(
-            node, topics.FIX, lambda message, name=name: on_fix(name, message), name
-        )
+        topics.create_subscription(node, topics.FIX, on_fix, name)
     executor = EventsExecutor()
     executor.add_node(node)
     spin(executor, WARM_UP_S)
@@ -154,32 +159,23 @@ def cpu_s(pid: int) -> float:
 
 
 class Air:
-    """Ten fake copters in a thread, each drifting so that no two positions are alike."""
+    """Ten fake copters in a process of their own; their longitude tells the time."""
 
     def __init__(self) -> None:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(('127.0.0.1', 0))
         self.socket.setblocking(False)
-        self.sent: dict[tuple[str, int], float] = {}
         self.copters = {n + 1: FakeCopter(n + 1, boot_s=60.0) for n in range(DRONES)}
-        self.is_over = threading.Event()
-        self.thread = threading.Thread(target=self.fly)
-        self.thread.start()
-
-    def close(self) -> None:
-        """End the flights."""
-        self.is_over.set()
-        self.thread.join()
 
     def fly(self) -> None:
-        """Speak and listen until it is over."""
+        """Speak and listen for ever."""
         began = time.monotonic()
-        while not self.is_over.is_set():
+        while True:
             self.hear()
             now_s = time.monotonic() - began
             for system, copter in self.copters.items():
-                copter.place = (0.0, 0.05 * now_s * RATE_HZ)
-                for message in copter.step(now_s):
+                # Real ones do not speak in step.
+                for message in copter.step(now_s + system * TICK_S / DRONES):
                     self.say(system, message)
             time.sleep(0.005)
 
@@ -200,9 +196,9 @@ class Air:
 
     def say(self, system: int, message: Message) -> None:
         """Send a message; note when a position goes out."""
-        data = pack_frame(*encode(message), system, 1, 0, sign=False)
         if message.name == 'GLOBAL_POSITION_INT':
-            self.sent.setdefault((f'rav{system}', message['lat']), time.monotonic())
+            message = Message(message.name, {**message.fields, 'lon': LONGITUDE + stamp()})
+        data = pack_frame(*encode(message), system, 1, 0, sign=False)
         try:
             self.socket.sendto(data, ('127.0.0.1', PORT))
         except OSError:
@@ -285,4 +281,6 @@ def parser_rate() -> float:
 
 
 if __name__ == '__main__':
+    if '--air' in sys.argv:
+        Air().fly()
     raise SystemExit(main())
