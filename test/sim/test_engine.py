@@ -2,6 +2,9 @@
 """The engine's pictures: exact geometry and labels, the same bytes from the same pose."""
 
 import math
+import os
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -16,7 +19,7 @@ from rocsafe_sim.scene.rays import RayScene
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_sim.engine.lens import looking
-from rocsafe_sim.engine.pipe import EGL, EGL_PACKAGES, open_pipe
+from rocsafe_sim.engine.pipe import open_pipe
 from rocsafe_sim.engine.renderer import Renderer
 
 LENS = PinholeCamera(math.radians(60.0), 240, 180)
@@ -27,6 +30,16 @@ OBLIQUE = (OBLIQUE_EYE, looking(np.array([0.0, -1.0, 1.0]) - OBLIQUE_EYE))
 STEP = 3
 # Metres; depth comes as a 32 bit float from a rasteriser of 24 bit depth.
 DEPTH_LIMIT_M = 0.01
+PATH = os.pathsep.join(filter(None, sys.path))
+
+
+@pytest.fixture(scope='module')
+def drawing():
+    """Skip, with the reason, where nothing can draw."""
+    try:
+        open_pipe()
+    except EngineError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture(scope='module')
@@ -36,10 +49,8 @@ def environment():
 
 
 @pytest.fixture(scope='module')
-def renderer(environment):
-    """Return a renderer of it; skips where there is no EGL."""
-    if open_pipe().kind != EGL:
-        pytest.skip(f'no EGL on this machine: sudo apt install {EGL_PACKAGES}')
+def renderer(environment, drawing):
+    """Return a renderer of it."""
     time = environment.description.light.time
     return Renderer(environment, lighting(sun_direction(time, 53.28, -9.06), 'clear'), 'clear')
 
@@ -144,10 +155,8 @@ def test_another_thread_is_refused(eye):
     assert caught == ['the engine was asked from another thread than the one it started in']
 
 
-def test_what_moves_is_where_its_path_says():
+def test_what_moves_is_where_its_path_says(drawing):
     """Half way in time is half way along; its shadow and its labels go with it."""
-    if open_pipe().kind != EGL:
-        pytest.skip(f'no EGL on this machine: sudo apt install {EGL_PACKAGES}')
     path = ({'time_s': 0.0, 'at': (-10.0, 2.0)}, {'time_s': 10.0, 'at': (10.0, 2.0)})
     moving = small_environment(
         {'name': 'van', 'make': 'ambulance', 'at': (0.0, 0.0), 'path': path}
@@ -162,3 +171,20 @@ def test_what_moves_is_where_its_path_says():
         column = np.nonzero(frame.numbers == moving.objects[0].number)[1]
         places.append((column.mean() - 119.5) / LENS.focal_px * 31.0)
     assert places == pytest.approx([-10.0, 0.0, 10.0], abs=0.8)
+
+
+def test_no_egl_is_said_with_what_to_install():
+    """Where no vendor's EGL is found, one line names the packages."""
+    words = 'from rocsafe_sim.engine.pipe import open_pipe; open_pipe()'
+    done = subprocess.run(
+        [sys.executable, '-c', words],
+        env={**os.environ, '__EGL_VENDOR_LIBRARY_FILENAMES': '/nowhere', 'PYTHONPATH': PATH},
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert done.stderr.splitlines()[-1].endswith(
+        'no EGL on this machine; on Debian or Ubuntu: '
+        'sudo apt install --no-install-recommends libegl1 libgl1 libgl1-mesa-dri'
+    )

@@ -29,7 +29,6 @@ class KnowingCamera:
     """A camera of four pixels that knows what it sees."""
 
     lens = PinholeCamera(math.radians(60.0), 16, 16)
-    notice = ''
     truth = Truth(depth_m=DEPTH, numbers=NUMBERS)
 
     def __init__(self) -> None:

@@ -43,10 +43,6 @@ class Camera(Protocol):
     def truth(self) -> Truth | None:
         """What is true of the last photograph; None if the camera does not know."""
 
-    @property
-    def notice(self) -> str:
-        """What users should know of its pictures, in one line; empty if nothing."""
-
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON; empty without labels."""
 
@@ -67,11 +63,6 @@ class GroundCamera:
     def truth(self) -> Truth | None:
         """Nothing: a flat picture has neither depth nor labels."""
         return None
-
-    @property
-    def notice(self) -> str:
-        """Nothing."""
-        return ''
 
     def label_table(self) -> str:
         """Return nothing: there are no labels."""

@@ -165,8 +165,6 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
     routes = read_run(arguments.overview) if arguments.overview else None
     origin = routes.origin if routes else None
     renderer = open_scene(description, origin=origin, cache=default_folder())
-    if renderer.pipe.notice:
-        sys.stderr.write(f'rocsafe: {renderer.pipe.notice}\n')
     lens = PinholeCamera(math.radians(view.fov_deg), *view.size_px)
     pose = _pose_over(routes) if routes else _pose(description, view)
     frame = Studio(renderer, lens, arguments.quality).expose(*pose)

@@ -44,8 +44,6 @@ class ShotSender:
         camera = rav.parts.camera
         if camera.label_table():
             self._table.publish(String(data=camera.label_table()))
-        if camera.notice:
-            self._log.warning(camera.notice)
         self._shot = topics.create_publisher(node, topics.SHOT)
         topics.create_subscription(node, topics.RECEIPTS, self._on_receipt_message)
         steady = Clock(clock_type=ClockType.STEADY_TIME)

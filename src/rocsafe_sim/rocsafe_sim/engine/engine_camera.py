@@ -76,11 +76,6 @@ class EngineCamera:
         """Intrinsics."""
         return self.request.lens
 
-    @property
-    def notice(self) -> str:
-        """What users should know of its pictures, in one line; empty if nothing."""
-        return self._renderer.pipe.notice
-
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON."""
         return self._table

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Finding something to draw with: EGL on a GPU or Mesa, else Panda3D's software pipe."""
+"""Finding something to draw with: EGL, on a GPU or on Mesa's software rasterizer."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -21,7 +21,6 @@ notify-level-glgsg warning
 texture-minfilter linear_mipmap_linear
 garbage-collect-states 0
 """
-EGL, SOFTWARE = 'egl', 'software'
 EGL_PACKAGES = 'libegl1 libgl1 libgl1-mesa-dri'
 
 
@@ -31,50 +30,36 @@ class Pipe:
 
     Attributes
     ----------
-    kind : ``'egl'`` or ``'software'``.
     engine, host : Panda3D's engine, and the small buffer whose context all others share.
     renderer : what draws, in its own words.
-    notice : what is missing, in one line; empty if nothing is.
     """
 
-    kind: str
     engine: Any
     host: Any
     renderer: str
-    notice: str = ''
 
 
 @lru_cache(maxsize=1)
-def open_pipe(wanted: str = '') -> Pipe:
-    """Return the best pipe of this machine; the same for all of the process.
+def open_pipe() -> Pipe:
+    """Return the EGL pipe of this machine; the same for all of the process.
 
     The thread that first asks must do all drawing.
 
     Raises
     ------
-    EngineError: if there is none.
+    EngineError: if there is none, with what to install.
     """
     core.loadPrcFileData('rocsafe', _SETTINGS)
     engine = core.GraphicsEngine.getGlobalPtr()
-    selection = core.GraphicsPipeSelection.getGlobalPtr()
-    if wanted != SOFTWARE:
-        pipe = selection.makeModulePipe('p3headlessgl')
-        host = _host(engine, pipe) if pipe is not None and pipe.isValid() else None
-        if host is not None:
-            name = host.getGsg().getDriverRenderer()
-            return Pipe(EGL, engine, host, f'{name} {host.getGsg().getDriverVersion()}')
-    pipe = selection.makePipe('TinyOffscreenGraphicsPipe', 'p3tinydisplay')
+    pipe = core.GraphicsPipeSelection.getGlobalPtr().makeModulePipe('p3headlessgl')
     host = _host(engine, pipe) if pipe is not None and pipe.isValid() else None
     if host is None:
         raise EngineError(
-            'camera backend engine: neither EGL nor the software pipe starts; on Debian or '
-            f'Ubuntu: sudo apt install {EGL_PACKAGES}'
+            'camera backend engine: no EGL on this machine; on Debian or Ubuntu: '
+            f'sudo apt install --no-install-recommends {EGL_PACKAGES}'
         )
-    notice = (
-        'no EGL here: drawing with the software pipe, without shadows and sky light; for the '
-        f'full picture on Debian or Ubuntu: sudo apt install {EGL_PACKAGES}'
-    )
-    return Pipe(SOFTWARE, engine, host, 'Panda3D TinyPanda', notice)
+    name = host.getGsg().getDriverRenderer()
+    return Pipe(engine, host, f'{name} {host.getGsg().getDriverVersion()}')
 
 
 def _host(engine: Any, pipe: Any) -> Any:

@@ -48,13 +48,11 @@ class LightBlock(Block):
 
 
 class TerrainBlock(Block):
-    """The landscape; a DEM and an orthophoto (GeoTIFF) take the place of the procedural one."""
+    """The landscape: relief about the site and beyond it, and how much stands on it."""
 
     local_m: float = Field(default=1.2, ge=0.0, le=50.0)
     hills_m: float = Field(default=40.0, ge=0.0, le=1000.0)
     tufts: float = Field(default=1.0, ge=0.0, le=4.0)
-    orthophoto: str | None = None
-    elevation: str | None = None
 
 
 class GroundBlock(Block):
