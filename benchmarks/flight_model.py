@@ -52,7 +52,7 @@ class Row:
     @property
     def error(self) -> float:
         """By which part the simulated flight is off the recorded one."""
-        return self.flown_s / self.survey.recorded_s - 1.0
+        return float(self.flown_s / self.survey.recorded_s - 1.0)
 
     @property
     def is_met(self) -> bool:

@@ -13,6 +13,11 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+# Camera centre by image, metres.
+Centres = dict[str, list[float]]
 
 
 def main() -> int:
@@ -27,7 +32,7 @@ def main() -> int:
     return 0
 
 
-def opencv(folder: Path, _ours: dict) -> str:
+def opencv(folder: Path, _ours: Centres) -> str:
     """OpenCV's Stitcher in mode SCANS."""
     import cv2
 
@@ -40,7 +45,7 @@ def opencv(folder: Path, _ours: dict) -> str:
     return f'{placed} of {len(paths)} placed, {picture.shape[1]} x {picture.shape[0]} pixels'
 
 
-def stitching(folder: Path, _ours: dict) -> str:
+def stitching(folder: Path, _ours: Centres) -> str:
     """The package stitching with its affine stitcher."""
     from stitching import AffineStitcher
 
@@ -52,7 +57,7 @@ def stitching(folder: Path, _ours: dict) -> str:
     return f'{picture.shape[1]} x {picture.shape[0]} pixels of {len(paths)} images'
 
 
-def pycolmap(folder: Path, ours: dict) -> str:
+def pycolmap(folder: Path, ours: Centres) -> str:
     """Structure from motion with spatial pairs, its centres laid on ours by a similarity."""
     import pycolmap as colmap
 
@@ -79,14 +84,15 @@ def pycolmap(folder: Path, ours: dict) -> str:
     return f'{len(pairs)} of {len(ours)} placed, our centres {rmse:.2f} m from its'
 
 
-def laid_on(points: np.ndarray, target: np.ndarray) -> np.ndarray:
+def laid_on(points: Floats, target: Floats) -> Floats:
     """Return `points` after the similarity that lays them on `target` best (Umeyama 1991)."""
     a, b = points - points.mean(axis=0), target - target.mean(axis=0)
     u, s, vt = np.linalg.svd(b.T @ a)
     sign = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     rotation = u @ sign @ vt
-    scale = np.trace(np.diag(s) @ sign) / np.sum(a**2)
-    return scale * a @ rotation.T + target.mean(axis=0)
+    scale = float(np.trace(np.diag(s) @ sign) / np.sum(a**2))
+    laid: Floats = scale * a @ rotation.T + target.mean(axis=0)
+    return laid
 
 
 if __name__ == '__main__':

@@ -14,7 +14,7 @@ class OrchestratorOptions:
     """Deadlines of every wait, seconds of wall time."""
 
     start_timeout_s: float = _seconds(180.0, 'all processes must be ready within, s')
-    plan_timeout_s: float = _seconds(60.0, 'a plan must come within, beyond its budget, s')
+    plan_timeout_s: float = _seconds(180.0, 'a plan must come within, beyond its budget, s')
     accept_timeout_s: float = _seconds(30.0, 'a request must be accepted within, s')
     repeat_s: float = _seconds(2.0, 'an unanswered request is first repeated after, s')
     stall_timeout_s: float = _seconds(30.0, 'simulated time may stand still for, s')
