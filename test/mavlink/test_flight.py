@@ -268,6 +268,58 @@ def test_mission_has_home_where_it_is_wanted(kind, first):
     )
 
 
+ON, OFF, SHOT, PASS = 'on', 'off', 'shot', ''
+
+
+@pytest.mark.parametrize(
+    ('way', 'told'),
+    [
+        # Two lanes and the leg between them.
+        (
+            [(0, 0), (0, 20), (0, 40), (0, 60), (30, 60), (30, 40), (30, 20)],
+            [ON, PASS, PASS, OFF, ON, PASS, OFF],
+        ),
+        # A corner ends one lane and begins the next.
+        ([(0, 0), (0, 20), (0, 40), (20, 40), (40, 40)], [ON, PASS, ON, PASS, OFF]),
+        # No three in line: one photograph at each.
+        ([(0, 0), (0, 20), (20, 20), (20, 40)], [SHOT, SHOT, SHOT, SHOT]),
+        ([(0, 0)], [SHOT]),
+    ],
+)
+def test_camera_is_triggered_by_distance_along_lanes_only(way, told):
+    """On at once after the first waypoint of a lane, off after its last."""
+    waypoints = tuple(
+        Waypoint(position=offset(HOME, float(east), float(north)), height_m=30.0)
+        for east, north in way
+    )
+    flown = FlightPlan(waypoints=waypoints, speed_mps=10.0, trigger_distance_m=20.0)
+    assert shutter_words(flown) == told
+
+
+def test_bend_is_not_photographed():
+    """It ends a lane, though the way goes straight on there."""
+    waypoints = [
+        Waypoint(position=offset(HOME, 0.0, 20.0 * number), height_m=30.0, is_bend=number == 3)
+        for number in range(7)
+    ]
+    flown = FlightPlan(waypoints=tuple(waypoints), speed_mps=10.0, trigger_distance_m=20.0)
+    assert shutter_words(flown) == [ON, PASS, OFF, PASS, ON, PASS, OFF]
+
+
+def shutter_words(flown):
+    """Return what the camera is told after each waypoint of a mission."""
+    told = []
+    for item in mission_of(flown, COPTER).items[3:-1]:
+        if item.command == 16:
+            told.append(PASS)
+        elif item.command == 203:
+            told[-1] = SHOT
+        else:
+            assert item.command == 206
+            told[-1] = ON if item.parameters == (20.0, 0.0, 1.0, 0.0) else OFF
+    return told
+
+
 def verdicts(vehicle, flown=None, **limits):
     """Return the checks that did not pass."""
     checks = preflight(vehicle, COPTER, flown or plan(), FlightLimits(**limits), NOW_S)

@@ -113,7 +113,10 @@ class BridgeOptions:
     )
     trigger_distance_m: float = field(
         default=0.0,
-        metadata={'doc': 'trigger the camera every so many metres instead; 0: no', 'min': 0.0},
+        metadata={
+            'doc': 'trigger the camera every so many metres of a lane instead; 0: no',
+            'min': 0.0,
+        },
     )
     camera_horizontal_fov_deg: float = field(
         default=60.0,

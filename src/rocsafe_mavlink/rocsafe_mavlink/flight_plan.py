@@ -2,6 +2,7 @@
 """A route to fly, and the mission that makes an autopilot fly it."""
 
 from dataclasses import dataclass
+from itertools import groupby
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.position import GeoPosition
@@ -11,6 +12,7 @@ from rocsafe_mavlink.authority import (
     DO_SET_CAM_TRIGG_DIST,
 )
 from rocsafe_mavlink.autopilot import Autopilot
+from rocsafe_mavlink.lanes import lanes
 from rocsafe_mavlink.mission_item import GLOBAL, MISSION_FRAME, MissionItem
 from rocsafe_mavlink.units import e7_of_deg
 
@@ -52,8 +54,8 @@ class FlightPlan:
     speed_mps: over ground.
     takes_photographs: whether the autopilot triggers its camera at each waypoint.
     home: where the plan has it take off; None: wherever it stands.
-    trigger_distance_m: it triggers after every so many metres between the first and the last
-        waypoint instead; 0: it does not.
+    trigger_distance_m: it triggers after every so many metres along straight lanes instead, and
+        not on the way from one to the next; once at waypoints that lie on none. 0: it does not.
     """
 
     waypoints: tuple[Waypoint, ...]
@@ -104,25 +106,37 @@ def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
         )
     )
     numbers: list[int] = []
-    for waypoint in plan.waypoints:
-        item = len(items)
-        items.append(_item_of(waypoint))
+    for waypoint, shutter in zip(plan.waypoints, _shutters(plan), strict=True):
         if not waypoint.is_bend:
-            numbers.append(item)
-            items += _shutter(plan, len(numbers))
+            numbers.append(len(items))
+        items += [_item_of(waypoint), *shutter]
     items.append(MissionItem(command=RETURN_TO_LAUNCH))
     return Mission(items=tuple(items), waypoint_items=tuple(numbers))
 
 
-def _shutter(plan: FlightPlan, visited: int) -> list[MissionItem]:
-    """Return what follows the waypoint after which `visited` are behind."""
+def _shutters(plan: FlightPlan) -> list[list[MissionItem]]:
+    """Return what the camera is told after each waypoint."""
+    shot = MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)
+    is_wanted = plan.takes_photographs or plan.trigger_distance_m > 0.0
+    shutters = [[shot] if is_wanted and not way.is_bend else [] for way in plan.waypoints]
     if plan.trigger_distance_m:
-        if visited == 1 and len(plan.stops) > 1:
-            return [_trigger(plan.trigger_distance_m, 1.0)]
-        return [_trigger(0.0, 0.0)] if visited == len(plan.stops) else []
-    if plan.takes_photographs:
-        return [MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)]
-    return []
+        for first, last in _lanes_of(plan):
+            shutters[first] = [_trigger(plan.trigger_distance_m, 1.0)]
+            shutters[first + 1 : last] = [[] for _ in range(first + 1, last)]
+            shutters[last] = [_trigger(0.0, 0.0)]
+    return shutters
+
+
+def _lanes_of(plan: FlightPlan) -> list[tuple[int, int]]:
+    """Return the first and last number of the waypoints of each lane; bends lie on none."""
+    found: list[tuple[int, int]] = []
+    start = 0
+    for is_bend, stretch in groupby(plan.waypoints, key=lambda waypoint: waypoint.is_bend):
+        places = [waypoint.position for waypoint in stretch]
+        if not is_bend:
+            found += [(start + first, start + last) for first, last in lanes(places)]
+        start += len(places)
+    return found
 
 
 def _trigger(distance_m: float, at_once: float) -> MissionItem:
