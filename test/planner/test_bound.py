@@ -93,6 +93,15 @@ def test_bounds_hold_in_wind_and_anywhere(points, vehicles, data):
     assert makespan_s(world, found.orders) == pytest.approx(best, rel=1e-5)
 
 
+def test_slow_photographer_may_fly_home_as_fast():
+    """One vehicle needs twice as long for a photograph, but no longer for the way."""
+    fleet = (vehicle('rav0', hover_s=1.0), vehicle('rav1', hover_s=2.0))
+    ends = np.array([(0.0, 1.0)] * 2)
+    world = dataclasses.replace(problem([(0.0, 0.0)] * 3, [(0.0, 0.0)] * 2, fleet), ends=ends)
+    found = optimised(world, Effort(proposals=2000))
+    assert found.bound <= best_makespan(world) * (1.0 + 1e-6)
+
+
 def test_bound_holds_where_the_papers_does_not():
     """Two drones above their own waypoints, far apart, need climb, photograph and descent only.
 

@@ -29,13 +29,13 @@ class Relaxation:
     pace: Floats
     """(measures, 5) pace and whole stay of each measure, when `points` stand for the table."""
     start: Floats
-    """(n,) cheapest first leg to each customer."""
+    """(n,) cheapest first leg to each customer; of the costliest route in units of `shares`."""
     end: Floats
-    """(n,) cheapest last leg from each customer."""
+    """(n,) cheapest last leg from each customer, likewise."""
     around: Floats
     """(n,) cheapest route that serves a customer alone, fixed cost included; 0 if not known."""
     shares: Floats
-    """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost >= `a` times `costs`."""
+    """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost >= `a` times these."""
     fixed: float
     """Least fixed cost of a route."""
     closed: bool
@@ -80,6 +80,8 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     between = {v.legs: np.minimum(tables[v.legs], tables[v.legs].T)[:n, :n] for v in vehicles}
     costs = np.minimum.reduce(list(between.values()))
     factors = {kind: _least_ratio(table, costs) for kind, table in between.items()}
+    # Of a sum nothing is divided by what a vehicle is worth.
+    worth = [factors[v.legs] if problem.objective == 'max' else 1.0 for v in vehicles]
     halves = _end_stays(problem)
     starts = [tables[v.legs][v.start, :n] for v in vehicles]
     ends = [halves[v.legs] if v.end is None else tables[v.legs][:n, v.end] for v in vehicles]
@@ -91,8 +93,8 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         costs=costs,
         points=np.zeros((0, 3)),
         pace=np.zeros((0, 5)),
-        start=np.minimum.reduce(starts),
-        end=np.minimum.reduce(ends),
+        start=np.minimum.reduce([legs / a for legs, a in zip(starts, worth, strict=True)]),
+        end=np.minimum.reduce([legs / a for legs, a in zip(ends, worth, strict=True)]),
         around=_allowed_around(problem, crew, around) if closed else np.zeros(n),
         shares=_shares([factors[v.legs] for v in vehicles]),
         fixed=min(v.fixed_cost for v in vehicles),
