@@ -117,7 +117,14 @@ def test_a_field_killed_in_the_air_costs_no_reading(
     """Counted windows and all: the readings are those of the flight that nobody disturbed."""
     flight = disturbed('radiation_field')
     # The further round follows from an estimate that may have had one reading less on the ground.
-    assert readings(flight)[:SURVEY_READINGS] == readings(searched)[:SURVEY_READINGS]
+    here, there = (
+        {row['time_ns']: row for row in readings(one)[:SURVEY_READINGS]}
+        for one in (flight, searched)
+    )
+    # On the ground either may begin some seconds later: who is found late by the others.
+    common = here.keys() & there.keys()
+    assert len(common) > 0.9 * SURVEY_READINGS
+    assert all(here[time] == there[time] for time in common)
     stamps = [int(row['time_ns']) for row in readings(flight)]
     assert {b - a for a, b in itertools.pairwise(stamps)} == {1_000_000_000}
 
