@@ -61,7 +61,7 @@ def test_route_is_flown_to_its_end(ground):
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == 4
     assert answer.distance_flown_m == pytest.approx(240.0, abs=25.0)
-    ground.until(lambda: states[-1].state == VehicleState.LANDED)
+    ground.until(lambda: states and states[-1].state == VehicleState.LANDED)
     seen = [state.state for state in states]
     wanted = (VehicleState.TAKING_OFF, VehicleState.FLYING, VehicleState.LANDED)
     assert [state for state in dict.fromkeys(seen) if state in wanted] == list(wanted)

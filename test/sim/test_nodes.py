@@ -268,9 +268,11 @@ def test_orders_by_service(operator: Operator, world: Any, rav: Any) -> None:
     assert not refused.success
     assert refused.message == 'rav1: cannot hold: disarmed'
     goal = operator.send(route())
-    operator.ros.spin_until(lambda: states[-1].viewpoints_visited >= 1, DEADLINE_S)
+    operator.ros.spin_until(lambda: states and states[-1].viewpoints_visited >= 1, DEADLINE_S)
     assert operator.call('rav1/hold', Trigger.Request()).success
-    operator.ros.spin_until(lambda: states[-1].state == VehicleState.HOLDING, DEADLINE_S)
+    operator.ros.spin_until(
+        lambda: states and states[-1].state == VehicleState.HOLDING, DEADLINE_S
+    )
     assert operator.call('rav1/resume', Trigger.Request()).success
     assert operator.call('rav1/return_home', Trigger.Request()).success
     ended = operator.wait(goal.get_result_async())
@@ -290,7 +292,9 @@ def test_cancelled_goal_holds(operator: Operator, world: Any, rav: Any) -> None:
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_CANCELED
     assert ended.result.outcome == FlyRoute.Result.CANCELLED
-    operator.ros.spin_until(lambda: states[-1].state == VehicleState.HOLDING, DEADLINE_S)
+    operator.ros.spin_until(
+        lambda: states and states[-1].state == VehicleState.HOLDING, DEADLINE_S
+    )
 
 
 @pytest.mark.parametrize(
@@ -340,7 +344,7 @@ def test_restarted_vehicle_continues(
     ended = operator.fly(route())
     assert ended.result.outcome == FlyRoute.Result.COMPLETED
     assert ended.result.viewpoints_visited == 4
-    operator.ros.spin_until(lambda: states[-1].shots_pending == 0, DEADLINE_S)
+    operator.ros.spin_until(lambda: states and states[-1].shots_pending == 0, DEADLINE_S)
     assert {s.shot_id for s in shots} == {f'rav1-{number:05d}' for number in range(4)}
     assert [path.name for path in tmp_path.iterdir()] == ['journal.json']
 
