@@ -15,11 +15,12 @@ from test.fakes.fake_autopilot import FakeCopter
 from test.mavlink.telemetry import ready
 
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.shot_store import ShotStore
 from rocsafe_mavlink.camera_shot import CAPTURED, FEEDBACK, TRIGGER, CameraShot, ShotLog
 from rocsafe_mavlink.dialect import Message, decode, encode
+from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.flight_journal import Assignment
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.photograph import PhotographStore
 from rocsafe_mavlink.photographer import Exposure, Photographer
 from rocsafe_mavlink.picture_pairing import PicturePairing
 from rocsafe_mavlink.pictures import Picture, VideoStream, WatchedFolder, open_source
@@ -221,29 +222,58 @@ def exposure():
 def test_photograph_has_all_that_places_it(tmp_path):
     """Viewpoint, time of the mission, size; it outlives the process, and its receipt ends it."""
     (tmp_path / 'in').mkdir()
-    store = PhotographStore(tmp_path / 'spool')
+    film = Film(tmp_path / 'spool')
     table = tmp_path / 'shots.csv'
-    made = Photographer(store, WatchedFolder(tmp_path / 'in'), table)
+    made = Photographer(film, WatchedFolder(tmp_path / 'in'), table)
     for number in range(2):
         place = {'lat': 473977420 + 10000 * number}
         made.on_message(feedback(number, NOW_S + number, **place), ready(), NOW_S)
         leave(tmp_path / 'in', f'{number}.jpg', NOW_S + number)
-    made.develop(exposure())
-    first, second = made.develop(exposure())
+    made.develop(exposure(), pytest.fail)
+    first, second = made.develop(exposure(), pytest.fail)
     assert (first.shot_id, first.viewpoint_id, second.viewpoint_id) == ('rav1-00000', 7, 8)
     assert first.time_ns == round((NOW_S + 100.0) * 1e9)
     assert (first.width_px, first.height_px) == (64, 48)
-    again = PhotographStore(tmp_path / 'spool')
-    assert (len(again), again.next_sequence) == (2, 2)
-    assert again.overdue(0.0) == [first, second]
-    assert again.overdue(0.5) == []
-    assert not again.take_receipt(first.shot_id, 'other')
-    assert again.take_receipt(first.shot_id, first.sha256)
-    assert len(PhotographStore(tmp_path / 'spool')) == 1
+    again = Film(tmp_path / 'spool')
+    assert again.next_sequence == 2
+    assert again.store.overdue(0.0) == [first, second]
+    for photograph in (first, second):
+        assert again.store.take_receipt(photograph.shot_id, photograph.sha256)
+    later = Film(tmp_path / 'spool')
+    assert (len(later.store), later.next_sequence) == (0, 2)
     with table.open(newline='') as file:
         rows = list(csv.DictReader(file))
     assert [row['index'] for row in rows] == ['0', '1']
     assert rows[0]['height_above_home_m'] == '30.000'
+
+
+def test_number_that_was_not_noted_is_not_given_twice(tmp_path):
+    """Killed between the photograph and its count: the photograph tells."""
+    film, (vehicle, source) = Film(tmp_path / 'spool'), (ready(), tmp_path / 'in')
+    source.mkdir()
+    made = Photographer(film, WatchedFolder(source), None)
+    made.on_message(feedback(0), vehicle, NOW_S)
+    leave(source, 'a.jpg', NOW_S)
+    made.develop(exposure(), pytest.fail)
+    made.develop(exposure(), pytest.fail)
+    (tmp_path / 'spool' / 'next.json').unlink()
+    assert Film(tmp_path / 'spool').next_sequence == 1
+
+
+def test_full_spool_is_told_and_flight_goes_on(tmp_path):
+    """A picture that cannot be kept is named once; the next one has its number."""
+    film, refused = Film(), []
+    film.store = ShotStore(most_bytes=len(jpeg()))
+    made = Photographer(film, WatchedFolder(tmp_path), None)
+    for number in range(2):
+        made.on_message(feedback(number, NOW_S + number), ready(), NOW_S)
+        leave(tmp_path, f'{number}.jpg', NOW_S + number)
+    made.develop(exposure(), refused.append)
+    kept = made.develop(exposure(), refused.append)
+    assert [shot.sequence for shot in kept] == [0]
+    assert film.next_sequence == 1
+    (line,) = refused
+    assert line.startswith('rav1: 1.jpg is not sent: spool is full')
 
 
 def test_distance_trigger_runs_between_first_and_last_waypoint():

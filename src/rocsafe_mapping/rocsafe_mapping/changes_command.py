@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.durable import write_whole
 from rocsafe_mapping.changes import (
     AFTER,
     BEFORE,
@@ -17,7 +18,6 @@ from rocsafe_mapping.changes import (
     renamed,
 )
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.durable import write_whole
 from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.map_command import shots_of
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions

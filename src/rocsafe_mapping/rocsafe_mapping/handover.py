@@ -8,7 +8,7 @@ from typing import Any
 
 import shapely
 
-from rocsafe_mapping.durable import write_whole
+from rocsafe_geo.durable import write_whole
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker
 from rocsafe_mapping.products.cog import write_cog

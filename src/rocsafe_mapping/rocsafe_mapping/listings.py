@@ -15,9 +15,9 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.durable import finish_part, part_of
 from rocsafe_mapping.alignment.photo import footprint, ground_frame_of, photo_of_record
 from rocsafe_mapping.catalogue import SIDECAR_SUFFIX, StoredShot
-from rocsafe_mapping.durable import finish_part, part_of
 from rocsafe_mapping.errors import PlacementError, StoreError
 from rocsafe_mapping.shot import ShotRecord
 from rocsafe_mapping.xmp import attitude_rad

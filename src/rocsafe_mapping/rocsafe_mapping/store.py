@@ -18,6 +18,15 @@ from pathlib import Path
 
 from PIL import Image
 
+from rocsafe_geo.durable import (
+    PART_SUFFIX,
+    AppendOnlyFile,
+    discard_part,
+    finish_part,
+    sync_directory,
+    write_part,
+    write_whole,
+)
 from rocsafe_mapping.catalogue import (
     IMAGE_SUFFIX,
     LOCK,
@@ -28,15 +37,6 @@ from rocsafe_mapping.catalogue import (
     Notice,
     entry_of_files,
     entry_of_line,
-)
-from rocsafe_mapping.durable import (
-    PART_SUFFIX,
-    AppendOnlyFile,
-    discard_part,
-    finish_part,
-    sync_directory,
-    write_part,
-    write_whole,
 )
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.exif import with_exif

@@ -7,10 +7,10 @@ from pathlib import Path
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.drone import Drone
 from rocsafe_mavlink.endpoint import parse_endpoint
+from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.flight_journal import FlightJournal
 from rocsafe_mavlink.line import Line
 from rocsafe_mavlink.link import Link, LinkRules
-from rocsafe_mavlink.photograph import PhotographStore
 from rocsafe_mavlink.photographer import Photographer
 from rocsafe_mavlink.pictures import open_source
 from rocsafe_mavlink.signing import SignatureGate, Signer, read_key
@@ -65,10 +65,11 @@ def make_photographer(
     Raises
     ------
     ValueError: if its pictures are to come from nowhere.
+    SpoolError: if photographs of an earlier run cannot be read.
     """
     folder = options.state_path(options.vehicles[index])
     return Photographer(
-        PhotographStore(None if folder is None else folder / 'shots'),
+        Film(None if folder is None else folder / 'shots'),
         open_source(options.text_of('image_folders', index), clock),
         None if folder is None else folder / 'shots.csv',
     )

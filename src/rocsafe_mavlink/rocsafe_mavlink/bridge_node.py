@@ -80,7 +80,7 @@ class BridgeNode(Node):
             photographers = [
                 make_photographer(self._options, index, time.time) for index in range(len(drones))
             ]
-        except (MavlinkError, ValueError) as error:
+        except (MavlinkError, ValueError, OSError) as error:
             raise ParameterError(f'bridge: {error}') from error
         self.vehicle_nodes = [self._vehicle_node(drone, node_options) for drone in drones]
         self._interfaces = [

@@ -5,8 +5,6 @@ import math
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
-from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
@@ -31,7 +29,6 @@ from rocsafe_mavlink.preflight import Check, Verdict
 from rocsafe_mavlink.vehicle import Contact
 from rocsafe_ros.conversions import position_of_point
 
-MAP_FRAME = 'map'
 STATES = {
     FlightState.UNKNOWN: VehicleState.UNKNOWN,
     FlightState.DISARMED: VehicleState.DISARMED,
@@ -106,28 +103,6 @@ def ring_of(polygon: GeoPolygon) -> Ring:
     return places[:-1] if len(places) > 1 and places[0] == places[-1] else places
 
 
-def fix_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix:
-    """Return where the vehicle believes to be; without a status if that cannot be believed."""
-    place = GeoPosition(0.0, 0.0) if seen.motion is None else seen.motion.position
-    horizontal, vertical = seen.horizontal_std_m**2, seen.vertical_std_m**2
-    is_known = math.isfinite(horizontal + vertical)
-    message = NavSatFix(
-        header=Header(stamp=stamp, frame_id=frame_id),
-        status=NavSatStatus(status=int(seen.fix_quality), service=NavSatStatus.SERVICE_GPS),
-        latitude=place.latitude_deg,
-        longitude=place.longitude_deg,
-        altitude=place.altitude_m,
-    )
-    if is_known:
-        message.position_covariance = [
-            *(horizontal, 0.0, 0.0),
-            *(0.0, horizontal, 0.0),
-            *(0.0, 0.0, vertical),
-        ]
-        message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
-    return message
-
-
 def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix | None:
     """Return where a silent vehicle should be; None while it is heard."""
     if seen.prediction is None:
@@ -142,47 +117,6 @@ def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFi
         position_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance],
         position_covariance_type=NavSatFix.COVARIANCE_TYPE_APPROXIMATED,
     )
-
-
-def velocity_message(seen: Observation, stamp: Time) -> TwistStamped:
-    """Return the velocity over ground: east, north, up."""
-    message = TwistStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
-    if seen.motion is not None:
-        linear = message.twist.linear
-        linear.x, linear.y, linear.z = seen.motion.velocity_enu_mps
-    return message
-
-
-def odometry_message(seen: Observation, stamp: Time, vehicle: str) -> Odometry:
-    """Return the position in the mission's frame; the twist is in the body's frame."""
-    message = Odometry(
-        header=Header(stamp=stamp, frame_id=MAP_FRAME), child_frame_id=f'{vehicle}/base_link'
-    )
-    position = message.pose.pose.position
-    position.x, position.y, position.z = seen.position_enu
-    if seen.motion is None:
-        return message
-    yaw = seen.motion.yaw_rad if math.isfinite(seen.motion.yaw_rad) else 0.0
-    message.pose.pose.orientation = yaw_quaternion(yaw)
-    east, north, up = seen.motion.velocity_enu_mps
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    linear = message.twist.twist.linear
-    linear.x, linear.y, linear.z = cos * east + sin * north, cos * north - sin * east, up
-    return message
-
-
-def yaw_quaternion(yaw_rad: float) -> Quaternion:
-    """Return the attitude of a level vehicle."""
-    return Quaternion(x=0.0, y=0.0, z=math.sin(0.5 * yaw_rad), w=math.cos(0.5 * yaw_rad))
-
-
-def path_pose(seen: Observation, stamp: Time) -> PoseStamped:
-    """Return one point of the flown track."""
-    message = PoseStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
-    position = message.pose.position
-    position.x, position.y, position.z = seen.position_enu
-    message.pose.orientation.w = 1.0
-    return message
 
 
 def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatteryState:

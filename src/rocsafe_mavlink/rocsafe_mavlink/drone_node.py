@@ -8,15 +8,10 @@ from nav_msgs.msg import Path
 from std_msgs.msg import Float64, Header
 
 from rocsafe_mavlink.conversions import (
-    MAP_FRAME,
     battery_message,
     event_message,
-    fix_message,
-    odometry_message,
-    path_pose,
     predicted_message,
     state_message,
-    velocity_message,
 )
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.drone import Drone
@@ -24,7 +19,14 @@ from rocsafe_mavlink.events import Event, EventKind
 from rocsafe_mavlink.observation import Observation
 from rocsafe_mavlink.stream_rates import POSITION
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.conversions import (
+    MAP_FRAME,
+    fix_message,
+    odometry_message,
+    path_pose,
+    point_of_position,
+    velocity_message,
+)
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
@@ -74,12 +76,17 @@ class DroneTelemetry:
         seen = self._drone.observe(now_s)
         if seen.motion is None:
             return
-        stamp = self._node.get_clock().now().to_msg()
-        self._publish(topics.FIX, fix_message(seen, stamp, f'{self._name}/gps'))
-        self._publish(topics.VELOCITY, velocity_message(seen, stamp))
-        self._publish(topics.ODOM, odometry_message(seen, stamp, self._name))
-        self._publish(topics.REL_ALT, Float64(data=seen.motion.height_above_home_m))
-        self._publish(topics.HEADING, Float64(data=seen.motion.heading_deg))
+        motion, stamp = seen.motion, self._node.get_clock().now().to_msg()
+        std_m, status = (seen.horizontal_std_m, seen.vertical_std_m), int(seen.fix_quality)
+        place, velocity = motion.position, motion.velocity_enu_mps
+        self._publish(topics.FIX, fix_message(place, stamp, f'{self._name}/gps', std_m, status))
+        self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
+        self._publish(
+            topics.ODOM,
+            odometry_message(seen.position_enu, motion.yaw_rad, velocity, stamp, self._name),
+        )
+        self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
+        self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 
     def on_event(self, event: Event) -> None:
         """Publish something that happened."""
@@ -114,7 +121,7 @@ class DroneTelemetry:
             self._publish(topics.PREDICTED_FIX, predicted)
         if self._drone.is_in_air and seen.motion is not None:
             self._track.header.stamp = stamp
-            self._track.poses.append(path_pose(seen, stamp))
+            self._track.poses.append(path_pose(seen.position_enu, stamp))
             del self._track.poses[:-LARGEST_PATH]
             self._publish(topics.PATH, self._track)
 

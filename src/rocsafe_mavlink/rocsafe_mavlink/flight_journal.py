@@ -5,11 +5,11 @@ Where the vehicle is, what it does and how far it is, is always asked of the veh
 """
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.durable import write_whole
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.flight_outcome import Outcome
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
@@ -75,13 +75,8 @@ class FlightJournal:
         if self._path is None:
             return
         record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
-        scratch = self._path.with_suffix('.new')
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        with scratch.open('w', encoding='utf-8') as file:
-            json.dump(record, file)
-            file.flush()
-            os.fsync(file.fileno())
-        scratch.replace(self._path)
+        write_whole(self._path, json.dumps(record).encode())
 
 
 def _read(path: Path) -> Entry | None:

@@ -3,6 +3,7 @@
 
 import csv
 import io
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,10 +11,12 @@ from PIL import Image
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
 from rocsafe_geo.position import distance_m
+from rocsafe_geo.shot import Shot
+from rocsafe_geo.shot_store import SpoolError
 from rocsafe_mavlink.camera_shot import CameraShot, ShotLog
 from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.flight_journal import Assignment
-from rocsafe_mavlink.photograph import Photograph, PhotographStore
 from rocsafe_mavlink.picture_pairing import Pair, PicturePairing
 from rocsafe_mavlink.pictures import PictureSource
 from rocsafe_mavlink.vehicle import Gps, Vehicle
@@ -47,15 +50,13 @@ class Photographer:
 
     Parameters
     ----------
-    store: keeps the photographs.
+    film: numbers and keeps the photographs.
     source: where the pictures come from; None: there are none, only shots are counted.
     table: CSV file of the shots; None: none is written.
     """
 
-    def __init__(
-        self, store: PhotographStore, source: PictureSource | None, table: Path | None
-    ) -> None:
-        self.store = store
+    def __init__(self, film: Film, source: PictureSource | None, table: Path | None) -> None:
+        self.film = film
         self._source = source
         self._table = table
         self._log = ShotLog()
@@ -66,7 +67,7 @@ class Photographer:
     @property
     def delivered(self) -> int:
         """Photographs that are, or will be, in the image store."""
-        return self.store.next_sequence
+        return self.film.next_sequence
 
     def on_message(self, message: Message, vehicle: Vehicle, unix_s: float) -> list[CameraShot]:
         """Take a message of the vehicle; return the shots that it tells of."""
@@ -77,8 +78,11 @@ class Photographer:
             self._note(shot)
         return shots
 
-    def develop(self, exposure: Exposure) -> list[Photograph]:
-        """Return the photographs whose picture and shot are both here now; they are kept."""
+    def develop(self, exposure: Exposure, refuse: Callable[[str], None]) -> list[Shot]:
+        """Return the photographs whose picture and shot are both here now; they are kept.
+
+        One that cannot be kept is told to `refuse`: its picture stays where the camera wrote it.
+        """
         if self._source is None:
             self._new.clear()
             return []
@@ -89,9 +93,14 @@ class Photographer:
         made = []
         for pair in pairs:
             photograph = self._photograph(pair, exposure)
-            if photograph is not None:
-                self.store.add(photograph)
+            if photograph is None:
+                refuse(f'{exposure.vehicle}: {pair.picture.name} is no image')
+                continue
+            try:
+                self.film.add(photograph)
                 made.append(photograph)
+            except SpoolError as error:
+                refuse(f'{exposure.vehicle}: {pair.picture.name} is not sent: {error}')
         return made
 
     def close(self) -> None:
@@ -99,7 +108,7 @@ class Photographer:
         if self._source is not None:
             self._source.close()
 
-    def _photograph(self, pair: Pair, exposure: Exposure) -> Photograph | None:
+    def _photograph(self, pair: Pair, exposure: Exposure) -> Shot | None:
         size = _size_of(pair.picture.jpeg)
         if size is None:
             return None
@@ -108,9 +117,9 @@ class Photographer:
         if attitude is not None:
             angles = (attitude.yaw_rad, attitude.pitch_rad, attitude.roll_rad)
         x, y, z, w = quaternion_of_rotation(rotation_enu_from_optical(*angles)).tolist()
-        return Photograph(
+        return Shot(
             vehicle=exposure.vehicle,
-            sequence=self.store.next_sequence,
+            sequence=self.film.next_sequence,
             viewpoint_id=viewpoint_of(shot, exposure.assignment),
             time_ns=round((shot.unix_s + exposure.clock_s) * NS_PER_S),
             position=shot.position,

@@ -3,26 +3,30 @@
 
 import time
 
-from rocsafe_interfaces.msg import ShotReceipt
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.shot import Shot
+from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.drone import Drone
 from rocsafe_mavlink.photographer import Exposure, Photographer
-from rocsafe_mavlink.shot_conversions import (
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import (
     camera_info_message,
     compressed_message,
     geotagged_message,
+    shot_header,
 )
-from rocsafe_ros import topics
+from rocsafe_ros.shot_delivery_node import ShotDelivery
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # A folder is looked at this often.
 DEVELOP_S = 0.25
+# Of an autopilot's attitude in quiet flight.
+ATTITUDE_STD_RAD = 0.02
 
 
 class ShotSender:
     """Publishes camera/* for each photograph, and camera/shot again until its receipt.
-
-    Subscribes: shots/receipts.
 
     Parameters
     ----------
@@ -46,13 +50,12 @@ class ShotSender:
         self._due_s = 0.0
         self._compressed = topics.create_publisher(node, topics.CAMERA_IMAGE_COMPRESSED)
         self._info = topics.create_publisher(node, topics.CAMERA_INFO)
-        self._shot = topics.create_publisher(node, topics.SHOT)
-        topics.create_subscription(node, topics.RECEIPTS, self._on_receipt)
+        self._delivery = ShotDelivery(node, photographer.film.store, self._message_of)
 
     @property
     def counts(self) -> tuple[int, int]:
         """Photographs taken, and those not yet stored."""
-        return self._photographer.shot_count, len(self._photographer.store)
+        return self._photographer.shot_count, len(self._photographer.film.store)
 
     @property
     def delivered(self) -> int:
@@ -64,7 +67,7 @@ class ShotSender:
         self._photographer.on_message(message, self._drone.vehicle, time.time())
 
     def step(self, now_s: float, time_s: float) -> None:
-        """Publish what has come, and send again what has no receipt."""
+        """Publish what has come."""
         if now_s < self._due_s:
             return
         self._due_s = now_s + DEVELOP_S
@@ -74,21 +77,17 @@ class ShotSender:
             gps=self._drone.vehicle.gps,
             clock_s=self._node.get_clock().now().nanoseconds / 1e9 - time_s,
         )
-        for photograph in self._photographer.develop(exposure):
-            self._info.publish(camera_info_message(photograph, self._fov_rad))
-            self._compressed.publish(compressed_message(photograph))
-        if self._shot.get_subscription_count():
-            for photograph in self._photographer.store.overdue(now_s):
-                self._shot.publish(geotagged_message(photograph, self._fov_rad))
+        for shot in self._photographer.develop(exposure, self._node.get_logger().error):
+            self._info.publish(camera_info_message(self._lens_of(shot), shot_header(shot)))
+            self._compressed.publish(compressed_message(shot))
+            self._delivery.send(shot)
 
     def close(self) -> None:
         """Give the source of pictures back."""
         self._photographer.close()
 
-    def _on_receipt(self, receipt: ShotReceipt) -> None:
-        if receipt.vehicle != self._drone.spec.name:
-            return
-        is_ours = self._photographer.store.take_receipt(receipt.shot_id, receipt.sha256)
-        if is_ours and receipt.status == ShotReceipt.REJECTED:
-            words = f'{receipt.shot_id} was rejected, it is lost: {receipt.reason}'
-            self._node.get_logger().error(words)
+    def _lens_of(self, shot: Shot) -> PinholeCamera:
+        return PinholeCamera(self._fov_rad, shot.width_px, shot.height_px)
+
+    def _message_of(self, shot: Shot) -> GeotaggedImage:
+        return geotagged_message(shot, self._lens_of(shot), ATTITUDE_STD_RAD)

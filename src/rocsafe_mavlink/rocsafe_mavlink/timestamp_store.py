@@ -7,8 +7,9 @@ nothing can be replayed; genuine messages are refused for at most that second.
 """
 
 import json
-import os
 from pathlib import Path
+
+from rocsafe_geo.durable import write_whole
 
 StreamKey = tuple[int, int, int]
 # How far a limit lies ahead, in ticks of 10 microseconds: one write a second and stream.
@@ -68,19 +69,8 @@ class TimestampStore:
             self._write()
 
     def _write(self) -> None:
-        if self._path is None:
-            return
-        scratch = self._path.with_name(self._path.name + '.new')
-        with scratch.open('w') as file:
-            json.dump(self._limits, file)
-            file.flush()
-            os.fsync(file.fileno())
-        scratch.replace(self._path)
-        folder = os.open(self._path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+        if self._path is not None:
+            write_whole(self._path, json.dumps(self._limits).encode())
 
 
 def _name(stream: StreamKey) -> str:

@@ -2,10 +2,9 @@
 """Writing the plan's files, so that a reader never sees half of one."""
 
 import json
-import os
-import tempfile
 from pathlib import Path
 
+from rocsafe_geo.durable import write_whole
 from rocsafe_planner.document import Document
 from rocsafe_planner.flight_files import flight_dji, flight_waypoints, plan_gpx
 from rocsafe_planner.plan import SurveyPlan
@@ -47,7 +46,7 @@ def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in contents.items():
-            _replace(folder / name, content)
+            write_whole(folder / name, content)
         for stale in folder.glob('plan-*'):
             if stale.suffix in _FLIGHT_SUFFIXES and stale.name not in contents:
                 stale.unlink()
@@ -73,19 +72,3 @@ def _flights(plan: SurveyPlan) -> dict[str, bytes]:
 def _json(document: Document) -> bytes:
     text = json.dumps(document, indent=1, allow_nan=False, ensure_ascii=False)
     return f'{text}\n'.encode()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write beside, flush to the disk, rename over."""
-    descriptor, temporary = tempfile.mkstemp(prefix=f'.{path.name}.', dir=path.parent)
-    try:
-        with os.fdopen(descriptor, 'wb') as stream:
-            # mkstemp makes a private file; the plan is for everyone who may read the folder.
-            os.fchmod(stream.fileno(), 0o644)
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

@@ -2,17 +2,28 @@
 """Values of `rocsafe_geo` and plain Python <-> standard and ROCSAFE messages."""
 
 import math
+from array import array
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Quaternion
-from sensor_msgs.msg import NavSatFix, NavSatStatus
+from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
+from std_msgs.msg import Header
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, Region
+from rocsafe_geo.shot import Shot
+from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
+
+Enu = tuple[float, float, float]
 
 NS_PER_S = 1_000_000_000
 EARTH_FRAME = 'earth'
+MAP_FRAME = 'map'
+# Of a fix without error: ROS takes 0 for "unknown" in some readers.
+_LEAST_VARIANCE_M2 = 1e-12
+_NO_DISTORTION = [0.0] * 5
 
 
 def stamp_of_ns(time_ns: int) -> Time:
@@ -68,6 +79,114 @@ def position_of_fix(fix: NavSatFix) -> GeoPosition:
     )
 
 
+def fix_message(
+    position: GeoPosition,
+    stamp: Time,
+    frame_id: str,
+    std_m: tuple[float, float],
+    status: int = NavSatStatus.STATUS_FIX,
+) -> NavSatFix:
+    """Return a fix; `std_m` is horizontal and vertical, NaN: nobody knows how good it is."""
+    message = NavSatFix(
+        header=Header(stamp=stamp, frame_id=frame_id),
+        status=NavSatStatus(status=status, service=NavSatStatus.SERVICE_GPS),
+        latitude=position.latitude_deg,
+        longitude=position.longitude_deg,
+        altitude=position.altitude_m,
+    )
+    h, v = (max(std * std, _LEAST_VARIANCE_M2) for std in std_m)
+    if math.isfinite(h + v):
+        message.position_covariance = [h, 0.0, 0.0, 0.0, h, 0.0, 0.0, 0.0, v]
+        message.position_covariance_type = NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN
+    return message
+
+
+def velocity_message(velocity_enu: Enu, stamp: Time, frame_id: str = MAP_FRAME) -> TwistStamped:
+    """Return the velocity over ground: east, north, up, m/s."""
+    message = TwistStamped(header=Header(stamp=stamp, frame_id=frame_id))
+    linear = message.twist.linear
+    linear.x, linear.y, linear.z = velocity_enu
+    return message
+
+
+def odometry_message(
+    position_enu: Enu, yaw_rad: float, velocity_enu: Enu, stamp: Time, vehicle: str
+) -> Odometry:
+    """Return the position in the mission's frame; the twist is in the body's frame.
+
+    A yaw that is not known, NaN, is taken for 0: a quaternion must be one.
+    """
+    yaw_rad = yaw_rad if math.isfinite(yaw_rad) else 0.0
+    message = Odometry(
+        header=Header(stamp=stamp, frame_id=MAP_FRAME), child_frame_id=f'{vehicle}/base_link'
+    )
+    position = message.pose.pose.position
+    position.x, position.y, position.z = position_enu
+    message.pose.pose.orientation = yaw_quaternion(yaw_rad)
+    east, north, up = velocity_enu
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+    linear = message.twist.twist.linear
+    linear.x, linear.y, linear.z = cos * east + sin * north, cos * north - sin * east, up
+    return message
+
+
+def path_pose(position_enu: Enu, stamp: Time) -> PoseStamped:
+    """Return one point of the flown track."""
+    message = PoseStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
+    position = message.pose.position
+    position.x, position.y, position.z = position_enu
+    message.pose.orientation.w = 1.0
+    return message
+
+
+def shot_header(shot: Shot) -> Header:
+    """Return the header of all messages about a photograph."""
+    return Header(stamp=stamp_of_ns(shot.time_ns), frame_id=f'{shot.vehicle}/camera_optical')
+
+
+def camera_info_message(lens: PinholeCamera, header: Header) -> CameraInfo:
+    """Return the intrinsics of a camera without distortion."""
+    rows: list[list[float]] = lens.matrix.tolist()
+    return CameraInfo(
+        header=header,
+        width=lens.image_width_px,
+        height=lens.image_height_px,
+        distortion_model='plumb_bob',
+        d=_NO_DISTORTION,
+        k=[value for row in rows for value in row],
+        r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        p=[value for row in rows for value in (*row, 0.0)],
+    )
+
+
+def compressed_message(shot: Shot) -> CompressedImage:
+    """Return the image file as a message."""
+    image = CompressedImage(header=shot_header(shot), format='jpeg')
+    # An array is taken as it is, where a list is checked number by number.
+    image.data = array('B', shot.jpeg)
+    return image
+
+
+def geotagged_message(shot: Shot, lens: PinholeCamera, attitude_std_rad: float) -> GeotaggedImage:
+    """Return the atomic record of a photograph."""
+    header, variance = shot_header(shot), attitude_std_rad**2
+    std_m = (shot.horizontal_std_m, shot.vertical_std_m)
+    return GeotaggedImage(
+        header=header,
+        shot_id=shot.shot_id,
+        vehicle=shot.vehicle,
+        sequence=shot.sequence,
+        viewpoint_id=shot.viewpoint_id,
+        fix=fix_message(shot.position, header.stamp, header.frame_id, std_m),
+        height_agl_m=shot.height_m,
+        orientation=quaternion_message(shot.quaternion_xyzw),
+        orientation_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance],
+        camera_info=camera_info_message(lens, header),
+        image=compressed_message(shot),
+        sha256=shot.sha256,
+    )
+
+
 def region_of_area(area: SurveyArea) -> Region:
     """Return `area` as a message without a stamp."""
     region = Region(name=area.name, boundary=_polygon(area.boundary))
@@ -94,6 +213,11 @@ def quaternion_message(quaternion: tuple[float, float, float, float]) -> Quatern
     """Return a unit quaternion (x, y, z, w) as a message."""
     x, y, z, w = (float(part) for part in quaternion)
     return Quaternion(x=x, y=y, z=z, w=w)
+
+
+def yaw_quaternion(yaw_rad: float) -> Quaternion:
+    """Return the attitude of a level vehicle."""
+    return Quaternion(x=0.0, y=0.0, z=math.sin(0.5 * yaw_rad), w=math.cos(0.5 * yaw_rad))
 
 
 def quaternion_values(message: Quaternion) -> tuple[float, float, float, float]:

@@ -74,7 +74,7 @@ def make_rav(
 
     Raises
     ------
-    JournalError: if `spool` holds what cannot be read.
+    JournalError, SpoolError: if `spool` holds what cannot be read.
     """
     frame = options.frame()
     east, north, _ = frame.enu_of(home).tolist()

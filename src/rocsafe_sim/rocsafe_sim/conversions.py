@@ -4,9 +4,7 @@
 import math
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
+from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from rocsafe_geo.frame import LocalFrame
@@ -19,10 +17,8 @@ from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight_record import Outcome
 from rocsafe_sim.observation import FlightSummary, Observation
 from rocsafe_sim.route import Enu, Route, Waypoint
-from rocsafe_sim.segment import Mode, Pose
-from rocsafe_sim.sensing_noise import SensorNoise
+from rocsafe_sim.segment import Mode
 
-MAP_FRAME = 'map'
 STATES = {
     Mode.DISARMED: VehicleState.DISARMED,
     Mode.TAKING_OFF: VehicleState.TAKING_OFF,
@@ -38,8 +34,6 @@ OUTCOMES = {
     Outcome.RETURNED_EARLY: FlyRoute.Result.RETURNED_EARLY,
     Outcome.BATTERY_LOW: FlyRoute.Result.BATTERY_LOW,
 }
-# Of a fix without error: ROS takes 0 for "unknown" in some readers.
-_LEAST_VARIANCE_M2 = 1e-12
 _UNKNOWN = math.nan
 
 
@@ -68,61 +62,6 @@ def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
         exclusions=tuple(_outline(frame, zone) for zone in message.exclusions),
         clearance_m=message.clearance_m,
     )
-
-
-def fix_message(
-    position: GeoPosition, stamp: Time, frame_id: str, noise: SensorNoise | None
-) -> NavSatFix:
-    """Return a fix with the covariance of `noise`; None: the exact truth."""
-    horizontal = noise.gps_horizontal_std_m**2 if noise else 0.0
-    vertical = noise.gps_vertical_std_m**2 if noise else 0.0
-    h, v = max(horizontal, _LEAST_VARIANCE_M2), max(vertical, _LEAST_VARIANCE_M2)
-    return NavSatFix(
-        header=Header(stamp=stamp, frame_id=frame_id),
-        status=NavSatStatus(status=NavSatStatus.STATUS_FIX, service=NavSatStatus.SERVICE_GPS),
-        latitude=position.latitude_deg,
-        longitude=position.longitude_deg,
-        altitude=position.altitude_m,
-        position_covariance=[h, 0.0, 0.0, 0.0, h, 0.0, 0.0, 0.0, v],
-        position_covariance_type=NavSatFix.COVARIANCE_TYPE_DIAGONAL_KNOWN,
-    )
-
-
-def velocity_message(pose: Pose, stamp: Time, frame_id: str = MAP_FRAME) -> TwistStamped:
-    """Return the velocity over ground: east, north, up."""
-    message = TwistStamped(header=Header(stamp=stamp, frame_id=frame_id))
-    linear = message.twist.linear
-    linear.x, linear.y, linear.z = pose.velocity_enu
-    return message
-
-
-def odometry_message(pose: Pose, measured_enu: Enu, stamp: Time, vehicle: str) -> Odometry:
-    """Return the measured position in the mission's frame; the twist is in the body's frame."""
-    message = Odometry(
-        header=Header(stamp=stamp, frame_id=MAP_FRAME), child_frame_id=f'{vehicle}/base_link'
-    )
-    position = message.pose.pose.position
-    position.x, position.y, position.z = measured_enu
-    message.pose.pose.orientation = yaw_quaternion(pose.yaw_rad)
-    east, north, up = pose.velocity_enu
-    cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-    linear = message.twist.twist.linear
-    linear.x, linear.y, linear.z = cos * east + sin * north, cos * north - sin * east, up
-    return message
-
-
-def yaw_quaternion(yaw_rad: float) -> Quaternion:
-    """Return the attitude of a level vehicle."""
-    return Quaternion(x=0.0, y=0.0, z=math.sin(0.5 * yaw_rad), w=math.cos(0.5 * yaw_rad))
-
-
-def path_pose(position_enu: Enu, stamp: Time) -> PoseStamped:
-    """Return one point of the flown track."""
-    message = PoseStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
-    position = message.pose.position
-    position.x, position.y, position.z = position_enu
-    message.pose.orientation.w = 1.0
-    return message
 
 
 def battery_message(

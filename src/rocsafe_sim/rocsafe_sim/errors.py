@@ -11,7 +11,7 @@ class CommandRefusedError(SimError):
 
 
 class JournalError(SimError):
-    """A journal or a spooled photograph cannot be read back."""
+    """A journal cannot be read back."""
 
 
 class GroundError(SimError):

@@ -6,11 +6,11 @@ A float's shortest decimal form reads back as the same float: nothing is rounded
 
 import json
 import math
-import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.durable import replace_whole
 from rocsafe_sim.errors import JournalError
 from rocsafe_sim.flight_record import FlightRecord, Outcome, VehicleRecord
 from rocsafe_sim.orders import Order, OrderKind
@@ -20,32 +20,10 @@ from rocsafe_sim.segment import Pose
 FORMAT = 3
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file so that it is there whole or not at all, whenever the process is killed."""
-    part = path.with_name(path.name + '.part')
-    part.write_bytes(content)
-    part.replace(path)
-
-
-def write_durably(path: Path, content: bytes) -> None:
-    """Write a file as `write_atomically`, and so that it also survives the loss of power."""
-    part = path.with_name(path.name + '.part')
-    with part.open('wb') as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
-
-
 def write_journal(path: Path, record: VehicleRecord) -> None:
     """Write `record` as JSON, atomically."""
     text = json.dumps({'format': FORMAT, **asdict(record)}, default=_plain)
-    write_atomically(path, text.encode())
+    replace_whole(path, text.encode())
 
 
 def read_journal(path: Path) -> VehicleRecord | None:

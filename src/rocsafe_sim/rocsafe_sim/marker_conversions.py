@@ -7,7 +7,7 @@ from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rocsafe_sim.conversions import MAP_FRAME, yaw_quaternion
+from rocsafe_ros.conversions import MAP_FRAME, yaw_quaternion
 from rocsafe_sim.route import Enu, Route
 from rocsafe_sim.scenery.scene import Scene, Thing
 

@@ -7,14 +7,14 @@ from pathlib import Path
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.shot import Shot
+from rocsafe_geo.shot_store import ShotStore
 from rocsafe_sim.camera import Camera, Truth, jpeg_of
 from rocsafe_sim.flight_record import VehicleRecord
 from rocsafe_sim.journal import read_journal, write_journal
 from rocsafe_sim.observation import Observation, ShotDue
 from rocsafe_sim.route import Enu
 from rocsafe_sim.sensing_noise import SensorNoise
-from rocsafe_sim.shot import Shot
-from rocsafe_sim.shot_store import ShotStore
 from rocsafe_sim.vehicle import Vehicle
 
 JOURNAL_NAME = 'journal.json'
@@ -66,7 +66,7 @@ class Rav:
 
     Raises
     ------
-    JournalError: if the spool holds what cannot be read.
+    JournalError, SpoolError: if the spool holds what cannot be read.
     """
 
     def __init__(self, parts: RavParts, vehicle: Vehicle, spool: Path | None = None) -> None:
@@ -136,7 +136,11 @@ class Rav:
             viewpoint_id=due.viewpoint_id,
             time_ns=due.time_ns,
             position=fix.position,
+            horizontal_std_m=parts.noise.gps_horizontal_std_m,
+            vertical_std_m=parts.noise.gps_vertical_std_m,
             height_m=fix.position_enu[2],
             quaternion_xyzw=(x, y, z, w),
+            width_px=parts.camera.lens.image_width_px,
+            height_px=parts.camera.lens.image_height_px,
             jpeg=jpeg_of(image, parts.jpeg_quality),
         )

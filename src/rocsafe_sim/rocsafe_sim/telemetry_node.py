@@ -7,18 +7,17 @@ from std_msgs.msg import Header
 
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import stamp_of_ns
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import Cadence
-from rocsafe_sim.conversions import (
+from rocsafe_ros.conversions import (
     MAP_FRAME,
-    STATES,
-    battery_message,
     fix_message,
     odometry_message,
     path_pose,
+    stamp_of_ns,
     velocity_message,
 )
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.cadence import Cadence
+from rocsafe_sim.conversions import STATES, battery_message
 from rocsafe_sim.marker_conversions import route_markers
 from rocsafe_sim.observation import Observation
 from rocsafe_sim.rav import Rav
@@ -27,6 +26,8 @@ from rocsafe_sim.route import Route
 SLOW_PERIOD_NS = 1_000_000_000
 # A track nobody looks at is published this seldom, for those who come later.
 UNSEEN_PATH_PERIOD_NS = 10_000_000_000
+# Standard deviations of the truth.
+EXACT_M = (0.0, 0.0)
 
 
 class Telemetry:
@@ -71,11 +72,14 @@ class Telemetry:
 
     def _publish_motion(self, seen: Observation, stamp: Time) -> None:
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
-        gps, noise = f'{self._name}/gps', self._rav.parts.noise
-        self._truth.publish(fix_message(fix.true_position, stamp, gps, None))
-        self._fix.publish(fix_message(fix.position, stamp, gps, noise))
-        self._velocity.publish(velocity_message(seen.pose, stamp))
-        self._odom.publish(odometry_message(seen.pose, fix.position_enu, stamp, self._name))
+        gps, noise, pose = f'{self._name}/gps', self._rav.parts.noise, seen.pose
+        std_m = (noise.gps_horizontal_std_m, noise.gps_vertical_std_m)
+        self._truth.publish(fix_message(fix.true_position, stamp, gps, EXACT_M))
+        self._fix.publish(fix_message(fix.position, stamp, gps, std_m))
+        self._velocity.publish(velocity_message(pose.velocity_enu, stamp))
+        self._odom.publish(
+            odometry_message(fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name)
+        )
 
     def _publish_state(self, seen: Observation, stamp: Time) -> None:
         self._said = self._news(seen)

@@ -13,7 +13,7 @@ from pyproj import CRS, Transformer
 from rasterio.enums import Resampling
 from rasterio.errors import RasterioError
 
-from rocsafe_mapping.durable import discard_part, finish_part, part_of, write_whole
+from rocsafe_geo.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.errors import MappingError
 
 LONGEST_SIDE_PX = 2048

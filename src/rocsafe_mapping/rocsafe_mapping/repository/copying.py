@@ -7,8 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Event, Thread
 
+from rocsafe_geo.durable import AppendOnlyFile
 from rocsafe_mapping.catalogue import Notice, StoredShot, read_store
-from rocsafe_mapping.durable import AppendOnlyFile
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.repository.sink import Sink
 from rocsafe_mapping.store import Status

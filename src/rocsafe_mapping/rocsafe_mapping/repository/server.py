@@ -19,7 +19,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
 
-from rocsafe_mapping.durable import sync_file
+from rocsafe_geo.durable import sync_file
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.repository.http_sink import OFFSET
 from rocsafe_mapping.shot import ShotRecord, record_of_plain

@@ -19,11 +19,13 @@ class Shot:
     ----------
     vehicle : that took it.
     sequence : of the vehicle, from 0, without gaps.
-    viewpoint_id : of the plan.
-    time_ns : of the exposure, simulated.
-    position : measured, of the camera.
-    height_m : measured, above the ground.
+    viewpoint_id : of the plan it was taken at.
+    time_ns : of the exposure, in the time of the mission.
+    position : measured, of the camera; altitude above the ellipsoid, NaN if not known.
+    horizontal_std_m, vertical_std_m : of it; NaN if not known.
+    height_m : measured, above the ground: of a real vehicle, above its home.
     quaternion_xyzw : measured; rotates the optical frame into east-north-up.
+    width_px, height_px : of the image.
     jpeg : the image file.
     """
 
@@ -32,8 +34,12 @@ class Shot:
     viewpoint_id: int
     time_ns: int
     position: GeoPosition
+    horizontal_std_m: float
+    vertical_std_m: float
     height_m: float
     quaternion_xyzw: Quaternion
+    width_px: int
+    height_px: int
     jpeg: bytes
 
     @property

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.errors import JournalError
-from rocsafe_sim.shot import Shot, shot_of, shot_record
-from rocsafe_sim.shot_store import RESEND_BURST, RESEND_S, ShotStore
+from rocsafe_geo.shot import Shot, shot_of, shot_record
+from rocsafe_geo.shot_store import RESEND_BURST, RESEND_S, ShotStore, SpoolError
 
 
 def shot(sequence: int = 0, jpeg: bytes = b'\xff\xd8picture') -> Shot:
@@ -19,8 +18,12 @@ def shot(sequence: int = 0, jpeg: bytes = b'\xff\xd8picture') -> Shot:
         viewpoint_id=4,
         time_ns=1_700_000_000_123_456_789,
         position=GeoPosition(53.2812345678901, -9.0612345678901, 98.7654321),
+        horizontal_std_m=1.5,
+        vertical_std_m=2.5,
         height_m=32.1,
         quaternion_xyzw=(0.1, 0.7, 0.7, 0.1),
+        width_px=640,
+        height_px=480,
         jpeg=jpeg,
     )
 
@@ -70,7 +73,7 @@ def test_damaged_spool_is_named(tmp_path: Path) -> None:
     """A record whose image is not its own stops the start, with its path."""
     ShotStore(tmp_path).add(shot())
     (tmp_path / 'rav1-00000.jpg').write_bytes(b'other')
-    with pytest.raises(JournalError, match=r'rav1-00000\.json'):
+    with pytest.raises(SpoolError, match=r'rav1-00000\.json'):
         ShotStore(tmp_path)
 
 
@@ -115,7 +118,7 @@ def test_spool_full_of_unsent_photographs_refuses_another(tmp_path: Path) -> Non
     size = len(shot().jpeg)
     store = ShotStore(tmp_path, most_bytes=size)
     store.add(shot(0))
-    with pytest.raises(JournalError, match=f'spool is full: {size} bytes .* exceed {size}'):
+    with pytest.raises(SpoolError, match=f'spool is full: {size} bytes .* exceed {size}'):
         store.add(shot(1))
     assert len(store) == len(ShotStore(tmp_path)) == 1
 
@@ -123,6 +126,6 @@ def test_spool_full_of_unsent_photographs_refuses_another(tmp_path: Path) -> Non
 def test_photographs_are_brought_to_the_disk(tmp_path: Path, monkeypatch) -> None:
     """File and folder, for the image and for its record."""
     synced = []
-    monkeypatch.setattr('rocsafe_sim.journal.os.fsync', synced.append)
+    monkeypatch.setattr('rocsafe_geo.durable.os.fsync', synced.append)
     ShotStore(tmp_path).add(shot())
     assert len(synced) == 4

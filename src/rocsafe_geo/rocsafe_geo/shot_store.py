@@ -4,9 +4,8 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from rocsafe_sim.errors import JournalError
-from rocsafe_sim.journal import write_durably
-from rocsafe_sim.shot import Shot, shot_of, shot_record
+from rocsafe_geo.durable import write_whole
+from rocsafe_geo.shot import Shot, shot_of, shot_record
 
 # An unacknowledged photograph is sent again after this much wall time,
 RESEND_S = 1.0
@@ -14,6 +13,10 @@ RESEND_S = 1.0
 RESEND_BURST = 20
 # A day's photographs of a small camera.
 DEFAULT_MOST_BYTES = 8 * 2**30
+
+
+class SpoolError(OSError):
+    """A photograph cannot be kept, or one that was kept cannot be read back."""
 
 
 class ShotStore:
@@ -46,23 +49,26 @@ class ShotStore:
         """Return how many photographs wait for a receipt."""
         return len(self._pending)
 
+    @property
+    def newest_sequence(self) -> int:
+        """Highest number of a photograph that is kept; -1: there is none."""
+        return max((shot.sequence for shot in self._pending.values()), default=-1)
+
     def add(self, shot: Shot) -> None:
         """Keep `shot`: once this returns, neither a kill nor a loss of power loses it.
 
         Raises
         ------
-        JournalError: if the spool is full of photographs that were never sent, or cannot be
+        SpoolError: if the spool is full of photographs that were never sent, or cannot be
             written.
         """
         self._make_room(len(shot.jpeg))
         if self._folder is not None:
             try:
-                write_durably(self._folder / f'{shot.shot_id}.jpg', shot.jpeg)
-                write_durably(self._folder / f'{shot.shot_id}.json', shot_record(shot))
+                write_whole(self._folder / f'{shot.shot_id}.jpg', shot.jpeg)
+                write_whole(self._folder / f'{shot.shot_id}.json', shot_record(shot))
             except OSError as error:
-                raise JournalError(
-                    f'{self._folder}: cannot keep {shot.shot_id}: {error}'
-                ) from error
+                raise SpoolError(f'{self._folder}: cannot keep {shot.shot_id}: {error}') from error
         self._pending[shot.shot_id] = shot
 
     def take_receipt(self, shot_id: str, sha256: str) -> bool:
@@ -98,7 +104,7 @@ class ShotStore:
             used -= len(self._pending[shot_id].jpeg)
             self._forget(shot_id)
         if used + size > self._most_bytes:
-            raise JournalError(
+            raise SpoolError(
                 f'spool is full: {used} bytes of photographs that were never sent and {size} more '
                 f'exceed {self._most_bytes}'
             )
@@ -116,4 +122,4 @@ def _stored_shots(folder: Path) -> Iterator[Shot]:
         try:
             yield shot_of(path.read_bytes(), path.with_suffix('.jpg').read_bytes())
         except (OSError, ValueError) as error:
-            raise JournalError(f'{path}: {error}') from error
+            raise SpoolError(f'{path}: {error}') from error
