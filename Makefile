@@ -29,7 +29,7 @@ mission: ## set up and fly the derailment mission
 test: ## set up and pass the tests
 	@sh tools/setup.sh --dev
 	@. ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
-	    python -m pytest -p pytest_timeout -p _hypothesis_pytestplugin $(ARGS)
+	    python -m pytest -p pytest_timeout -p pytest_rerunfailures -p _hypothesis_pytestplugin $(ARGS)
 
 .PHONY: check
 check: ## set up and check style and types
