@@ -2,6 +2,8 @@
 """The orchestrator's ROS side, against servers that answer as they are told."""
 
 import math
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -135,8 +137,8 @@ class Stage:
         )
         self.node.requests.begin(self.mission)
         self.servers = Servers(context=ros.context)
-        ros.executor.add_node(self.node)
-        ros.executor.add_node(self.servers)
+        for node in (self.node, self.node.requester, self.servers):
+            ros.executor.add_node(node)
         self.everybody = frozenset(spec.name for spec in self.table)
         self.until(lambda: all(map(self.is_server_ready, self.endpoints())))
 
@@ -320,3 +322,52 @@ def test_route_without_a_plan_is_not_flown(stage: Stage) -> None:
     """A route cannot be flown before there is a plan: the order is passed over."""
     stage.node.requests.send(Order(kind=OrderKind.FLY, vehicle='rav1'))
     assert stage.servers.asked == []
+
+
+TWO_SERVERS = """
+import sys, time
+from pathlib import Path
+from rclpy.action import ActionServer
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
+from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+
+def fly(goal):
+    goal.succeed()
+    return FlyRoute.Result()
+
+with ros_session():
+    scenario = read_scenario(Path(sys.argv[1]))
+    name = scenario.vehicle_names[0]
+    node = OrchestratorNode(scenario, Monitor(scenario.vehicle_names), 'run')
+    spinner, sky = Spinner(node), SingleThreadedExecutor()
+    vehicles = [Node(f'vehicle{number}') for number in range(2)]
+    for vehicle in vehicles:
+        ActionServer(vehicle, FlyRoute, f'{name}/fly_route', fly)
+        sky.add_node(vehicle)
+    client = node.requests._vehicles[name]
+    end = time.monotonic() + 30.0
+    answers = 0
+    while answers < 5 and time.monotonic() < end:
+        # Both have been found once the answer of the second is warned of.
+        future = client.send_goal_async(FlyRoute.Goal())
+        for _ in range(10):
+            sky.spin_once(timeout_sec=0.01)
+            spinner.spin_for(0.05)
+        answers += future.done()
+    spinner.close()
+print(answers)
+"""
+
+
+def test_second_server_of_a_flight_ends_nothing(
+    ros_domain_id: int, small: Callable[..., Path]
+) -> None:
+    """Two vehicles of one name: the first answer counts, the orchestrator lives."""
+    command = [sys.executable, '-c', TWO_SERVERS, str(small())]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (0, '5\n'), done.stderr
+    assert 'more than one action server' in done.stderr

@@ -1,22 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of this package <-> messages."""
+"""Photographs and receipts <-> messages."""
 
 import math
 
 from sensor_msgs.msg import CameraInfo, NavSatFix
 
-from rocsafe_interfaces.msg import GeotaggedImage, Mosaic, ShotReceipt
-from rocsafe_mapping.live import LiveMap
-from rocsafe_mapping.map_files import MapFiles
+from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
 from rocsafe_mapping.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.store import Answer, Status
-from rocsafe_ros.conversions import (
-    EARTH_FRAME,
-    has_position,
-    ns_of_stamp,
-    point_of_position,
-    quaternion_values,
-)
+from rocsafe_ros.conversions import has_position, ns_of_stamp, quaternion_values
 
 RECEIPT_STATUS = {
     Status.STORED: ShotReceipt.STORED,
@@ -83,29 +75,6 @@ def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:
         path='' if answer.path is None else str(answer.path),
         reason=answer.reason,
     )
-
-
-def mosaic_message(live: LiveMap, files: MapFiles) -> Mosaic:
-    """Return the map as a message, without a stamp."""
-    south_west, north_east = live.preview.corners()
-    message = Mosaic(
-        path=files.geotiff,
-        is_final=files.is_final,
-        images_placed=len(live),
-        images_by_features=live.by_features,
-        epsg_code=live.maker.epsg,
-        ground_resolution_m=files.ground_resolution_m,
-        south_west=point_of_position(south_west),
-        north_east=point_of_position(north_east),
-        stated_error_m=files.stated_error_m,
-        is_georeferenced=files.is_georeferenced,
-        tiles_path=files.tiles,
-        quality_path=files.quality,
-    )
-    message.header.frame_id = EARTH_FRAME
-    message.preview.format = 'png'
-    message.preview.data = live.preview.png()
-    return message
 
 
 def _floats(values: object) -> tuple[float, ...]:

@@ -12,10 +12,10 @@ from std_srvs.srv import Trigger
 
 from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.catalogue import read_shot, read_store
-from rocsafe_mapping.conversions import mosaic_message
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
 from rocsafe_mapping.handover import Handover, hand_over
 from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.map_conversions import mosaic_message
 from rocsafe_mapping.map_files import TILES, files_after, files_before
 from rocsafe_mapping.mapmaker import MapOptions
 from rocsafe_mapping.options import MosaicOptions

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -26,6 +27,8 @@ from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import declare_options
 
 NAME = 'orchestrator'
+# Requests are few, and their answers may wait so long.
+ANSWER_PERIOD_S = 0.02
 
 
 class OrchestratorNode(Node):
@@ -33,7 +36,7 @@ class OrchestratorNode(Node):
 
     Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
     ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
-    Its `requests` call the other nodes.
+    Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
 
     def __init__(
@@ -47,7 +50,14 @@ class OrchestratorNode(Node):
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
-        self.requests = Requests(self, scenario, monitor)
+        self.requester = Node(
+            f'{NAME}_requests',
+            context=self.context,
+            use_global_arguments=False,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        self.requests = Requests(self.requester, scenario, monitor)
         self._wire()
 
     def _wire(self) -> None:
@@ -63,6 +73,7 @@ class OrchestratorNode(Node):
     def destroy_node(self) -> None:
         """Destroy the node and the clients that it made."""
         self.requests.close()
+        self.requester.destroy_node()
         super().destroy_node()
 
     def publish_region(self) -> None:
@@ -164,20 +175,28 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
 
 
 class Spinner:
-    """Serves a node for a while, again and again."""
+    """Serves the orchestrator for a while, again and again.
 
-    def __init__(self, node: Node) -> None:
+    Answers have an executor of their own: the events executor of rclpy 7.1 ends the process when
+    a second server of an action answers too, which somebody else's vehicle may do at any time.
+    """
+
+    def __init__(self, node: OrchestratorNode) -> None:
         self._node = node
         self._executor = EventsExecutor()
         self._executor.add_node(node)
+        self._answers = SingleThreadedExecutor()
+        self._answers.add_node(node.requester)
 
     def spin_for(self, duration_s: float) -> None:
         """Handle everything that comes within `duration_s`."""
         end = time.monotonic() + duration_s
         while (left := end - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left)
+            self._answers.spin_once(timeout_sec=0.0)
+            self._executor.spin_once(timeout_sec=min(left, ANSWER_PERIOD_S))
 
     def close(self) -> None:
         """Destroy the node."""
         self._executor.remove_node(self._node)
+        self._answers.remove_node(self._node.requester)
         self._node.destroy_node()

@@ -41,15 +41,6 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument('--method', default='', help="routing method (default: the planner's)")
     parser.add_argument(
-        '--drones',
-        '--vehicles',
-        dest='vehicles',
-        type=count,
-        default=3,
-        metavar='N',
-        help='of a region file (default: 3)',
-    )
-    parser.add_argument(
         '--budget',
         type=budget,
         metavar='S',
@@ -63,16 +54,31 @@ def add_to(commands: Commands) -> None:
         metavar='REGION',
         help='region file that no leg crosses, besides those of the scenario; may be repeated',
     )
-    parser.add_argument(
+    _add_region_options(parser)
+    _add_survey_options(parser)
+    _add_vehicle_options(parser)
+    parser.set_defaults(command=_plan)
+
+
+def _add_region_options(parser: argparse.ArgumentParser) -> None:
+    """Add what a scenario says and a region file does not."""
+    group = parser.add_argument_group('region files', 'what flies, and how high')
+    group.add_argument(
+        '--drones',
+        '--vehicles',
+        dest='vehicles',
+        type=count,
+        default=3,
+        metavar='N',
+        help='how many fly (default: 3)',
+    )
+    group.add_argument(
         '--height',
         type=height,
         default=32.0,
         metavar='M',
-        help='metres above the ground, of a region file (default: 32)',
+        help='metres above the ground (default: 32)',
     )
-    _add_survey_options(parser)
-    _add_vehicle_options(parser)
-    parser.set_defaults(command=_plan)
 
 
 def _add_survey_options(parser: argparse.ArgumentParser) -> None:

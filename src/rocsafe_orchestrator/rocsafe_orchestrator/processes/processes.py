@@ -80,9 +80,10 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
 
 
 def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
-    radiation = tuple(
-        Endpoint(spec=topics.RADIATION, vehicle=name) for name in scenario.vehicle_names
-    )
+    return (*_flight_level(scenario, run), *_sensing_level(scenario, run))
+
+
+def _flight_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
     return (
         _process(
             'recorder',
@@ -104,6 +105,14 @@ def _fleet_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ..
             Endpoint(spec=topics.WORLD_RUN),
             Endpoint(spec=topics.CLOCK),
         ),
+    )
+
+
+def _sensing_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
+    radiation = tuple(
+        Endpoint(spec=topics.RADIATION, vehicle=name) for name in scenario.vehicle_names
+    )
+    return (
         _process(
             'radiation_field',
             ('rocsafe_radiation', 'field'),
