@@ -16,10 +16,12 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.camera import Truth
+from rocsafe_sim.camera_settings import CameraSettings
+from rocsafe_sim.mounted_camera import MountedCamera
 from rocsafe_sim.options import RavOptions
+from rocsafe_sim.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.rav import Rav, RavParts
 from rocsafe_sim.sensing_noise import SensorNoise
-from rocsafe_sim.shot_conversions import depth_message, labels_message
 
 DEPTH = np.array([[31.5, np.inf], [30.25, 2.0]], np.float32)
 NUMBERS = np.array([[2, 0], [65_535, 70_000]], np.uint32)
@@ -38,7 +40,7 @@ class KnowingCamera:
         """Return no table."""
         return ''
 
-    def photograph(self, _position, _rotation, time_ns=0):
+    def photograph(self, _position, _rotation, time_ns=0, **_quality):
         """Return grey, and remember when."""
         self.times_ns.append(time_ns)
         return np.full((16, 16, 3), 127, np.uint8)
@@ -52,7 +54,8 @@ def photographed():
         tilt_std_rad=0.0, attitude_std_rad=0.0,
     )  # fmt: skip
     frame = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
-    parts = RavParts(name='rav1', frame=frame, noise=noise, camera=camera, jpeg_quality=90)
+    mounted = MountedCamera(CameraSettings(image_width_px=16, image_height_px=16), camera)
+    parts = RavParts(name='rav1', frame=frame, noise=noise, cameras=(mounted,))
     rav = Rav(parts, vehicle_on(ROUTE))
     for time_ns in range(START_NS, START_NS + 600 * 10**9, 10**8):
         _, shots = rav.step(time_ns)
@@ -65,18 +68,20 @@ def test_a_photograph_is_taken_at_its_time_and_its_truth_kept_for_the_step():
     """The scene is asked for the moment of the exposure; the next step forgets."""
     rav, shot, camera, time_ns = photographed()
     assert camera.times_ns == [shot.time_ns]
-    assert rav.truth_of(shot) is camera.truth
+    assert [(p.time_ns, p.truth) for p in rav.pictures] == [(shot.time_ns, camera.truth)]
     rav.step(time_ns + 1)
-    assert rav.truth_of(shot) is None
+    assert rav.pictures == []
 
 
 def test_depth_and_labels_as_messages():
     """Floats as they are; instances in 16 bits, the many beyond them as the last."""
-    _, shot, camera, _ = photographed()
-    depth = depth_message(shot, camera.truth)
+    rav, _, camera, _ = photographed()
+    header = picture_header('rav1', rav.pictures[0])
+    assert header.frame_id == 'rav1/camera_optical'
+    depth = depth_message(camera.truth, header)
     assert (depth.encoding, depth.width, depth.height, depth.step) == ('32FC1', 2, 2, 8)
     assert np.array_equal(np.frombuffer(depth.data, '<f4').reshape(2, 2), DEPTH)
-    labels = labels_message(shot, camera.truth)
+    labels = labels_message(camera.truth, header)
     assert (labels.encoding, labels.step) == ('mono16', 4)
     assert np.frombuffer(labels.data, '<u2').tolist() == [2, 0, 65_535, 65_535]
 

@@ -3,213 +3,37 @@
 
 import hashlib
 import math
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
-from action_msgs.msg import GoalStatus  # noqa: E402
-from rclpy.action import ActionClient  # noqa: E402
-from rclpy.node import Node  # noqa: E402
-from rclpy.parameter import Parameter  # noqa: E402
-from std_srvs.srv import SetBool, Trigger  # noqa: E402
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionClient
+from std_srvs.srv import SetBool, Trigger
+from test.sim.node_stand import (
+    COMMON,
+    DEADLINE_S,
+    FRAME,
+    HOME_ENU,
+    Operator,
+    parameters,
+    route,
+)  # fmt: skip
 
-from rocsafe_geo.frame import LocalFrame  # noqa: E402
-from rocsafe_geo.position import GeoPosition  # noqa: E402
-from rocsafe_interfaces.action import FlyRoute  # noqa: E402
-from rocsafe_interfaces.msg import (  # noqa: E402
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_interfaces.msg import (
     GeoPoint,
-    Route,
-    ShotReceipt,
     VehicleState,
-    Viewpoint,
 )
-from rocsafe_ros import topics  # noqa: E402
-from rocsafe_ros.conversions import ns_of_stamp  # noqa: E402
-from rocsafe_ros.parameters import ParameterError  # noqa: E402
-from rocsafe_sim.fleet_node import FleetNode  # noqa: E402
-from rocsafe_sim.rav_node import RavNode  # noqa: E402
-from rocsafe_sim.world_node import WorldNode  # noqa: E402
-
-ORIGIN = GeoPosition(53.28, -9.06, 60.0)
-FRAME = LocalFrame(ORIGIN)
-START_S = 1_700_000_000.0
-HOME_ENU = (-20.0, 5.0, 0.0)
-COMMON = {
-    'origin_latitude_deg': ORIGIN.latitude_deg,
-    'origin_longitude_deg': ORIGIN.longitude_deg,
-    'origin_altitude_m': ORIGIN.altitude_m,
-    'image_width_px': 64,
-    'image_height_px': 48,
-    'hover_s': 0.5,
-    'climb_rate_mps': 5.0,
-    # brisk, to be over soon
-    'jerk_mps3': 20.0,
-    'vertical_acceleration_mps2': 5.0,
-    'vertical_jerk_mps3': 20.0,
-    'landing_height_m': 0.0,
-    'landing_speed_mps': 5.0,
-    'home_wait_s': 0.0,
-    'descent_rate_mps': 5.0,
-}
-DEADLINE_S = 30.0
-
-
-def parameters(**values: Any) -> list[Parameter]:
-    """Return parameter overrides."""
-    return [Parameter(name, value=value) for name, value in values.items()]
-
-
-def point(enu: tuple[float, float, float]) -> GeoPoint:
-    """Return a local point as a message."""
-    place = FRAME.position_of(enu)
-    return GeoPoint(
-        latitude=place.latitude_deg, longitude=place.longitude_deg, altitude=place.altitude_m
-    )
-
-
-def route(vehicle: str = 'rav1', count: int = 4) -> Route:
-    """Return a route over `count` viewpoints in a row, 8 m apart."""
-    return Route(
-        vehicle=vehicle,
-        home=point(HOME_ENU),
-        viewpoints=[
-            Viewpoint(
-                id=10 + number,
-                position=point((8.0 * number, 0.0, 20.0)),
-                height_agl_m=20.0,
-                yaw_rad=0.3,
-            )
-            for number in range(count)
-        ],
-    )
-
-
-class Operator:
-    """A test's own node: sends orders, keeps what it hears, gives receipts if told to."""
-
-    def __init__(self, ros: Any) -> None:
-        self.ros = ros
-        self.node = Node('operator', context=ros.context)
-        ros.executor.add_node(self.node)
-        self.heard: dict[str, list[Any]] = {}
-        self.gives_receipts = False
-        self._receipts = topics.create_publisher(self.node, topics.RECEIPTS)
-
-    def listen(self, spec: topics.TopicSpec, vehicle: str = 'rav1') -> list[Any]:
-        """Return a list that fills with the messages of a topic."""
-        heard: list[Any] = []
-        topics.create_subscription(self.node, spec, heard.append, vehicle)
-        return heard
-
-    def store_shots(self, vehicle: str = 'rav1') -> list[Any]:
-        """Return a list that fills with photographs; each gets a receipt if that is wanted."""
-        shots: list[Any] = []
-
-        def on_shot(message: Any) -> None:
-            shots.append(message)
-            if self.gives_receipts:
-                self._receipts.publish(
-                    ShotReceipt(
-                        vehicle=message.vehicle,
-                        shot_id=message.shot_id,
-                        sha256=message.sha256,
-                        status=ShotReceipt.STORED,
-                    )
-                )
-
-        topics.create_subscription(self.node, topics.SHOT, on_shot, vehicle)
-        return shots
-
-    def wait(self, future: Any) -> Any:
-        """Return the result of a future."""
-        self.ros.spin_until(future.done, DEADLINE_S)
-        return future.result()
-
-    def call(self, name: str, request: Any) -> Any:
-        """Return the response of a service."""
-        service_type = SetBool if isinstance(request, SetBool.Request) else Trigger
-        client = self.node.create_client(service_type, name)
-        self.ros.spin_until(client.service_is_ready, DEADLINE_S)
-        return self.wait(client.call_async(request))
-
-    def send(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:
-        """Send a route; return the goal's handle."""
-        client = ActionClient(self.node, FlyRoute, f'{message.vehicle or "rav1"}/fly_route')
-        self.ros.spin_until(client.server_is_ready, DEADLINE_S)
-        goal = FlyRoute.Goal(route=message, plan_id=plan_id)
-        return self.wait(client.send_goal_async(goal, feedback_callback=feedback))
-
-    def fly(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:
-        """Send a route and return status and result at its end."""
-        return self.wait(self.send(message, plan_id, feedback).get_result_async())
-
-
-@pytest.fixture
-def operator(ros: Any) -> Iterator[Operator]:
-    """Return an operator in the test's own ROS context."""
-    made = Operator(ros)
-    yield made
-    made.node.destroy_node()
-
-
-@pytest.fixture
-def world(ros: Any) -> Iterator[Any]:
-    """Return a function that starts a world for the named participants."""
-    started = []
-
-    def start(*participants: str, **values: Any) -> WorldNode:
-        node = WorldNode(
-            context=ros.context,
-            parameter_overrides=parameters(
-                participants=list(participants), start_time_s=START_S, **values
-            ),
-        )
-        ros.executor.add_node(node)
-        started.append(node)
-        return node
-
-    yield start
-    for node in started:
-        node.destroy_node()
-
-
-@pytest.fixture
-def rav(ros: Any) -> Iterator[Any]:
-    """Return a function that starts a vehicle."""
-    started = []
-
-    def start(name: str = 'rav1', **values: Any) -> RavNode:
-        home = FRAME.position_of(HOME_ENU)
-        node = RavNode(
-            context=ros.context,
-            namespace=f'/{name}',
-            parameter_overrides=parameters(
-                **{
-                    'home_latitude_deg': home.latitude_deg,
-                    'home_longitude_deg': home.longitude_deg,
-                    **COMMON,
-                    **values,
-                }
-            ),
-        )
-        ros.executor.add_node(node)
-        started.append(node)
-        return node
-
-    def stop(node: RavNode) -> None:
-        ros.executor.remove_node(node)
-        node.destroy_node()
-        started.remove(node)
-
-    start.stop = stop  # type: ignore[attr-defined]
-    yield start
-    for node in started:
-        node.destroy_node()
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.parameters import ParameterError
+from rocsafe_sim.fleet_node import FleetNode
+from rocsafe_sim.rav_node import RavNode
 
 
 def test_route_is_flown_and_photographed(operator: Operator, world: Any, rav: Any) -> None:

@@ -75,8 +75,44 @@ def rotation_enu_from_optical(
 
     The image top points to where the vehicle's nose points (yaw 0 = east, anticlockwise).
     """
-    body = _rotation_enu_from_body(yaw_rad, pitch_rad, roll_rad)
+    body = rotation_enu_from_body(yaw_rad, pitch_rad, roll_rad)
     rotation: FloatArray = body @ _BODY_FROM_OPTICAL
+    return rotation
+
+
+def rotation_enu_from_body(yaw_rad: float, pitch_rad: float, roll_rad: float) -> FloatArray:
+    """Return Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
+    cy, sy = math.cos(yaw_rad), math.sin(yaw_rad)
+    cp, sp = math.cos(pitch_rad), math.sin(pitch_rad)
+    cr, sr = math.cos(roll_rad), math.sin(roll_rad)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def rotation_body_from_optical(
+    pitch_rad: float = -0.5 * math.pi, yaw_rad: float = 0.0
+) -> FloatArray:
+    """Return the rotation (3, 3) from the optical frame of a camera on a vehicle to its body.
+
+    Parameters
+    ----------
+    pitch_rad
+        Of the view above the horizon of a level vehicle: -pi/2 looks straight down.
+    yaw_rad
+        Of the view from the nose, anticlockwise. Straight down it turns the image.
+    """
+    cy, sy = math.cos(yaw_rad), math.sin(yaw_rad)
+    # straight down the sum is exactly 0, and with it the rotation exactly that of a nadir camera
+    raised = pitch_rad + 0.5 * math.pi
+    cr, sr = math.cos(raised), math.sin(raised)
+    about_up = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    about_right = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    rotation: FloatArray = about_up @ _BODY_FROM_OPTICAL @ about_right
     return rotation
 
 
@@ -183,17 +219,3 @@ def quaternion_of_rotation(rotation: ArrayLike) -> FloatArray:
     )
     quaternion: FloatArray = np.linalg.eigh(k)[1][:, -1]
     return -quaternion if quaternion[3] < 0.0 else quaternion
-
-
-def _rotation_enu_from_body(yaw_rad: float, pitch_rad: float, roll_rad: float) -> FloatArray:
-    """Return Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
-    cy, sy = math.cos(yaw_rad), math.sin(yaw_rad)
-    cp, sp = math.cos(pitch_rad), math.sin(pitch_rad)
-    cr, sr = math.cos(roll_rad), math.sin(roll_rad)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )

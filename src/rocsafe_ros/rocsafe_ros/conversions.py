@@ -3,6 +3,7 @@
 
 import math
 from array import array
+from collections.abc import Sequence
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
@@ -144,15 +145,17 @@ def shot_header(shot: Shot) -> Header:
     return Header(stamp=stamp_of_ns(shot.time_ns), frame_id=f'{shot.vehicle}/camera_optical')
 
 
-def camera_info_message(lens: PinholeCamera, header: Header) -> CameraInfo:
-    """Return the intrinsics of a camera without distortion."""
+def camera_info_message(
+    lens: PinholeCamera, header: Header, distortion: Sequence[float] = ()
+) -> CameraInfo:
+    """Return the intrinsics of a camera; `distortion` k1, k2, p1, p2, k3, or empty for none."""
     rows: list[list[float]] = lens.matrix.tolist()
     return CameraInfo(
         header=header,
         width=lens.image_width_px,
         height=lens.image_height_px,
         distortion_model='plumb_bob',
-        d=_NO_DISTORTION,
+        d=list(distortion or _NO_DISTORTION),
         k=[value for row in rows for value in row],
         r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         p=[value for row in rows for value in (*row, 0.0)],
@@ -161,14 +164,21 @@ def camera_info_message(lens: PinholeCamera, header: Header) -> CameraInfo:
 
 def compressed_message(shot: Shot) -> CompressedImage:
     """Return the image file as a message."""
-    image = CompressedImage(header=shot_header(shot), format='jpeg')
+    return jpeg_message(shot.jpeg, shot_header(shot))
+
+
+def jpeg_message(jpeg: bytes, header: Header) -> CompressedImage:
+    """Return the content of a JPEG file as a message."""
+    image = CompressedImage(header=header, format='jpeg')
     # An array is taken as it is, where a list is checked number by number.
-    image.data = array('B', shot.jpeg)
+    image.data = array('B', jpeg)
     return image
 
 
-def geotagged_message(shot: Shot, lens: PinholeCamera, attitude_std_rad: float) -> GeotaggedImage:
-    """Return the atomic record of a photograph."""
+def geotagged_message(
+    shot: Shot, lens: PinholeCamera, attitude_std_rad: float, distortion: Sequence[float] = ()
+) -> GeotaggedImage:
+    """Return the atomic record of a photograph; `distortion` as in `camera_info_message`."""
     header, variance = shot_header(shot), attitude_std_rad**2
     std_m = (shot.horizontal_std_m, shot.vertical_std_m)
     return GeotaggedImage(
@@ -181,7 +191,7 @@ def geotagged_message(shot: Shot, lens: PinholeCamera, attitude_std_rad: float) 
         height_agl_m=shot.height_m,
         orientation=quaternion_message(shot.quaternion_xyzw),
         orientation_covariance=[variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance],
-        camera_info=camera_info_message(lens, header),
+        camera_info=camera_info_message(lens, header, distortion),
         image=compressed_message(shot),
         sha256=shot.sha256,
     )

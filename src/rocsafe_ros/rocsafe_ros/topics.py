@@ -6,12 +6,12 @@ name of fleet scope in that of the suite. The table of the README is made from t
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -31,6 +31,8 @@ from rocsafe_interfaces.msg import (
     DoseRate,
     GeoPoint,
     GeotaggedImage,
+    GimbalCommand,
+    GimbalState,
     HazardSourceArray,
     MissionState,
     Mosaic,
@@ -60,6 +62,8 @@ STREAM_DEPTH = 600
 MEASUREMENTS_KEPT = 50
 # Pictures are large; who was away for longer finds them in the image store.
 PICTURES_KEPT = 8
+# Topics of further cameras of a vehicle have their names in this one's place.
+FIRST_CAMERA = 'camera'
 # A vehicle that says nothing for this long is taken for lost.
 HEARTBEAT_LEASE_S = 2.0
 
@@ -86,6 +90,10 @@ def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL,
     )
+
+
+def _pictures() -> QoSProfile:
+    return QoSProfile(depth=PICTURES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
 
 
 def _latched() -> QoSProfile:
@@ -167,26 +175,39 @@ DOSE_ALARM = _vehicle(
     'dose_alarm', DoseAlarm, _kept(), 'on change', 'level of dose rate or dose reached or left'
 )
 CAMERA_IMAGE = _vehicle(
-    'camera/image_raw', Image, _stream(), 'each shot', 'only while somebody listens'
+    'camera/image_raw', Image, _pictures(), 'each shot, or streamed', 'only while somebody listens'
 )
 CAMERA_IMAGE_COMPRESSED = _vehicle(
     'camera/image_raw/compressed',
     CompressedImage,
     _kept(PICTURES_KEPT),
-    'each shot',
+    'each shot, or streamed',
     'JPEG, for viewers',
 )
 CAMERA_INFO = _vehicle(
-    'camera/camera_info', CameraInfo, _kept(PICTURES_KEPT), 'each shot', 'intrinsics'
+    'camera/camera_info', CameraInfo, _kept(PICTURES_KEPT), 'as the pictures', 'intrinsics'
 )
 CAMERA_DEPTH = _vehicle(
-    'camera/depth', Image, _stream(), 'each shot', 'metres, 32FC1; engine only, while heard'
+    'camera/depth', Image, _pictures(), 'as image_raw', 'metres, 32FC1; engine only, while heard'
 )
 CAMERA_LABELS = _vehicle(
-    'camera/labels', Image, _stream(), 'each shot', 'instances, mono16; engine only, while heard'
+    'camera/labels',
+    Image,
+    _pictures(),
+    'as image_raw',
+    'instances, mono16; engine only, while heard',
 )
 CAMERA_LABEL_TABLE = _vehicle(
     'camera/label_table', String, _latched(), 'once', 'JSON: number, name, class, colour'
+)
+CAMERA_POSE = _vehicle(
+    'camera/pose', PoseStamped, _pictures(), 'as image_raw', 'true, of the optical frame'
+)
+GIMBAL_COMMAND = _vehicle(
+    'camera/gimbal/command', GimbalCommand, _stream(), 'by the operator', 'where to point it'
+)
+GIMBAL_STATE = _vehicle(
+    'camera/gimbal/state', GimbalState, _kept(), '1 Hz and on change', 'where it points'
 )
 SHOT = _vehicle(
     'camera/shot', GeotaggedImage, _stream(), 'each shot, until its receipt', 'photograph and pose'
@@ -240,6 +261,9 @@ TOPICS: tuple[TopicSpec, ...] = (
     CAMERA_DEPTH,
     CAMERA_LABELS,
     CAMERA_LABEL_TABLE,
+    CAMERA_POSE,
+    GIMBAL_COMMAND,
+    GIMBAL_STATE,
     SHOT,
     PATH,
     ROUTE_MARKERS,
@@ -323,6 +347,19 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
     if spec.scope is not Scope.VEHICLE:
         raise ValueError(f'{spec.name} belongs to the fleet, not to vehicle {vehicle!r}')
     return f'{vehicle}/{spec.name}'
+
+
+def of_camera(spec: TopicSpec, camera: str) -> TopicSpec:
+    """Return `spec`, which is of the first camera of a vehicle, as that of the camera so called.
+
+    Raises
+    ------
+    ValueError: if it is not of a camera.
+    """
+    first, _, rest = spec.name.partition('/')
+    if first != FIRST_CAMERA or not rest:
+        raise ValueError(f'{spec.name} is not of a camera: must begin with {FIRST_CAMERA}/')
+    return replace(spec, name=f'{camera}/{rest}')
 
 
 def _name_from(node: Node, spec: TopicSpec, vehicle: str) -> str:

@@ -2,15 +2,18 @@
 """RAVs put together from options."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.cadence import NS_PER_S
 from rocsafe_sim.camera import Camera, GroundCamera
 from rocsafe_sim.errors import EngineError
 from rocsafe_sim.ground import Ground
-from rocsafe_sim.options import ENGINE, NS_PER_S, PROCEDURAL, VehicleOptions
+from rocsafe_sim.mounted_camera import MountedCamera
+from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
 from rocsafe_sim.orthophoto import OrthophotoGround
 from rocsafe_sim.procedural_ground import ProceduralGround
 from rocsafe_sim.rav import Rav, RavParts
@@ -20,8 +23,8 @@ from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle import Vehicle
 
 
-def make_camera(options: VehicleOptions) -> Camera:
-    """Return the camera that all vehicles of the process use.
+def make_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
+    """Return what draws for each camera of `options.rig()`, for all vehicles of the process.
 
     Raises
     ------
@@ -30,28 +33,30 @@ def make_camera(options: VehicleOptions) -> Camera:
     # Other vehicles are other processes: threads of their own would only contend.
     cv2.setNumThreads(1)
     if options.camera_backend == ENGINE:
-        return _engine_camera(options)
-    return GroundCamera(options.lens(), make_ground(options))
+        return _engine_cameras(options)
+    ground = make_ground(options)
+    return tuple(GroundCamera(settings.lens, ground) for settings in options.rig())
 
 
-def _engine_camera(options: VehicleOptions) -> Camera:
+def _engine_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
     # Only here: who flies over flat ground needs no engine installed.
     try:
-        from rocsafe_sim.engine.engine_camera import EngineCamera, EngineRequest
+        from rocsafe_sim.engine.engine_camera import EngineCamera, EngineRequest, EngineScene
     except ModuleNotFoundError as error:
         raise EngineError(
             f'camera_backend engine: Python module {error.name} is missing: run `make setup`'
         ) from error
-    return EngineCamera(
+    scene = EngineScene(
         EngineRequest(
             scene_file=Path(options.scene_file),
             seed=options.seed,
             origin=options.frame().origin,
             start_ns=round(options.scene_start_s * NS_PER_S),
-            lens=options.lens(),
-            oversampling=options.camera_oversampling,
             cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
         )
+    )
+    return tuple(
+        EngineCamera(scene, settings.lens, settings.oversampling) for settings in options.rig()
     )
 
 
@@ -68,9 +73,13 @@ def make_ground(options: VehicleOptions) -> Ground:
 
 
 def make_rav(
-    options: VehicleOptions, name: str, home: GeoPosition, camera: Camera, spool: Path | None
+    options: VehicleOptions,
+    name: str,
+    home: GeoPosition,
+    cameras: Sequence[Camera],
+    spool: Path | None,
 ) -> Rav:
-    """Return the RAV called `name` that stands at `home`, on the ground.
+    """Return the RAV called `name` that stands at `home`, on the ground, with `make_cameras`.
 
     Raises
     ------
@@ -89,7 +98,9 @@ def make_rav(
             tilt_std_rad=math.radians(options.tilt_std_deg),
             attitude_std_rad=math.radians(options.attitude_std_deg),
         ),
-        camera=camera,
-        jpeg_quality=options.jpeg_quality,
+        cameras=tuple(
+            MountedCamera(settings, camera)
+            for settings, camera in zip(options.rig(), cameras, strict=True)
+        ),
     )
     return Rav(parts, Vehicle(options.airframe(), (east, north, 0.0)), spool)

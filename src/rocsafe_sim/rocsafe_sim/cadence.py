@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """When something periodic is due in simulated time."""
 
+NS_PER_S = 1_000_000_000
+
 
 class Cadence:
     """Due at the first step at or after each multiple of a period.
@@ -21,6 +23,11 @@ class Cadence:
         before_ns = time_ns - 1 if self._last_ns is None else self._last_ns
         self._last_ns = time_ns
         return time_ns // self._period_ns > before_ns // self._period_ns
+
+
+def period_ns(rate_hz: float) -> int:
+    """Return the simulated time between two events of a rate, nanoseconds."""
+    return round(NS_PER_S / rate_hz)
 
 
 def floor_to(time_ns: int, period_ns: int) -> int:

@@ -47,9 +47,17 @@ class Camera(Protocol):
         """Return names, classes and colours of the instances as JSON; empty without labels."""
 
     def photograph(
-        self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64], time_ns: int = 0
+        self,
+        position_enu: Enu,
+        rotation_enu_from_optical: NDArray[np.float64],
+        time_ns: int = 0,
+        *,
+        is_quick: bool = False,
     ) -> Image:
-        """Return the picture seen from a pose at a time: blue, green, red."""
+        """Return the picture seen from a pose at a time: blue, green, red.
+
+        `is_quick`: in the quality of a stream, if that is sooner done.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +81,8 @@ class GroundCamera:
         position_enu: Enu,
         rotation_enu_from_optical: NDArray[np.float64],
         time_ns: int = 0,  # noqa: ARG002 - nothing moves in a picture
+        *,
+        is_quick: bool = False,  # noqa: ARG002 - it always is
     ) -> Image:
         """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the nodes of this package."""
 
-import math
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
-from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_sim.cadence import NS_PER_S, period_ns
+from rocsafe_sim.camera_settings import CameraSettings, cameras_of
 from rocsafe_sim.flight_options import FlightOptions
 from rocsafe_sim.origin_options import OriginOptions, option
 from rocsafe_sim.scenery.catalogue import SCENES
@@ -13,8 +13,6 @@ from rocsafe_sim.sensing_noise import LARGEST_SWAY_STDS
 
 PROCEDURAL = 'procedural'
 FLAT, ENGINE = 'flat', 'engine'
-NS_PER_S = 1_000_000_000
-LARGEST_IMAGE_PX = 12_000_000
 LARGEST_VIEW_ANGLE_DEG = 70.0
 
 
@@ -69,6 +67,10 @@ class VehicleOptions(FlightOptions):
     scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
     scene_cache: str = option('', "folder of painted ground; empty: the user's own")
     camera_oversampling: int = option(2, 'the engine draws so many times as wide and high', 1, 4)
+    stream_rate_hz: float = option(0.0, 'of pictures for viewers while heard; 0: none', 0.0, 1e3)
+    cameras: tuple[str, ...] = option(
+        (), 'YAML of each camera; what is left out is as above; empty: one camera'
+    )
     ground: str = option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
     scene: str = option('none', f'painted on procedural ground: {", ".join(SCENES)}')
     seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
@@ -101,35 +103,41 @@ class VehicleOptions(FlightOptions):
             )
 
     def _require_ground_in_view(self) -> None:
-        """Refuse cameras that would see the horizon, or more ground than memory holds."""
-        pixels = self.image_width_px * self.image_height_px
-        if pixels > LARGEST_IMAGE_PX:
-            raise ValueError(
-                f'image_width_px x image_height_px is {pixels}: must be {LARGEST_IMAGE_PX} at most'
+        """Refuse cameras that would see the horizon where there is none."""
+        for index, camera in enumerate(self.rig()):
+            if self.camera_backend == ENGINE and (index or camera.gimbal):
+                continue
+            tilt_deg = 0.0 if camera.gimbal else LARGEST_SWAY_STDS * self.tilt_std_deg
+            require_between(
+                'angle of the image corner, with tilt, from the vertical'
+                + (f' of cameras[{index}]' if index else ''),
+                camera.steepest_view_deg + tilt_deg,
+                0.0,
+                LARGEST_VIEW_ANGLE_DEG,
+                'deg',
             )
-        lens = self.lens()
-        diagonal = math.hypot(lens.image_width_px, lens.image_height_px)
-        corner_deg = math.degrees(math.atan(0.5 * diagonal / lens.focal_px))
-        require_between(
-            'angle of the image corner, with tilt, from the vertical',
-            corner_deg + LARGEST_SWAY_STDS * self.tilt_std_deg,
-            0.0,
-            LARGEST_VIEW_ANGLE_DEG,
-            'deg',
-        )
 
     @property
     def fix_period_ns(self) -> int:
         """Simulated time between two fixes, nanoseconds."""
-        return round(NS_PER_S / self.fix_rate_hz)
+        return period_ns(self.fix_rate_hz)
 
-    def lens(self) -> PinholeCamera:
-        """Return the camera without its ground."""
-        return PinholeCamera(
-            math.radians(self.camera_horizontal_fov_deg),
-            self.image_width_px,
-            self.image_height_px,
+    def rig(self) -> tuple[CameraSettings, ...]:
+        """Return the cameras of a vehicle; the first takes the photographs of the survey.
+
+        Raises
+        ------
+        ValueError: if `cameras` is not as it must be.
+        """
+        first = CameraSettings(
+            horizontal_fov_deg=self.camera_horizontal_fov_deg,
+            image_width_px=self.image_width_px,
+            image_height_px=self.image_height_px,
+            jpeg_quality=self.jpeg_quality,
+            oversampling=self.camera_oversampling,
+            stream_rate_hz=self.stream_rate_hz,
         )
+        return cameras_of(self.cameras, first)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

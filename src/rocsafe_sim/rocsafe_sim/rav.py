@@ -5,19 +5,24 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
+from rocsafe_geo.pinhole import quaternion_of_rotation
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.shot import Shot
 from rocsafe_geo.shot_store import ShotStore
-from rocsafe_sim.camera import Camera, Truth, jpeg_of
+from rocsafe_sim.camera import jpeg_of
 from rocsafe_sim.flight_record import VehicleRecord
+from rocsafe_sim.gimbal import Direction
+from rocsafe_sim.gimbal_file import read_gimbal, write_gimbal
 from rocsafe_sim.journal import read_journal, write_journal
+from rocsafe_sim.mounted_camera import Attitude, MountedCamera, Picture
 from rocsafe_sim.observation import Observation, ShotDue
 from rocsafe_sim.route import Enu
 from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle import Vehicle
 
 JOURNAL_NAME = 'journal.json'
+# Height of the cameras of a vehicle that stands on its legs.
+LANDED_CAMERA_M = 0.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,15 +49,13 @@ class RavParts:
     name : of the vehicle.
     frame : local frame of the mission.
     noise : of its sensors.
-    camera : with its ground.
-    jpeg_quality : 1 to 100.
+    cameras : the first takes the photographs of the survey.
     """
 
     name: str
     frame: LocalFrame
     noise: SensorNoise
-    camera: Camera
-    jpeg_quality: int
+    cameras: tuple[MountedCamera, ...]
 
 
 class Rav:
@@ -64,6 +67,10 @@ class Rav:
     vehicle : as switched on; a journal in `spool` overrides its state.
     spool : folder of journal and photographs; None keeps them in memory only.
 
+    Attributes
+    ----------
+    pictures : of the last step, of all cameras, at its viewpoints.
+
     Raises
     ------
     JournalError, SpoolError: if the spool holds what cannot be read.
@@ -73,31 +80,60 @@ class Rav:
         self.parts = parts
         self.vehicle = vehicle
         self.shots = ShotStore(spool)
+        self._spool = spool
         self._journal = None if spool is None else spool / JOURNAL_NAME
         self._written: VehicleRecord | None = None
-        self._truths: dict[int, Truth | None] = {}
+        self.pictures: list[Picture] = []
         if self._journal is not None:
             record = read_journal(self._journal)
             if record is not None:
                 vehicle.restore(record)
                 self._written = record
+        self._restore_gimbals()
+
+    def _restore_gimbals(self) -> None:
+        for camera in self.parts.cameras:
+            if camera.gimbal is not None and self._spool is not None:
+                order = read_gimbal(self._spool, camera.settings.name)
+                camera.gimbal.order = order or camera.gimbal.order
 
     def step(self, time_ns: int) -> tuple[Observation, list[Shot]]:
         """Advance to `time_ns`; return what is true then and the photographs taken on the way.
 
-        Photographs are on disk before the journal counts them.
+        Photographs are on disk before the journal counts them. `pictures` then holds what all
+        cameras took at the same moments.
         """
         observation = self.vehicle.step(time_ns)
-        self._truths.clear()
+        self.pictures.clear()
         taken = [self._photograph(due) for due in observation.shots]
         for shot in taken:
             self.shots.add(shot)
         self.keep_journal()
         return observation, taken
 
-    def truth_of(self, shot: Shot) -> Truth | None:
-        """Return what is true of a photograph of the last step; None if nobody knows."""
-        return self._truths.get(shot.sequence)
+    def pictures_of(self, camera: MountedCamera) -> list[Picture]:
+        """Return what a camera took at the viewpoints of the last step."""
+        return [each for each in self.pictures if each.camera == camera.settings.name]
+
+    def point(self, camera: MountedCamera, target: Direction) -> None:
+        """Turn the gimbal of a camera, if it has one, from the last step on."""
+        if camera.gimbal is not None:
+            camera.gimbal.point(target, self.vehicle.time_ns)
+            if self._spool is not None:
+                write_gimbal(self._spool, camera.settings.name, camera.gimbal.order)
+
+    def look(self, camera: MountedCamera, seen: Observation) -> Picture:
+        """Return what a camera sees at a step, for a stream.
+
+        Raises
+        ------
+        SimError: if that cannot be drawn.
+        """
+        roll, pitch = self.parts.noise.sway_at_rad(seen.time_ns)
+        east, north, up = seen.pose.position_enu
+        attitude = Attitude(yaw_rad=seen.pose.yaw_rad, pitch_rad=pitch, roll_rad=roll)
+        place = (east, north, max(up, LANDED_CAMERA_M))
+        return camera.take(place, attitude, seen.time_ns, is_quick=True)
 
     def keep_journal(self) -> None:
         """Write the journal if an order, a photograph or a landing changed it."""
@@ -118,18 +154,19 @@ class Rav:
         )
 
     def _photograph(self, due: ShotDue) -> Shot:
-        parts = self.parts
+        parts, place = self.parts, due.pose.position_enu
         roll, pitch = parts.noise.sway_rad(due.sequence)
-        roll_error, pitch_error, yaw_error = parts.noise.attitude_error_rad(due.sequence)
-        yaw = due.pose.yaw_rad
-        rotation = rotation_enu_from_optical(yaw, pitch, roll)
-        image = parts.camera.photograph(due.pose.position_enu, rotation, due.time_ns)
-        self._truths[due.sequence] = parts.camera.truth
-        measured = rotation_enu_from_optical(
-            yaw + yaw_error, pitch + pitch_error, roll + roll_error
-        )
-        fix = self.fix(due.time_ns, due.pose.position_enu)
-        x, y, z, w = quaternion_of_rotation(measured).tolist()
+        attitude = Attitude(yaw_rad=due.pose.yaw_rad, pitch_rad=pitch, roll_rad=roll)
+        first, *others = parts.cameras
+        picture = first.take(place, attitude, due.time_ns)
+        self.pictures.append(picture)
+        for other in others:
+            if other.settings.at_viewpoints:
+                self.pictures.append(other.take(place, attitude, due.time_ns))
+        measured = self._measured(first.held(attitude), due.sequence)
+        rotation = first.rotation(measured, due.time_ns)
+        fix = self.fix(due.time_ns, place)
+        x, y, z, w = quaternion_of_rotation(rotation).tolist()
         return Shot(
             vehicle=parts.name,
             sequence=due.sequence,
@@ -140,7 +177,15 @@ class Rav:
             vertical_std_m=parts.noise.gps_vertical_std_m,
             height_m=fix.position_enu[2],
             quaternion_xyzw=(x, y, z, w),
-            width_px=parts.camera.lens.image_width_px,
-            height_px=parts.camera.lens.image_height_px,
-            jpeg=jpeg_of(image, parts.jpeg_quality),
+            width_px=first.settings.image_width_px,
+            height_px=first.settings.image_height_px,
+            jpeg=jpeg_of(picture.image, first.settings.jpeg_quality),
+        )
+
+    def _measured(self, attitude: Attitude, sequence: int) -> Attitude:
+        roll, pitch, yaw = self.parts.noise.attitude_error_rad(sequence)
+        return Attitude(
+            yaw_rad=attitude.yaw_rad + yaw,
+            pitch_rad=attitude.pitch_rad + pitch,
+            roll_rad=attitude.roll_rad + roll,
         )

@@ -21,7 +21,10 @@ _WHITE_VARIANCE_SHARE = 0.1
 # A vehicle that sways further than this does not release the shutter.
 LARGEST_SWAY_STDS = 3.5
 
-_GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE = range(4)
+# A vehicle's sway between the pictures of a stream wanders between knots this far apart.
+SWAY_PERIOD_NS = 1_000_000_000
+
+_GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE, _SWAY_WANDER = range(5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +70,20 @@ class SensorNoise:
     def sway_rad(self, sequence: int) -> tuple[float, float]:
         """Return true (roll, pitch) at the photograph with this number."""
         roll, pitch, _ = self._fresh(_SWAY, sequence)
+        return self._swayed(roll, pitch)
+
+    def sway_at_rad(self, time_ns: int) -> tuple[float, float]:
+        """Return true (roll, pitch) at a simulated time: as wide as at photographs, and smooth."""
+        knot, rest_ns = divmod(time_ns, SWAY_PERIOD_NS)
+        turn = 0.5 * math.pi * rest_ns / SWAY_PERIOD_NS
+        before, after = self._draw(_SWAY_WANDER, knot), self._draw(_SWAY_WANDER, knot + 1)
+        roll, pitch = (
+            math.cos(turn) * a + math.sin(turn) * b
+            for a, b in zip(before[:2], after[:2], strict=True)
+        )
+        return self._swayed(roll, pitch)
+
+    def _swayed(self, roll: float, pitch: float) -> tuple[float, float]:
         # Both limits together keep the tilt, their hypotenuse, within LARGEST_SWAY_STDS.
         limit = LARGEST_SWAY_STDS / math.sqrt(2.0)
         roll, pitch = (min(max(value, -limit), limit) for value in (roll, pitch))

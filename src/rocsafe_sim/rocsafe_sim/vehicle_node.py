@@ -5,12 +5,14 @@ from collections.abc import Callable
 
 from std_srvs.srv import Trigger
 
+from rocsafe_geo.shot import Shot
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.fly_route_node import FlyRouteServer
 from rocsafe_sim.rav import Rav
-from rocsafe_sim.shot_sender_node import ShotSender
+from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
 
 
@@ -40,7 +42,8 @@ class VehicleInterface:
         self._log = node.get_logger()
         self._on_busy = on_busy
         self._telemetry = Telemetry(node, rav, fix_period_ns)
-        self._sender = ShotSender(node, rav, self._publish_state)
+        self._delivery = make_shot_delivery(node, rav, self._publish_state)
+        self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
         self._flights = FlyRouteServer(node, rav, self._after_order)
         self._add_service(node, topics.HOLD, rav.vehicle.hold)
         self._add_service(node, topics.RESUME, rav.vehicle.resume)
@@ -56,10 +59,21 @@ class VehicleInterface:
             return vehicle.is_idle
         seen, shots = self._rav.step(time_ns)
         self._telemetry.publish(seen)
-        for shot in shots:
-            self._sender.publish(shot)
+        self._publish_pictures(shots)
+        for camera in self._cameras:
+            camera.after_step(seen)
         self._flights.after_step(time_ns)
         return vehicle.is_idle
+
+    def _publish_pictures(self, shots: list[Shot]) -> None:
+        """Publish what was taken at viewpoints; the photographs are those of the first camera."""
+        jpegs: dict[int, bytes | None] = {shot.time_ns: shot.jpeg for shot in shots}
+        for camera, own in zip(self._cameras, self._rav.parts.cameras, strict=True):
+            for picture in self._rav.pictures_of(own):
+                camera.publish(picture, jpegs[picture.time_ns])
+            jpegs = dict.fromkeys(jpegs)
+        for shot in shots:
+            self._delivery.send(shot)
 
     def _publish_state(self) -> None:
         self._telemetry.publish_state(self._rav.vehicle.observe())

@@ -2,7 +2,7 @@
 """The camera of simulated vehicles that looks into a scene."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.camera import Truth
-from rocsafe_sim.engine.renderer import Renderer
 from rocsafe_sim.engine.studio import Studio, open_renderer
 from rocsafe_sim.route import Enu
 from rocsafe_sim.scene.building import build
@@ -26,7 +25,7 @@ _NS_PER_S = 1e9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineRequest:
-    """What the camera is to look at, and how.
+    """Which scene cameras are to look at.
 
     Attributes
     ----------
@@ -34,8 +33,6 @@ class EngineRequest:
     seed : of all that is random in it.
     origin : of the mission.
     start_ns : time of the mission's start: of the sun, and from which things move; 0 unknown.
-    lens : of the camera.
-    oversampling : 1 to 4, see `Studio`.
     cache : folder of painted ground.
     """
 
@@ -43,49 +40,65 @@ class EngineRequest:
     seed: int
     origin: GeoPosition
     start_ns: int
-    lens: PinholeCamera
-    oversampling: int
     cache: Path | None
 
 
-@dataclass(slots=True)
-class EngineCamera:
-    """Photographs a scene; all cameras of a process may be this one.
+class EngineScene:
+    """A scene as drawn; all cameras of a process look at the same.
 
     Raises
     ------
     SceneError, EngineError: one line.
     """
 
-    request: EngineRequest
-    truth: Truth | None = field(init=False, default=None)
-    _renderer: Renderer = field(init=False)
-    _studio: Studio = field(init=False)
-    _table: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        request = self.request
+    def __init__(self, request: EngineRequest) -> None:
         description = read_scene(request.scene_file)
-        environment = build(description, request.seed, request.origin, request.cache)
-        self._table = label_table(environment.objects)
-        self._renderer = open_renderer(environment, description, _sun_time(request.start_ns))
-        self._studio = Studio(self._renderer, request.lens, request.oversampling)
+        self.environment = build(description, request.seed, request.origin, request.cache)
+        self.label_table = label_table(self.environment.objects)
+        self.renderer = open_renderer(self.environment, description, _sun_time(request.start_ns))
+        self._start_ns = request.start_ns
 
-    @property
-    def lens(self) -> PinholeCamera:
-        """Intrinsics."""
-        return self.request.lens
+    def set_time(self, time_ns: int) -> None:
+        """Put what moves where it is at a simulated time."""
+        self.renderer.set_time(max(0, time_ns - self._start_ns) / _NS_PER_S)
+
+
+class EngineCamera:
+    """Photographs a scene; vehicles may share it.
+
+    Parameters
+    ----------
+    scene : to look at.
+    lens : of the camera.
+    oversampling : 1 to 4, see `Studio`.
+
+    Raises
+    ------
+    SceneError, EngineError: one line.
+    """
+
+    def __init__(self, scene: EngineScene, lens: PinholeCamera, oversampling: int) -> None:
+        self.lens = lens
+        self.truth: Truth | None = None
+        self._scene = scene
+        self._studio = Studio(scene.renderer, lens, oversampling)
 
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON."""
-        return self._table
+        return self._scene.label_table
 
     def photograph(
-        self, position_enu: Enu, rotation_enu_from_optical: NDArray[np.float64], time_ns: int = 0
+        self,
+        position_enu: Enu,
+        rotation_enu_from_optical: NDArray[np.float64],
+        time_ns: int = 0,
+        *,
+        is_quick: bool = False,
     ) -> Image:
         """Return the picture seen from a pose at a time: blue, green, red."""
-        self._renderer.set_time(max(0, time_ns - self.request.start_ns) / _NS_PER_S)
-        frame = self._studio.expose(np.array(position_enu), rotation_enu_from_optical)
+        self._scene.set_time(time_ns)
+        expose = self._studio.glance if is_quick else self._studio.expose
+        frame = expose(np.array(position_enu), rotation_enu_from_optical)
         self.truth = Truth(depth_m=frame.depth_m, numbers=frame.numbers)
         return frame.image
 

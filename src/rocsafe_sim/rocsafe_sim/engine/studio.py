@@ -84,9 +84,13 @@ class Studio:
             )
             self._large = renderer.camera(large)
 
+    def glance(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+        """Return what is seen from a pose, drawn once; see `Eye.expose`."""
+        return self._plain.expose(position_enu, rotation_enu_from_optical)
+
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose, see `Eye.expose`."""
-        frame = self._plain.expose(position_enu, rotation_enu_from_optical)
+        frame = self.glance(position_enu, rotation_enu_from_optical)
         if self._large is None:
             return frame
         large = self._large.expose(position_enu, rotation_enu_from_optical)

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ROS side of one camera of a simulated vehicle."""
+
+from rclpy.publisher import Publisher
+from std_msgs.msg import Header, String
+
+from rocsafe_interfaces.msg import GimbalCommand
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import jpeg_message
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.cadence import Cadence, period_ns
+from rocsafe_sim.camera import jpeg_of
+from rocsafe_sim.errors import SimError
+from rocsafe_sim.mounted_camera import MountedCamera, Picture
+from rocsafe_sim.observation import Observation
+from rocsafe_sim.picture_conversions import (
+    depth_message,
+    direction_of,
+    gimbal_message,
+    image_message,
+    info_message,
+    labels_message,
+    picture_header,
+    pose_message,
+)
+from rocsafe_sim.rav import Rav
+
+GIMBAL_PERIOD_NS = 1_000_000_000
+# Who records does not look: for it alone nothing is streamed.
+RECORDERS = frozenset({'recorder'})
+
+
+class CameraInterface:
+    """Publishes all topics of a camera, below its name, and obeys those of its gimbal.
+
+    Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
+    gimbal/state. Subscribes: gimbal/command.
+
+    Pictures come when the vehicle takes them at viewpoints, and `stream_rate_hz` times a simulated
+    second for as long as anybody looks.
+    """
+
+    def __init__(self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera) -> None:
+        self._node, self._rav, self._camera = node, rav, camera
+        self._vehicle = rav.parts.name
+        self._image = self._publisher(topics.CAMERA_IMAGE)
+        self._compressed = self._publisher(topics.CAMERA_IMAGE_COMPRESSED)
+        self._info = self._publisher(topics.CAMERA_INFO)
+        self._depth = self._publisher(topics.CAMERA_DEPTH)
+        self._labels = self._publisher(topics.CAMERA_LABELS)
+        self._pose = self._publisher(topics.CAMERA_POSE)
+        self._table = self._publisher(topics.CAMERA_LABEL_TABLE)
+        if camera.camera.label_table():
+            self._table.publish(String(data=camera.camera.label_table()))
+        rate_hz = camera.settings.stream_rate_hz
+        self._stream = Cadence(period_ns(rate_hz)) if rate_hz else None
+        if camera.gimbal is not None:
+            self._add_gimbal()
+
+    @property
+    def name(self) -> str:
+        """Of the camera."""
+        return self._camera.settings.name
+
+    def after_step(self, seen: Observation) -> None:
+        """Publish what is due at a step besides the pictures of viewpoints."""
+        if self._stream is not None and self._stream.is_due(seen.time_ns) and self._is_watched():
+            self._publish_look(seen)
+        if self._camera.gimbal is not None:
+            self._publish_gimbal(seen.time_ns)
+
+    def publish(self, picture: Picture, jpeg: bytes | None = None) -> None:
+        """Publish a picture, as `jpeg` if that is made already."""
+        header = picture_header(self._vehicle, picture)
+        self._info.publish(info_message(self._camera.settings, header))
+        if jpeg is None and _is_heard(self._compressed):
+            jpeg = jpeg_of(picture.image, self._camera.settings.jpeg_quality)
+        if jpeg is not None:
+            self._compressed.publish(jpeg_message(jpeg, header))
+        if _is_heard(self._image):
+            self._image.publish(image_message(picture, header))
+        if _is_heard(self._pose):
+            self._pose.publish(pose_message(picture))
+        self._publish_truth(picture, header)
+
+    def _publish_truth(self, picture: Picture, header: Header) -> None:
+        if picture.truth is None:
+            return
+        if _is_heard(self._depth):
+            self._depth.publish(depth_message(picture.truth, header))
+        if _is_heard(self._labels):
+            self._labels.publish(labels_message(picture.truth, header))
+
+    def _publish_look(self, seen: Observation) -> None:
+        if any(picture.time_ns == seen.time_ns for picture in self._rav.pictures_of(self._camera)):
+            return
+        try:
+            self.publish(self._rav.look(self._camera, seen))
+        except SimError as error:
+            self._node.get_logger().warning(f'{self.name}: no picture: {error}', once=True)
+
+    def _is_watched(self) -> bool:
+        if any(map(_is_heard, (self._image, self._depth, self._labels))):
+            return True
+        if not _is_heard(self._compressed):
+            return False
+        listeners = self._node.get_subscriptions_info_by_topic(self._compressed.topic_name)
+        return any(listener.node_name not in RECORDERS for listener in listeners)
+
+    def _add_gimbal(self) -> None:
+        self._gimbals = Cadence(GIMBAL_PERIOD_NS)
+        self._is_settled = False
+        self._state = self._publisher(topics.GIMBAL_STATE)
+        spec = topics.of_camera(topics.GIMBAL_COMMAND, self.name)
+        topics.create_subscription(self._node, spec, self._on_command)
+
+    def _on_command(self, command: GimbalCommand) -> None:
+        try:
+            self._rav.point(self._camera, direction_of(command))
+        except ValueError as error:
+            self._node.get_logger().warning(f'{self.name}: gimbal/command: {error}')
+            return
+        self._is_settled = False
+
+    def _publish_gimbal(self, time_ns: int) -> None:
+        gimbal = self._camera.gimbal
+        if gimbal is None:
+            return
+        is_news = not self._is_settled
+        if self._gimbals.is_due(time_ns) or is_news:
+            self._state.publish(gimbal_message(self._vehicle, self.name, gimbal, time_ns))
+        self._is_settled = gimbal.is_settled(time_ns)
+
+    def _publisher(self, spec: topics.TopicSpec) -> Publisher:
+        return topics.create_publisher(self._node, topics.of_camera(spec, self.name))
+
+
+def _is_heard(publisher: Publisher) -> bool:
+    return publisher.get_subscription_count() > 0

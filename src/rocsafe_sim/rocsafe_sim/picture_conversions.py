@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of cameras and states of gimbals -> messages, and orders back."""
+
+from array import array
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
+
+from rocsafe_geo.pinhole import quaternion_of_rotation
+from rocsafe_interfaces.msg import GimbalCommand, GimbalState
+from rocsafe_ros.conversions import (
+    MAP_FRAME,
+    camera_info_message,
+    quaternion_message,
+    stamp_of_ns,
+)
+from rocsafe_sim.camera import Truth
+from rocsafe_sim.camera_settings import CameraSettings
+from rocsafe_sim.gimbal import Direction, Gimbal
+from rocsafe_sim.mounted_camera import Picture
+
+
+def picture_header(vehicle: str, picture: Picture) -> Header:
+    """Return the header of all messages about a picture."""
+    stamp = stamp_of_ns(picture.time_ns)
+    return Header(stamp=stamp, frame_id=f'{vehicle}/{picture.camera}_optical')
+
+
+def info_message(settings: CameraSettings, header: Header) -> CameraInfo:
+    """Return the intrinsics of a camera, with its distortion."""
+    return camera_info_message(settings.lens, header, settings.effects.distortion)
+
+
+def image_message(picture: Picture, header: Header) -> Image:
+    """Return the picture itself, 8 bits blue, green, red."""
+    return _plane_message(picture.image, 'bgr8', header)
+
+
+def depth_message(truth: Truth, header: Header) -> Image:
+    """Return planar depth, metres, 32 bit floats; infinite where the sky is (REP 118)."""
+    return _plane_message(truth.depth_m.astype('<f4'), '32FC1', header)
+
+
+def labels_message(truth: Truth, header: Header) -> Image:
+    """Return instance numbers, 16 bits; those beyond 65535 show as 65535."""
+    return _plane_message(np.minimum(truth.numbers, 65_535).astype('<u2'), 'mono16', header)
+
+
+def pose_message(picture: Picture) -> PoseStamped:
+    """Return the true pose of the optical frame in the mission's frame."""
+    message = PoseStamped(header=Header(stamp=stamp_of_ns(picture.time_ns), frame_id=MAP_FRAME))
+    place = message.pose.position
+    place.x, place.y, place.z = picture.position_enu
+    x, y, z, w = quaternion_of_rotation(picture.rotation_enu_from_optical).tolist()
+    message.pose.orientation = quaternion_message((x, y, z, w))
+    return message
+
+
+def direction_of(command: GimbalCommand) -> Direction:
+    """Return where a gimbal is told to point.
+
+    Raises
+    ------
+    ValueError: naming what is out of its limits.
+    """
+    return Direction(pitch_rad=command.pitch_rad, yaw_rad=command.yaw_rad)
+
+
+def gimbal_message(vehicle: str, camera: str, gimbal: Gimbal, time_ns: int) -> GimbalState:
+    """Return where a gimbal points at a time."""
+    points, target = gimbal.direction(time_ns), gimbal.order.target
+    return GimbalState(
+        header=Header(stamp=stamp_of_ns(time_ns), frame_id=f'{vehicle}/base_link'),
+        camera=camera,
+        pitch_rad=points.pitch_rad,
+        yaw_rad=points.yaw_rad,
+        pitch_target_rad=target.pitch_rad,
+        yaw_target_rad=target.yaw_rad,
+        is_settled=gimbal.is_settled(time_ns),
+    )
+
+
+def _plane_message(plane: NDArray[Any], encoding: str, header: Header) -> Image:
+    height, width = plane.shape[:2]
+    message = Image(header=header, height=height, width=width, encoding=encoding)
+    message.step = plane.nbytes // height
+    message.data = array('B', plane.tobytes())
+    return message

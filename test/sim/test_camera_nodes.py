@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cameras of vehicles over real topics: several of them, gimbals, streams."""
+
+import math
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from std_srvs.srv import SetBool
+from test.sim.node_stand import DEADLINE_S, Operator, route
+
+from rocsafe_interfaces.msg import GimbalCommand
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
+
+FRONT = '{name: front, pitch_deg: -60, image_width_px: 48, image_height_px: 32}'
+TURNED = (
+    '{name: turned, image_width_px: 48, image_height_px: 32, horizontal_fov_deg: 40, gimbal: true,'
+    ' gimbal_rate_dps: 30, gimbal_highest_deg: -50}'
+)
+
+
+def of(camera: str, spec: topics.TopicSpec) -> topics.TopicSpec:
+    """Return a topic of the first camera as that of another."""
+    return topics.of_camera(spec, camera)
+
+
+def pixels(message: Any) -> Any:
+    """Return the picture of a raw image message."""
+    return np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
+
+
+def test_every_camera_takes_a_picture_at_a_viewpoint(
+    operator: Operator, world: Any, rav: Any
+) -> None:
+    """Each on its own topics, at the same moment, with its own intrinsics and pose."""
+    world('rav1', autostart=False)
+    rav(cameras=['{}', FRONT])
+    shots = operator.store_shots()
+    images = operator.listen(of('front', topics.CAMERA_IMAGE))
+    infos = operator.listen(of('front', topics.CAMERA_INFO))
+    poses = operator.listen(of('front', topics.CAMERA_POSE))
+    jpegs = operator.listen(of('front', topics.CAMERA_IMAGE_COMPRESSED))
+    first = operator.listen(topics.CAMERA_IMAGE)
+    sender = operator.send(route(count=1))
+    operator.wait_for_publishers(
+        of('front', topics.CAMERA_IMAGE), of('front', topics.CAMERA_POSE), topics.CAMERA_IMAGE
+    )
+    operator.call('world/run', SetBool.Request(data=True))
+    operator.wait(sender.get_result_async())
+    operator.ros.spin_until(
+        lambda: all(map(len, (shots, images, infos, poses, jpegs, first))), DEADLINE_S
+    )
+    assert infos[0].width == images[0].width == 48
+    assert infos[0].k[0] == pytest.approx(24.0 / math.tan(math.radians(30.0)))
+    stamps = {ns_of_stamp(m.header.stamp) for m in (shots[0], images[0], infos[0], poses[0])}
+    assert len(stamps) == 1
+    assert images[0].header.frame_id == 'rav1/front_optical'
+    assert pixels(first[0]).shape == (48, 64, 3)
+    decoded = cv2.imdecode(np.frombuffer(jpegs[0].data, np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(decoded.astype(int) - pixels(images[0])).mean() < 8.0
+    q = poses[0].pose.orientation
+    ahead_up = 1.0 - 2.0 * (q.x * q.x + q.y * q.y)
+    # 60 deg below the horizon, but for the vehicle's sway
+    assert ahead_up == pytest.approx(-math.sin(math.radians(60.0)), abs=0.05)
+
+
+def test_a_gimbal_obeys_and_says_where_it_points(operator: Operator, world: Any, rav: Any) -> None:
+    """It turns at its rate of simulated time, stops at its limit, and a nonsense is not obeyed."""
+    world('rav1', speed=5.0)
+    rav(cameras=['{}', TURNED])
+    states = operator.listen(of('turned', topics.GIMBAL_STATE))
+    orders = topics.create_publisher(operator.node, of('turned', topics.GIMBAL_COMMAND), 'rav1')
+    operator.ros.spin_until(lambda: bool(states), DEADLINE_S)
+    assert states[0].is_settled
+    assert states[0].pitch_rad == pytest.approx(-math.pi / 2)
+    operator.ros.spin_until(lambda: orders.get_subscription_count() > 0, DEADLINE_S)
+    orders.publish(GimbalCommand(pitch_rad=math.nan))
+    orders.publish(GimbalCommand(pitch_rad=0.0, yaw_rad=math.radians(60.0)))
+    operator.ros.spin_until(lambda: states[-1].is_settled and states[-1].yaw_rad > 0.5, DEADLINE_S)
+    assert states[-1].pitch_rad == pytest.approx(math.radians(-50.0))
+    assert states[-1].yaw_rad == pytest.approx(math.radians(60.0))
+    moving = [state for state in states if not state.is_settled]
+    times_s = [ns_of_stamp(state.header.stamp) / 1e9 for state in moving]
+    assert len(moving) > 5
+    rates = np.diff([state.yaw_rad for state in moving]) / np.diff(times_s)
+    assert np.degrees(rates) == pytest.approx(np.full(len(rates), 30.0), abs=0.1)
+
+
+def test_a_stream_runs_at_its_rate_while_somebody_looks(
+    operator: Operator, world: Any, rav: Any
+) -> None:
+    """At multiples of its period of simulated time; nobody looking, nothing is drawn."""
+    world('rav1', speed=4.0)
+    rav(stream_rate_hz=2.5)
+    infos = operator.listen(topics.CAMERA_INFO)
+    fixes = operator.listen(topics.FIX)
+    operator.ros.spin_until(lambda: len(fixes) > 20, DEADLINE_S)
+    assert infos == []
+    images: list[Any] = []
+    eye = topics.create_subscription(operator.node, topics.CAMERA_IMAGE, images.append, 'rav1')
+    operator.ros.spin_until(lambda: len(images) >= 6, DEADLINE_S)
+    stamps = [ns_of_stamp(image.header.stamp) for image in images]
+    assert set(np.diff(stamps)) == {400_000_000}
+    assert stamps[0] % 400_000_000 == 0
+    operator.ros.spin_until(
+        lambda: set(stamps) <= {ns_of_stamp(info.header.stamp) for info in infos}, DEADLINE_S
+    )
+    assert pixels(images[0]).std() > 1.0
+    operator.node.destroy_subscription(eye)
+    said = len(fixes)
+    operator.ros.spin_until(lambda: len(fixes) > said + 30, DEADLINE_S)
+    count = len(infos)
+    operator.ros.spin_until(lambda: len(fixes) > said + 60, DEADLINE_S)
+    assert len(infos) == count
+
+
+def test_for_a_recorder_alone_nothing_is_streamed(ros: Any, world: Any, rav: Any) -> None:
+    """It hears the pictures of viewpoints, and those that somebody else looks at."""
+    world('rav1', speed=5.0)
+    rav(stream_rate_hz=5.0)
+    recorder, viewer = Operator(ros, 'recorder'), Operator(ros, 'viewer')
+    recorded = recorder.listen(topics.CAMERA_IMAGE_COMPRESSED)
+    fixes = recorder.listen(topics.FIX)
+    ros.spin_until(lambda: len(fixes) > 20, DEADLINE_S)
+    assert recorded == []
+    watched = viewer.listen(topics.CAMERA_IMAGE_COMPRESSED)
+    ros.spin_until(lambda: len(watched) > 3 and len(recorded) > 3, DEADLINE_S)
+    for node in (recorder.node, viewer.node):
+        node.destroy_node()
