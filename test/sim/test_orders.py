@@ -24,6 +24,7 @@ LONGEST_STOP_S = 2.0 + 4.0 + 2.0
 LONGEST_STOP_M = 8.0 * 2.0 + 0.5 * 8.0 * 6.0
 OBEYED = {
     Mode.DISARMED: (),
+    Mode.WAITING: (),
     Mode.TAKING_OFF: ('hold', 'return_home', 'land'),
     Mode.FLYING: ('hold', 'return_home', 'land'),
     Mode.HOLDING: ('resume', 'return_home', 'land'),
@@ -35,7 +36,10 @@ OBEYED = {
 
 def vehicle_in(mode: Mode) -> Vehicle:
     """Return a vehicle that is in `mode`."""
-    vehicle = Vehicle(AIRFRAME, HOME) if mode is Mode.DISARMED else vehicle_on()
+    delay_s = 60.0 if mode is Mode.WAITING else 0.0
+    vehicle = vehicle_on(replace(ROUTE, delay_s=delay_s))
+    if mode is Mode.DISARMED:
+        vehicle = Vehicle(AIRFRAME, HOME)
     if mode in TIMES_S:
         at_s(vehicle, TIMES_S[mode])
     elif mode is Mode.HOLDING:

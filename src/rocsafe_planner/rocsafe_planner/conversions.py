@@ -14,6 +14,7 @@ from rocsafe_planner.errors import (
     PlanningCancelledError,
     TooManyViewpointsError,
 )
+from rocsafe_planner.flight_path import ground_places
 from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
@@ -204,9 +205,10 @@ def _route(route: Route, request: SurveyRequest) -> msg.Route:
     """Return a route; what stands beside its flights is about all of them, and the last."""
     vehicle = route.vehicle
     flights = [_flight(sortie) for sortie in route.sorties]
+    home, end = ground_places(route)
     return msg.Route(
         vehicle=vehicle.name,
-        home=point_of_position(vehicle.home),
+        home=point_of_position(home),
         viewpoints=[viewpoint for flight in flights for viewpoint in flight.viewpoints],
         homeward=flights[-1].homeward if flights else [],
         exclusions=[region_of_area(zone).boundary for zone in request.exclusions],
@@ -214,10 +216,12 @@ def _route(route: Route, request: SurveyRequest) -> msg.Route:
         length_m=route.length_m,
         duration_s=route.duration_s,
         flights=flights,
-        end=[] if vehicle.end is None else [point_of_position(vehicle.end)],
+        end=[] if end is None else [point_of_position(end)],
         is_open=vehicle.is_open,
         delay_s=route.delay_s,
         flight_height_m=route.flight_height_m,
+        battery_swap_s=vehicle.battery_swap_s or 0.0,
+        follows_terrain=request.terrain is not None,
     )
 
 

@@ -35,6 +35,26 @@ def begins_aloft(route: Route, number: int) -> bool:
     return number == 0 and route.vehicle.aloft is not None
 
 
+def ground_places(route: Route) -> tuple[GeoPosition, GeoPosition | None]:
+    """Return a vehicle's home and its end, if it has one, at the altitude of the ground there.
+
+    Over level ground, where that is one for all, they are as they were given.
+    """
+    home, end = route.vehicle.home, route.vehicle.end
+    ground_m = route.ground_altitude_m
+    if math.isnan(ground_m):
+        return home, end
+    deeper_m = 0.0
+    if not math.isnan(route.landing_height_m):
+        deeper_m = route.landing_height_m - route.flight_height_m
+    return at_altitude(home, ground_m), end and at_altitude(end, ground_m + deeper_m)
+
+
+def at_altitude(place: GeoPosition, altitude_m: float) -> GeoPosition:
+    """Return a place at another altitude."""
+    return GeoPosition(place.latitude_deg, place.longitude_deg, altitude_m)
+
+
 def flight_path(route: Route, number: int) -> tuple[Stop, ...]:
     """Return the stops of flight `number` of a route, from where it begins to where it lands."""
     sortie = route.sorties[number]

@@ -19,6 +19,7 @@ class Airframe:
         without a stop and photographs on the way.
     endurance_s : time in the air on a full battery, however it flies.
     reserve_fraction : part of a full battery with which it wants to land.
+    fails_after_s : time from a flight's take-off to the failure of its battery; 0: never.
     hover_power_w, drag_power_w_s2_per_m2, voltage_v : of its battery, see `PowerModel`.
     """
 
@@ -29,10 +30,12 @@ class Airframe:
     hover_power_w: float = 350.0
     drag_power_w_s2_per_m2: float = 0.2
     voltage_v: float = 12.6
+    fails_after_s: float = 0.0
 
     def __post_init__(self) -> None:
         require_not_negative('hover_s', self.hover_s)
         require_positive('endurance_s', self.endurance_s)
+        require_not_negative('fails_after_s', self.fails_after_s)
         require_between('reserve_fraction', self.reserve_fraction, 0.0, 0.9)
         _ = self.power
 

@@ -10,7 +10,7 @@ from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.route import Route
 from rocsafe_sim.segment import Mode, Pose
-from rocsafe_sim.tasks import LEVEL_TOLERANCE_M, stopped
+from rocsafe_sim.tasks import LEVEL_TOLERANCE_M, safe_up, stopped
 from rocsafe_sim.timeline import Timeline
 
 # The battery is looked at this often, counted from the flight's start: the decision does not
@@ -18,17 +18,21 @@ from rocsafe_sim.timeline import Timeline
 CHECK_PERIOD_S = 1.0
 
 
-def return_duration_s(airframe: Airframe, start: Pose, route: Route) -> float:
-    """Return the time from `start` to standing motors at home, braking first if it moves.
+def return_duration_s(airframe: Airframe, start: Pose, route: Route, number: int = 0) -> float:
+    """Return the time from `start` to standing motors at the refuge, braking first if it moves.
 
-    As long as the timeline of such a return, which takes longer to make.
+    As long as the timeline of such a diversion from flight `number`, which takes longer to make.
     """
     performance = airframe.performance
     stop, at = stopped(airframe, start)
-    corners = (at.position_enu, *route.around(at.position_enu, route.home_enu), route.home_enu)
+    ground = route.refuge(start.position_enu, number)
+    up_m = safe_up(route, at.position_enu[2])
+    corners = (at.position_enu, *route.around(at.position_enu, ground), ground)
     legs_s = performance.legs_s(np.diff(np.array(corners)[:, :2], axis=0)).sum()
-    down_s = _descent_s(performance, at.position_enu[2] - route.home_enu[2])
-    return (0.0 if stop is None else stop.duration_s) + float(legs_s) + down_s
+    down_s = _descent_s(performance, up_m - ground[2])
+    climb = np.array([0.0, 0.0, up_m - at.position_enu[2]])
+    climb_s = float(performance.legs_s(climb)) if climb[2] > 0.0 else 0.0
+    return (0.0 if stop is None else stop.duration_s) + climb_s + float(legs_s) + down_s
 
 
 @lru_cache(maxsize=64)
@@ -37,33 +41,40 @@ def _descent_s(performance: Performance, height_m: float) -> float:
 
 
 def low_battery_s(
-    airframe: Airframe, timeline: Timeline, charge_fraction: float, route: Route
+    airframe: Airframe,
+    timeline: Timeline,
+    charge_fraction: float,
+    route: Route,
+    number: int = 0,
 ) -> float:
-    """Return when the charge is only just enough to return and keep the reserve.
+    """Return when the charge is only just enough to land elsewhere and keep the reserve.
 
     Parameters
     ----------
     airframe : of the vehicle.
     timeline : the flight as intended.
     charge_fraction : at the timeline's start, 0 to 1.
-    route : with the home to return to, and what is not flown over.
+    route : with the places to land at, and what is not flown over.
+    number : of the route's flight.
 
     Returns
     -------
-    Seconds since the timeline's start, a multiple of `CHECK_PERIOD_S`; infinity if the vehicle
-    is on its way home before that happens. The way home is reckoned at full power.
+    Seconds since the timeline's start, a multiple of `CHECK_PERIOD_S`; infinity if the flight as
+    intended keeps the reserve, or is on its way down before. The way there is reckoned at full
+    power.
     """
     spare_s = (charge_fraction - airframe.reserve_fraction) * airframe.endurance_s
-    if timeline.duration_s + _detour_s(airframe) < spare_s:
+    watt_s_per_s = airframe.power.capacity_j / airframe.endurance_s
+    end_s = timeline.duration_s
+    if math.isfinite(end_s) and timeline.used_j(end_s) <= spare_s * watt_s_per_s:
         return math.inf
     level_from_s = _level_from_s(timeline, route)
     homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
-    watt_s_per_s = airframe.power.capacity_j / airframe.endurance_s
     elapsed_s = 0.0
     while elapsed_s < homeward_s:
         margin_s = CHECK_PERIOD_S * _growth_s(airframe, elapsed_s >= level_from_s)
         used_s = timeline.used_j(elapsed_s) / watt_s_per_s
-        home_s = return_duration_s(airframe, timeline.pose(elapsed_s), route)
+        home_s = return_duration_s(airframe, timeline.pose(elapsed_s), route, number)
         left_s = spare_s - used_s - home_s - margin_s
         if left_s <= 0.0:
             return elapsed_s
@@ -72,17 +83,10 @@ def low_battery_s(
     return math.inf
 
 
-def _detour_s(airframe: Airframe) -> float:
-    """Return by how much a return from on the way can outlast the rest of the flight."""
-    level = airframe.performance.level
-    stop_s = level.cruise_speed_mps / level.acceleration_mps2
-    return 2.0 * (stop_s + level.acceleration_mps2 / level.jerk_mps3 + level.smoothing_s)
-
-
 def _level_from_s(timeline: Timeline, route: Route) -> float:
     """Return from when on the vehicle climbs no more."""
-    heights = {waypoint.position_enu[2] for waypoint in route.waypoints}
-    is_level = max(heights) - min(heights) <= LEVEL_TOLERANCE_M
+    heights = [waypoint.position_enu[2] for waypoint in route.waypoints]
+    is_level = max(heights, default=0.0) - min(heights, default=0.0) <= LEVEL_TOLERANCE_M
     begin_s = timeline.first_start_s(Mode.FLYING, Mode.HOLDING)
     return begin_s if is_level and math.isfinite(begin_s) else math.inf
 

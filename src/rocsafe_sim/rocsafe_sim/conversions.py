@@ -2,6 +2,7 @@
 """Values of the simulated vehicles <-> messages."""
 
 import math
+from itertools import accumulate
 
 from builtin_interfaces.msg import Time
 from sensor_msgs.msg import BatteryState
@@ -9,18 +10,18 @@ from std_msgs.msg import Header
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.battery import PowerModel
-from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState
+from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight_record import Outcome
 from rocsafe_sim.observation import FlightSummary, Observation
-from rocsafe_sim.route import Enu, Route, Waypoint
+from rocsafe_sim.route import Enu, Route, Swap, Waypoint
 from rocsafe_sim.segment import Mode
 
 STATES = {
     Mode.DISARMED: VehicleState.DISARMED,
+    Mode.WAITING: VehicleState.WAITING,
     Mode.TAKING_OFF: VehicleState.TAKING_OFF,
     Mode.FLYING: VehicleState.FLYING,
     Mode.HOLDING: VehicleState.HOLDING,
@@ -33,6 +34,7 @@ OUTCOMES = {
     Outcome.CANCELLED: FlyRoute.Result.CANCELLED,
     Outcome.RETURNED_EARLY: FlyRoute.Result.RETURNED_EARLY,
     Outcome.BATTERY_LOW: FlyRoute.Result.BATTERY_LOW,
+    Outcome.FAILED: FlyRoute.Result.ABORTED,
 }
 _UNKNOWN = math.nan
 
@@ -40,28 +42,56 @@ _UNKNOWN = math.nan
 def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
     """Return the route of a message.
 
+    Over level ground home is at height 0 of the frame; else heights are differences of altitude.
+
     Raises
     ------
-    ValueError: if it has no viewpoint or a position that is none.
+    ValueError: if it has a position that is none, or a viewpoint not above the ground.
     """
-    home = position_of_point(message.home)
-    east, north, _ = frame.enu_of(home).tolist()
+    places = _Places(frame, is_level=not message.follows_terrain)
+    flights = message.flights[:-1]
     return Route(
         plan_id=plan_id,
-        home_enu=(east, north, 0.0),
-        waypoints=tuple(
-            Waypoint(
-                viewpoint_id=viewpoint.id,
-                position_enu=_enu(frame, position_of_point(viewpoint.position)),
-                yaw_rad=viewpoint.yaw_rad,
-                approach_enu=_places(frame, viewpoint.approach),
-            )
-            for viewpoint in message.viewpoints
-        ),
-        homeward_enu=_places(frame, message.homeward),
-        exclusions=tuple(_outline(frame, zone) for zone in message.exclusions),
+        home_enu=places.ground(message.home),
+        waypoints=tuple(_waypoint(viewpoint, places) for viewpoint in message.viewpoints),
+        homeward_enu=places.all(message.homeward),
+        exclusions=tuple(places.outline(zone) for zone in message.exclusions),
         clearance_m=message.clearance_m,
+        delay_s=message.delay_s,
+        swaps=tuple(
+            Swap(after=after, homeward_enu=places.all(flight.homeward))
+            for flight, after in zip(
+                flights, accumulate(len(flight.viewpoints) for flight in flights), strict=True
+            )
+        ),
+        swap_s=message.battery_swap_s,
+        landing_enu=places.ground(message.end[0]) if message.end else None,
+        is_open=message.is_open,
+        height_m=message.flight_height_m if message.follows_terrain else 0.0,
     )
+
+
+def _waypoint(viewpoint: Viewpoint, places: '_Places') -> Waypoint:
+    waypoint = Waypoint(
+        viewpoint_id=viewpoint.id,
+        position_enu=places.place(viewpoint.position),
+        yaw_rad=viewpoint.yaw_rad,
+        approach_enu=places.all(viewpoint.approach),
+    )
+    up_m = waypoint.position_enu[2] if places.is_level else viewpoint.height_agl_m
+    if not up_m > 0.0:
+        raise ValueError(
+            f'viewpoint {viewpoint.id} is {up_m:g} m above the ground: must be above 0'
+        )
+    return waypoint
+
+
+def waiting_text(number: int, waits_s: float) -> str:
+    """Return what a vehicle on the ground waits for before flight `number`; empty: nothing."""
+    if waits_s <= 0.0:
+        return ''
+    why = 'gets a new battery' if number else 'keeps away from others'
+    return f'{why}: takes off in {waits_s:.0f} s'
 
 
 def battery_message(
@@ -109,16 +139,30 @@ def refusal_message(reason: str) -> FlyRoute.Result:
     return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
 
 
-def _outline(frame: LocalFrame, zone: GeoPolygon) -> tuple[tuple[float, float], ...]:
-    """Return the corners of a zone, east and north."""
-    corners = [_enu(frame, position_of_point(point)) for point in zone.points]
-    return tuple((east, north) for east, north, _ in corners)
+class _Places:
+    """Places of messages in a local frame."""
 
+    def __init__(self, frame: LocalFrame, *, is_level: bool) -> None:
+        self._frame = frame
+        self.is_level = is_level
 
-def _places(frame: LocalFrame, points: list[GeoPoint]) -> tuple[Enu, ...]:
-    return tuple(_enu(frame, position_of_point(point)) for point in points)
+    def place(self, point: GeoPoint) -> Enu:
+        """Return where a place in the air is."""
+        position = position_of_point(point)
+        east, north, up = self._frame.enu_of(position).tolist()
+        if not self.is_level:
+            up = position.altitude_m - self._frame.origin.altitude_m
+        return east, north, up
 
+    def ground(self, point: GeoPoint) -> Enu:
+        """Return where a place on the ground is."""
+        east, north, up = self.place(point)
+        return east, north, 0.0 if self.is_level else up
 
-def _enu(frame: LocalFrame, position: GeoPosition) -> Enu:
-    east, north, up = frame.enu_of(position).tolist()
-    return east, north, up
+    def all(self, points: list[GeoPoint]) -> tuple[Enu, ...]:
+        """Return where places in the air are."""
+        return tuple(self.place(point) for point in points)
+
+    def outline(self, zone: GeoPolygon) -> tuple[tuple[float, float], ...]:
+        """Return the corners of a zone, east and north."""
+        return tuple((east, north) for east, north, _ in self.all(zone.points))

@@ -31,15 +31,15 @@ class Course:
         self.route = route
         self.timeline = timeline_of(order, route, airframe)
         self._capacity_j = airframe.power.capacity_j
-        low_s = low_battery_s(airframe, self.timeline, order.charge_fraction, route)
+        low_s = low_battery_s(airframe, self.timeline, order.charge_fraction, route, order.number)
         self.low_ns = self._after_start_ns(low_s)
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
 
     def elapsed_s(self, time_ns: int) -> float:
-        """Return the seconds from the order to `time_ns`."""
+        """Return the seconds from the order to `time_ns`, 0 before it takes effect."""
         if time_ns >= self.touch_down_ns:  # which is rounded to a nanosecond
             return self.timeline.duration_s
-        return (time_ns - self.order.start_ns) / NS_PER_S
+        return max(0, time_ns - self.order.start_ns) / NS_PER_S
 
     def pose(self, time_ns: int) -> Pose:
         """Return the pose at `time_ns`."""
@@ -49,6 +49,8 @@ class Course:
         """Return what the vehicle is about at `time_ns`."""
         if time_ns >= self.touch_down_ns:
             return Mode.LANDED
+        if time_ns < self.order.start_ns:
+            return Mode.WAITING
         return self.timeline.segment(self.elapsed_s(time_ns)).mode
 
     def charge_fraction(self, time_ns: int) -> float:
@@ -58,7 +60,7 @@ class Course:
 
     def power_w(self, time_ns: int) -> float:
         """Return the power of the motors at `time_ns`; on the ground none."""
-        if time_ns >= self.touch_down_ns:
+        if not self.order.start_ns <= time_ns < self.touch_down_ns:
             return 0.0
         return self.timeline.power_w(self.elapsed_s(time_ns))
 

@@ -22,6 +22,9 @@ class FlightOptions(OriginOptions):
     )
     endurance_s: float = option(1500.0, 'time in the air on a full battery, s', 1.0, 604_800.0)
     reserve_fraction: float = option(0.1, 'charge to land with, 0 to 0.9', 0.0, 0.9)
+    fails_after_s: float = option(
+        0.0, "time from a flight's take-off to the failure of its battery, s; 0: never", 0.0, 1e6
+    )
     hover_power_w: float = option(350.0, 'of the motors in still air, W', 1.0, 1e6)
     drag_power_w_s2_per_m2: float = option(
         0.2, 'more power for each square of airspeed, W s^2/m^2', 0.0, 1e4
@@ -56,6 +59,7 @@ class FlightOptions(OriginOptions):
             hover_s=self.hover_s,
             endurance_s=self.endurance_s,
             reserve_fraction=self.reserve_fraction,
+            fails_after_s=self.fails_after_s,
             hover_power_w=self.hover_power_w,
             drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
             voltage_v=self.voltage_v,

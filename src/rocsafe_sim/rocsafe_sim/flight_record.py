@@ -15,6 +15,7 @@ class Outcome(Enum):
     CANCELLED = 'cancelled'
     RETURNED_EARLY = 'returned early'
     BATTERY_LOW = 'battery low'
+    FAILED = 'failed'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -21,6 +21,8 @@ FEEDBACK_PERIOD_NS = 1_000_000_000
 class FlyRouteServer:
     """Serves fly_route: any number of goals may join one flight, and all end with it.
 
+    A goal that replaces the route being flown ends those of that route.
+
     A goal is executed, as rclpy calls it, when its flight has ended. No coroutine waits for that:
     rclpy's executors resume a waiting coroutine again and again, which takes a processor.
 
@@ -35,7 +37,7 @@ class FlyRouteServer:
         self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
         self._early: list[Any] = []
         self._flying: list[Any] = []
-        self._refusals: dict[bytes, FlyRoute.Result] = {}
+        self._results: dict[bytes, FlyRoute.Result] = {}
         self._server = ActionServer(
             node,
             topics.FLY_ROUTE.call_type,
@@ -69,8 +71,7 @@ class FlyRouteServer:
             return
         refusal = self._begin(goal.request)
         if refusal is not None:
-            self._refusals[bytes(goal.goal_id.uuid)] = refusal
-            goal.execute()
+            self._end(goal, refusal)
             return
         self._flying.append(goal)
         self.end_goals()
@@ -82,18 +83,32 @@ class FlyRouteServer:
             return refusal_message(f'{name}: the route is for {request.route.vehicle}')
         try:
             route = route_of(request.route, request.plan_id, self._rav.parts.frame)
-            self._rav.vehicle.fly_route(route)
+            before = self._rav.vehicle.flight
+            self._rav.vehicle.fly_route(route, replaces=request.replace)
         except (CommandRefusedError, ValueError) as error:
             return refusal_message(f'{name}: {error}')
+        if before is not None and before.route != route:
+            self._end_replaced(request.plan_id)
         self._on_order()
         return None
 
+    def _end_replaced(self, plan_id: str) -> None:
+        """End the goals of a route that is flown no more."""
+        text = f'plan {plan_id} is flown in its place'
+        ended, self._flying = self._flying, []
+        for goal in ended:
+            self._end(goal, FlyRoute.Result(outcome=FlyRoute.Result.ABORTED, error_msg=text))
+
+    def _end(self, goal: Any, result: FlyRoute.Result) -> None:
+        self._results[bytes(goal.goal_id.uuid)] = result
+        goal.execute()
+
     def _result(self, goal: Any) -> FlyRoute.Result:
-        refusal = self._refusals.pop(bytes(goal.goal_id.uuid), None)
+        known = self._results.pop(bytes(goal.goal_id.uuid), None)
         summary = self._rav.vehicle.summary()
-        if refusal is not None or summary is None:
+        if known is not None or summary is None:
             goal.abort()
-            return refusal or refusal_message(f'{self._rav.parts.name}: the flight goes on')
+            return known or refusal_message(f'{self._rav.parts.name}: the flight goes on')
         if goal.is_cancel_requested:
             goal.canceled()
         elif summary.outcome is Outcome.COMPLETED:

@@ -14,10 +14,10 @@ from rocsafe_geo.durable import replace_whole
 from rocsafe_sim.errors import JournalError
 from rocsafe_sim.flight_record import FlightRecord, Outcome, VehicleRecord
 from rocsafe_sim.orders import Order, OrderKind
-from rocsafe_sim.route import Enu, Route, Waypoint
+from rocsafe_sim.route import Enu, Route, Swap, Waypoint
 from rocsafe_sim.segment import Pose
 
-FORMAT = 3
+FORMAT = 4
 
 
 def write_journal(path: Path, record: VehicleRecord) -> None:
@@ -103,7 +103,22 @@ def _route(fields: dict[str, Any]) -> Route:
             for ring in fields['exclusions']
         ),
         clearance_m=float(fields['clearance_m']),
+        delay_s=float(fields['delay_s']),
+        swaps=tuple(_swap(swap) for swap in fields['swaps']),
+        swap_s=float(fields['swap_s']),
+        landing_enu=_place(fields['landing_enu']),
+        is_open=bool(fields['is_open']),
+        height_m=float(fields['height_m']),
+        begins_enu=_place(fields['begins_enu']),
     )
+
+
+def _swap(fields: dict[str, Any]) -> Swap:
+    return Swap(after=int(fields['after']), homeward_enu=tuple(map(_enu, fields['homeward_enu'])))
+
+
+def _place(values: list[float] | None) -> Enu | None:
+    return None if values is None else _enu(values)
 
 
 def _enu(values: list[float]) -> Enu:

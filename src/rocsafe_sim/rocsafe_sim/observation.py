@@ -32,6 +32,7 @@ class Observation:
     power_w : that the motors take.
     distance_flown_m : horizontal, since power-up.
     shots : due since the step before, in order of time.
+    waits_s : on the ground, before it takes off by itself.
     """
 
     time_ns: int
@@ -43,6 +44,7 @@ class Observation:
     power_w: float
     distance_flown_m: float
     shots: tuple[ShotDue, ...] = ()
+    waits_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

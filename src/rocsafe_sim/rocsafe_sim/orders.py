@@ -17,6 +17,7 @@ class OrderKind(Enum):
     FLY = 'fly'
     HOLD = 'hold'
     RETURN = 'return'
+    DIVERT = 'divert'
     LAND = 'land'
 
 
@@ -27,11 +28,13 @@ class Order:
     Attributes
     ----------
     kind : what to do.
-    start_ns : simulated time.
+    start_ns : simulated time at which it takes effect.
+    wait_ns : on the ground before that.
     start : pose at that time.
     first_index : first viewpoint of the route that is not yet photographed.
     charge_fraction : left in the battery at that time.
     distance_m : flown until that time since power-up.
+    number : of the route's flight, from 0.
     """
 
     kind: OrderKind
@@ -40,14 +43,19 @@ class Order:
     first_index: int
     charge_fraction: float
     distance_m: float
+    number: int = 0
+    wait_ns: int = 0
 
 
 def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline:
     """Return what a vehicle flies from `order` on."""
     if order.kind is OrderKind.FLY:
-        return fly_timeline(airframe, order.start, route, order.first_index)
+        return fly_timeline(airframe, order.start, route, (order.number, order.first_index))
     if order.kind is OrderKind.HOLD:
         return hold_timeline(airframe, order.start)
     if order.kind is OrderKind.RETURN:
-        return return_timeline(airframe, order.start, route)
-    return land_timeline(airframe, order.start, route.home_enu[2])
+        return return_timeline(airframe, order.start, route, route.home_enu)
+    if order.kind is OrderKind.DIVERT:
+        place = route.refuge(order.start.position_enu, order.number)
+        return return_timeline(airframe, order.start, route, place)
+    return land_timeline(airframe, order.start, route)

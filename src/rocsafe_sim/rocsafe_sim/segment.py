@@ -14,6 +14,7 @@ class Mode(Enum):
     """What the vehicle is about, after REP 147."""
 
     DISARMED = 'disarmed'
+    WAITING = 'waiting'
     TAKING_OFF = 'taking off'
     FLYING = 'flying'
     HOLDING = 'holding'
@@ -24,7 +25,7 @@ class Mode(Enum):
     @property
     def is_airborne(self) -> bool:
         """Whether the motors carry the vehicle."""
-        return self not in (Mode.DISARMED, Mode.LANDED)
+        return self not in (Mode.DISARMED, Mode.WAITING, Mode.LANDED)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

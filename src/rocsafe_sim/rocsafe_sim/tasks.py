@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rocsafe_geo.motion.route_motion import Way
 from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.airframe import Airframe
-from rocsafe_sim.route import Enu, Route
+from rocsafe_sim.route import ON_WAY_M, Enu, Route, horizontal_m
 from rocsafe_sim.segment import Mode, Pose, standing
 from rocsafe_sim.timeline import Task, Timeline
 
@@ -15,21 +15,41 @@ from rocsafe_sim.timeline import Task, Timeline
 LEVEL_TOLERANCE_M = 1e-3
 
 
-def fly_timeline(airframe: Airframe, start: Pose, route: Route, first_index: int) -> Timeline:
-    """Return the flight over the viewpoints from `first_index` on, home, and down.
+def fly_timeline(
+    airframe: Airframe, start: Pose, route: Route, from_here: tuple[int, int]
+) -> Timeline:
+    """Return what is left of a flight: over its viewpoints, to where it lands, and down.
 
-    `start` may be on the ground or in the air, standing or moving; no viewpoint may be left.
+    `from_here` is the flight's number and the first viewpoint that is left of it, if one is.
+    `start` may be on the ground or in the air, standing or moving.
     """
     stop, at = stopped(airframe, start)
-    tasks = list(_route_tasks(airframe, at, route, first_index))
+    tasks = list(_route_tasks(airframe, at, route, *from_here))
     return Timeline(airframe, start, stop, tasks)
 
 
-def return_timeline(airframe: Airframe, start: Pose, route: Route) -> Timeline:
-    """Return the way home from `start` at the same height, around exclusions, and down."""
+def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) -> Timeline:
+    """Return the way from `start` around exclusions to a place on the ground, and down.
+
+    It is flown level; off level ground no lower than any of the route's viewpoints.
+    """
     stop, at = stopped(airframe, start)
-    bends = route.around(at.position_enu, route.home_enu)
-    return Timeline(airframe, start, stop, list(_home_tasks(airframe, at, route, bends)))
+    tasks: list[Task] = []
+    safe_up_m = safe_up(route, at.position_enu[2])
+    if safe_up_m > at.position_enu[2]:
+        over = (*at.position_enu[:2], safe_up_m)
+        tasks.append(_task(airframe.performance.way(at.position_enu, over), Mode.RETURNING, at))
+        at = _at_end(tasks[-1])
+    bends = route.around(at.position_enu, ground)
+    tasks.extend(_landing_tasks(airframe, at, (*ground[:2], safe_up_m), ground[2], bends))
+    return Timeline(airframe, start, stop, tasks)
+
+
+def safe_up(route: Route, up_m: float) -> float:
+    """Return the height at which to give up a route at height `up_m`."""
+    if route.is_level:
+        return up_m
+    return max(up_m, *(waypoint.position_enu[2] for waypoint in route.waypoints))
 
 
 def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
@@ -39,10 +59,11 @@ def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
     return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
 
 
-def land_timeline(airframe: Airframe, start: Pose, ground_up_m: float) -> Timeline:
+def land_timeline(airframe: Airframe, start: Pose, route: Route) -> Timeline:
     """Return the stop from `start` and the way straight down."""
     stop, at = stopped(airframe, start)
-    return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground_up_m)))
+    ground = route.ground_below(at.position_enu)
+    return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground[2])))
 
 
 def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
@@ -54,43 +75,56 @@ def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
     return stop, standing(stop.state(stop.duration_s).position_enu, start.yaw_rad)
 
 
-def _route_tasks(airframe: Airframe, at: Pose, route: Route, first_index: int) -> Iterator[Task]:
-    """Yield what is left of a route for a vehicle that stands at `at`."""
-    count = len(route.waypoints)
-    if first_index < count:
-        for task in _climb_tasks(airframe, at, route, first_index):
+def _route_tasks(
+    airframe: Airframe, at: Pose, route: Route, number: int, first_index: int
+) -> Iterator[Task]:
+    """Yield what is left of flight `number` for a vehicle that stands at `at`."""
+    begin, end = route.begin_of(number), route.end_of(number)
+    if first_index == begin < end:
+        for task in _climb_tasks(airframe, at, route, begin):
             yield task
             at = _at_end(task)
-    for index in range(first_index, count):
-        for task in _viewpoint_tasks(airframe, at, route, index):
+    for index in range(first_index, end):
+        for task in _viewpoint_tasks(airframe, at, route, (number, index)):
             yield task
             at = _at_end(task)
-    bends = route.way_to(count, at.position_enu)
-    yield from _home_tasks(airframe, at, route, bends)
+    bends = route.way_to(end, at.position_enu, number)
+    ground = route.landing_of(number) or route.ground_below(at.position_enu)
+    up_m = at.position_enu[2] if route.is_level else ground[2] + route.height_m
+    over = (*ground[:2], up_m)
+    yield from _landing_tasks(airframe, at, over, ground[2], bends, is_level=route.is_level)
 
 
 def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iterator[Task]:
-    """Yield the climb to the first viewpoint's height, with the take-off if on the ground."""
-    performance, here = airframe.performance, at.position_enu
-    up_m = route.waypoints[index].position_enu[2]
-    if here[2] <= route.home_enu[2] + LEVEL_TOLERANCE_M:
+    """Yield the climb over home, with the take-off if on the ground; none elsewhere."""
+    performance, here, home = airframe.performance, at.position_enu, route.home_enu
+    up_m = home[2] + route.height_m
+    if route.is_level:
+        up_m = route.waypoints[index].position_enu[2]
+    if here[2] <= home[2] + LEVEL_TOLERANCE_M:
         for way in performance.ascent(here, up_m):
             yield _task(way, Mode.TAKING_OFF, at, index)
-    elif abs(up_m - here[2]) > LEVEL_TOLERANCE_M:
+    elif horizontal_m(here, home) < ON_WAY_M and here[2] < up_m - LEVEL_TOLERANCE_M:
         way = performance.way(here, (here[0], here[1], up_m))
         yield _task(way, Mode.TAKING_OFF, at, index)
 
 
-def _viewpoint_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iterator[Task]:
-    """Yield the way to a viewpoint, with a stop at each bend, and the photograph there."""
+def _viewpoint_tasks(
+    airframe: Airframe, at: Pose, route: Route, target: tuple[int, int]
+) -> Iterator[Task]:
+    """Yield the way to a viewpoint, with a stop at each bend, and the photograph there.
+
+    `target` is the flight's number and the viewpoint's index.
+    """
+    number, index = target
     performance, waypoint = airframe.performance, route.waypoints[index]
-    for bend in route.way_to(index, at.position_enu):
-        over_bend = (bend[0], bend[1], at.position_enu[2])
+    for bend in route.way_to(index, at.position_enu, number):
+        over_bend = _over(bend, at, is_level=route.is_level)
         task = _task(performance.way(at.position_enu, over_bend), Mode.FLYING, at, index)
         yield task
         at = _at_end(task)
     # before it turns home a vehicle stops, as autopilots do before they return
-    is_passed = airframe.hover_s == 0.0 and index < len(route.waypoints) - 1
+    is_passed = airframe.hover_s == 0.0 and index < route.end_of(number) - 1
     way = performance.way(
         at.position_enu, waypoint.position_enu, airframe.hover_s, is_passed=is_passed
     )
@@ -103,22 +137,31 @@ def _viewpoint_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> 
     )
 
 
-def _home_tasks(
-    airframe: Airframe, at: Pose, route: Route, bends: tuple[Enu, ...]
+def _landing_tasks(
+    airframe: Airframe,
+    at: Pose,
+    over: Enu,
+    ground_up_m: float,
+    bends: tuple[Enu, ...],
+    *,
+    is_level: bool = True,
 ) -> Iterator[Task]:
-    """Yield the way home over `bends` at the same height, the wait there, and the way down."""
-    performance, home, up_m = airframe.performance, route.home_enu, at.position_enu[2]
+    """Yield the way over `bends` to the place `over` the landing, the wait there, and down."""
+    performance = airframe.performance
     for bend in bends:
-        task = _task(
-            performance.way(at.position_enu, (bend[0], bend[1], up_m)), Mode.RETURNING, at
-        )
+        over_bend = _over(bend, at, is_level=is_level)
+        task = _task(performance.way(at.position_enu, over_bend), Mode.RETURNING, at)
         yield task
         at = _at_end(task)
-    wait_s = performance.autopilot.home_wait_s
-    way = performance.way(at.position_enu, (home[0], home[1], up_m), wait_s)
+    way = performance.way(at.position_enu, over, performance.autopilot.home_wait_s)
     task = _task(way, Mode.RETURNING, at)
     yield task
-    yield from _down_tasks(airframe, _at_end(task), home[2])
+    yield from _down_tasks(airframe, _at_end(task), ground_up_m)
+
+
+def _over(bend: Enu, at: Pose, *, is_level: bool) -> Enu:
+    """Return where a way bends: as high as it comes from, unless the ground is uneven."""
+    return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
 
 
 def _down_tasks(airframe: Airframe, at: Pose, ground_up_m: float) -> Iterator[Task]:

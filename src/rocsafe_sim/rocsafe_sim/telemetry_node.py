@@ -12,12 +12,13 @@ from rocsafe_ros.conversions import (
     fix_message,
     odometry_message,
     path_pose,
+    point_of_position,
     stamp_of_ns,
     velocity_message,
 )
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.cadence import Cadence
-from rocsafe_sim.conversions import STATES, battery_message
+from rocsafe_sim.conversions import STATES, battery_message, waiting_text
 from rocsafe_sim.marker_conversions import route_markers
 from rocsafe_sim.observation import Observation
 from rocsafe_sim.rav import Rav
@@ -84,6 +85,7 @@ class Telemetry:
     def _publish_state(self, seen: Observation, stamp: Time) -> None:
         self._said = self._news(seen)
         flight = self._rav.vehicle.flight
+        fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
         message = VehicleState(
             header=Header(stamp=stamp, frame_id=f'{self._name}/base_link'),
             vehicle=self._name,
@@ -94,11 +96,13 @@ class Telemetry:
             shots_pending=len(self._rav.shots),
             battery_fraction=seen.battery_fraction,
             distance_flown_m=seen.distance_flown_m,
+            position=point_of_position(fix.position),
+            speed_mps=seen.pose.speed_mps,
         )
         if flight is not None:
             message.plan_id = flight.route.plan_id
             message.viewpoint_count = len(flight.route.waypoints)
-            message.text = flight.text
+            message.text = flight.text or waiting_text(flight.order.number, seen.waits_s)
         self._state.publish(message)
 
     def _news(self, seen: Observation) -> tuple[object, ...]:

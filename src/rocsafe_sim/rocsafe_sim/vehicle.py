@@ -13,15 +13,24 @@ from dataclasses import replace
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.course import NS_PER_S, Course
 from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight_ends import (
+    cut_short,
+    failed,
+    failure_ns,
+    is_over,
+    require_ready,
+    with_new_battery,
+)
 from rocsafe_sim.flight_record import FlightRecord, Outcome, VehicleRecord
 from rocsafe_sim.observation import FlightSummary, Observation, ShotDue
 from rocsafe_sim.orders import Order, OrderKind
-from rocsafe_sim.route import Enu, Route, horizontal_m
+from rocsafe_sim.route import Enu, Route
 from rocsafe_sim.segment import Mode, Pose, standing
+from rocsafe_sim.tasks import stopped
 from rocsafe_sim.timeline import ShotTime
 
-# A route's home may be this far from the vehicle's own: more is a route meant for another one.
-HOME_TOLERANCE_M = 5.0
+# What a held flight goes on with, by how it is to end; all others return home.
+_RESUMED = {Outcome.COMPLETED: OrderKind.FLY, Outcome.BATTERY_LOW: OrderKind.DIVERT}
 
 
 class Vehicle:
@@ -58,13 +67,20 @@ class Vehicle:
     @property
     def is_idle(self) -> bool:
         """Whether nothing happens until an order comes."""
-        return not self.mode.is_airborne
+        return not self.mode.is_airborne and self.mode is not Mode.WAITING
+
+    @property
+    def waits_s(self) -> float:
+        """Time on the ground before it takes off by itself; 0 if it does not wait."""
+        if self.flight is None or self.mode is not Mode.WAITING:
+            return 0.0
+        return (self.flight.order.start_ns - self.time_ns) / NS_PER_S
 
     def restore(self, record: VehicleRecord) -> None:
         """Continue from a record: the next step finds the flight where it should be by then."""
         self._record = record
         if record.flight is not None:
-            self.time_ns = record.flight.order.start_ns
+            self.time_ns = record.flight.order.start_ns - record.flight.order.wait_ns
             self._follow(record.flight)
 
     def step(self, time_ns: int) -> Observation:
@@ -78,7 +94,6 @@ class Vehicle:
             raise ValueError(f'time_ns is {time_ns}: must be {self.time_ns} or later')
         shots = tuple(self._run_to(time_ns))
         self.time_ns = time_ns
-        self._touch_down()
         return self.observe(shots)
 
     def observe(self, shots: tuple[ShotDue, ...] = ()) -> Observation:
@@ -95,12 +110,14 @@ class Vehicle:
             power_w=0.0 if course is None else course.power_w(time_ns),
             distance_flown_m=self._distance_m(time_ns),
             shots=shots,
+            waits_s=self.waits_s,
         )
 
-    def fly_route(self, route: Route) -> None:
+    def fly_route(self, route: Route, *, replaces: bool = False) -> None:
         """Fly `route`; one that is being flown, or has just been flown, is not begun again.
 
-        If it was cancelled or is held, it goes on.
+        If it was cancelled or is held, it goes on. With `replaces` it is flown in place of
+        another one that is being flown, from wherever the vehicle is.
 
         Raises
         ------
@@ -111,9 +128,21 @@ class Vehicle:
             if self.mode is Mode.HOLDING:
                 self._give(replace(flight, outcome=None, text='', ended_ns=None), OrderKind.FLY)
             return
-        self._require_ready_for(route)
-        order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
-        if Course(order, route, self.airframe).low_ns <= self.time_ns:
+        mode = self.mode
+        if flight is None:
+            stand = self._record.home_enu
+        else:
+            stand = (
+                flight.route.home_enu
+                if mode.is_airborne
+                else self._pose(self.time_ns).position_enu
+            )
+        require_ready(route, flight, mode, stand, replaces=replaces)
+        order = self._beginning(route)
+        if self.mode.is_airborne:
+            begins = stopped(self.airframe, order.start)[1].position_enu
+            route = replace(route, begins_enu=begins)
+        if Course(order, route, self.airframe).low_ns <= order.start_ns:
             raise CommandRefusedError(
                 f'battery {order.charge_fraction:.0%}: must be more, to keep a reserve of '
                 f'{self.airframe.reserve_fraction:.0%}'
@@ -128,14 +157,20 @@ class Vehicle:
         )
 
     def cancel(self) -> None:
-        """End the running flight's purpose, if any: hold, or land if it is landing already."""
+        """End the running flight's purpose, if any: hold, or land if it is landing already.
+
+        One that waits on the ground stays there.
+        """
         if self.flight is None or self.flight.outcome is not None:
             return
         cancelled = replace(
             self.flight, outcome=Outcome.CANCELLED, text='by request', ended_ns=self.time_ns
         )
+        mode = self.mode
         self._record = replace(self._record, flight=cancelled)
-        if self.mode not in (Mode.LANDING, Mode.HOLDING):
+        if mode is Mode.WAITING:
+            self._give(cancelled, OrderKind.LAND)
+        elif mode not in (Mode.LANDING, Mode.HOLDING):
             self._give(cancelled, OrderKind.HOLD)
 
     def hold(self) -> None:
@@ -158,8 +193,7 @@ class Vehicle:
         flight = self._require_mode('resume', Mode.HOLDING)
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
-        is_whole = flight.ending is Outcome.COMPLETED
-        self._give(flight, OrderKind.FLY if is_whole else OrderKind.RETURN)
+        self._give(flight, _RESUMED.get(flight.ending, OrderKind.RETURN))
 
     def return_home(self) -> None:
         """Give up the rest of the route, fly home and land.
@@ -169,7 +203,7 @@ class Vehicle:
         CommandRefusedError: if on the ground, landing, or returning already.
         """
         flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
-        ended = _cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
+        ended = cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
         self._give(ended, OrderKind.RETURN)
 
     def land(self) -> None:
@@ -182,7 +216,7 @@ class Vehicle:
         flight = self._require_mode(
             'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
         )
-        self._give(_cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
+        self._give(cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
 
     def summary(self) -> FlightSummary | None:
         """Return what the last flight came to; None while it runs and before the first."""
@@ -205,20 +239,26 @@ class Vehicle:
         if self.mode is Mode.HOLDING:
             order = self._order(OrderKind.FLY, self.time_ns, self.flight.visited)
             course = Course(order, self.flight.route, self.airframe)
-        return course.left(self.time_ns)
+        left_m, left_s = course.left(self.time_ns)
+        return left_m, left_s + self.waits_s
 
-    def _require_ready_for(self, route: Route) -> None:
-        flight = self.flight
-        if flight is not None and flight.outcome is None:
-            raise CommandRefusedError(f'flies plan {flight.route.plan_id!r}: cancel that first')
-        if self.mode not in (Mode.DISARMED, Mode.LANDED, Mode.HOLDING):
-            raise CommandRefusedError(f'cannot fly a route: {self.mode.value}')
-        off_m = horizontal_m(route.home_enu, self._record.home_enu)
-        if off_m > HOME_TOLERANCE_M:
-            raise CommandRefusedError(
-                f'home of the route is {off_m:.1f} m from home of the vehicle: '
-                f'must be within {HOME_TOLERANCE_M:g} m'
-            )
+    def _beginning(self, route: Route) -> Order:
+        """Return the order to fly `route` from here, on the ground after its delay.
+
+        A battery that is being changed is changed first.
+        """
+        order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
+        order = replace(order, number=0)
+        if self.mode.is_airborne:
+            return order
+        place = order.start.position_enu
+        # the plan knows how high the ground is at home, if anybody does
+        start = standing((*place[:2], route.home_enu[2]), order.start.yaw_rad)
+        ready_ns = self.time_ns
+        if self.flight is not None and self.flight.order.number and self.mode is Mode.WAITING:
+            ready_ns = self.flight.order.start_ns
+        start_ns = ready_ns + round(route.delay_s * NS_PER_S)
+        return replace(order, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
 
     def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
         if self.flight is None or self.mode not in modes:
@@ -239,6 +279,7 @@ class Vehicle:
             first_index=first_index,
             charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
             distance_m=self._distance_m(time_ns),
+            number=0 if self.flight is None else self.flight.order.number,
         )
 
     def _follow(self, flight: FlightRecord) -> None:
@@ -250,14 +291,23 @@ class Vehicle:
     def _run_to(self, time_ns: int) -> Iterator[ShotDue]:
         """Let happen, in order, all that is due until `time_ns`; yield the photographs."""
         while self.flight is not None and self._course is not None:
-            low_ns = self._course.low_ns
+            flight, course = self.flight, self._course
+            low_ns, down_ns = course.low_ns, course.touch_down_ns
+            fails_ns = failure_ns(flight, course, self.airframe)
             due_ns = self._shots[0][0] if self._shots else math.inf
-            if due_ns <= min(time_ns, low_ns):
-                yield self._take_shot(self._course, self.flight, *self._shots.popleft())
-            elif low_ns <= time_ns:
-                self._return_on_low_battery(self.flight, int(low_ns))
-            else:
+            next_ns = min(due_ns, low_ns, down_ns, fails_ns)
+            if next_ns > time_ns or math.isinf(next_ns):
                 return
+            if next_ns == due_ns:
+                yield self._take_shot(course, flight, *self._shots.popleft())
+            elif next_ns == down_ns:
+                if flight.outcome is not None:
+                    return
+                self._touch_down(flight, int(down_ns))
+            elif next_ns == fails_ns:
+                self._fail(flight, int(fails_ns))
+            else:
+                self._divert_on_low_battery(flight, int(low_ns))
 
     def _take_shot(
         self, course: Course, flight: FlightRecord, due_ns: int, shot: ShotTime
@@ -275,20 +325,25 @@ class Vehicle:
             else course.timeline.pose(shot.elapsed_s),
         )
 
-    def _return_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:
+    def _divert_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:
         charge = 0.0 if self._course is None else self._course.charge_fraction(time_ns)
         text = f'battery {charge:.0%} after {flight.visited} viewpoints'
-        ended = _cut_short(flight, Outcome.BATTERY_LOW, text)
-        self._give(ended, OrderKind.RETURN, time_ns)
+        ended = cut_short(flight, Outcome.BATTERY_LOW, text)
+        self._give(ended, OrderKind.DIVERT, time_ns)
 
-    def _touch_down(self) -> None:
-        """End the flight if the vehicle stands on the ground by now."""
-        flight, course = self.flight, self._course
-        if flight is None or course is None or flight.outcome is not None:
-            return
-        if self.time_ns >= course.touch_down_ns:
-            landed = replace(flight, outcome=flight.ending, ended_ns=int(course.touch_down_ns))
+    def _fail(self, flight: FlightRecord, time_ns: int) -> None:
+        """Come down where it is."""
+        self._give(failed(flight), OrderKind.LAND, time_ns)
+
+    def _touch_down(self, flight: FlightRecord, down_ns: int) -> None:
+        """Change the battery and fly on, or end the flight."""
+        if is_over(flight):
+            landed = replace(flight, outcome=flight.ending, ended_ns=down_ns)
             self._record = replace(self._record, flight=landed)
+        else:
+            self._follow(
+                with_new_battery(flight, self._order(OrderKind.FLY, down_ns, flight.visited))
+            )
 
     def _pose(self, time_ns: int) -> Pose:
         if self._course is None:
@@ -297,11 +352,3 @@ class Vehicle:
 
     def _distance_m(self, time_ns: int) -> float:
         return 0.0 if self._course is None else self._course.distance_m(time_ns)
-
-
-def _cut_short(flight: FlightRecord, ending: Outcome, text: str) -> FlightRecord:
-    """Note why a flight ends early, unless it has ended or all is photographed."""
-    is_done = flight.visited == len(flight.route.waypoints)
-    if is_done or flight.outcome is not None or flight.ending is not Outcome.COMPLETED:
-        return flight
-    return replace(flight, ending=ending, text=text)
