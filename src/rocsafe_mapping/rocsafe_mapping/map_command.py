@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.area_files import read_area
+from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import MANIFEST, StoredShot, read_store
 from rocsafe_mapping.drawing.label_map import label_tiles
 from rocsafe_mapping.errors import MappingError, PlacementError
@@ -55,6 +56,7 @@ class Stopwatch:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make the map and return the exit code."""
     options = _parser().parse_args(arguments)
+    keep_freed_memory()
     try:
         return make_map(options)
     except (MappingError, ValueError, OSError) as error:

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from rocsafe_interfaces.msg import ShotReceipt
+from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
 from rocsafe_mapping.handover import Handover, hand_over
@@ -150,6 +151,7 @@ class MosaicNode(Node):
 
 def main() -> int:
     """Run the node until it is asked to stop."""
+    keep_freed_memory()
     return run(MosaicNode)
 
 

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.features import Features, Gray
+from rocsafe_mapping.alignment.parallax import carried, off_plane
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, camera_matrix
 from rocsafe_mapping.alignment.refinement import refined
 
 RATIO = 0.82
-COARSE_COUNT = 800
+FEW, MANY = 600, 800
 COARSE_INLIERS, COARSE_SHARE = 9, 0.1
-GUIDED_MARGIN_PX = 30.0
 INLIER_PX = 4.0
+GUIDED_MARGIN_PX = 30.0
 LEAST_INLIERS = 15
 LEAST_INLIER_SHARE = 0.2
 # Fewer inliers than this must also agree with the fixes.
@@ -27,7 +28,7 @@ SMALLEST_SCALE, LARGEST_SCALE = 0.6, 1.6
 # The ratio of the two scales of a view is 1 / cos(tilt): 20 degrees each way, and some noise.
 LARGEST_STRETCH = 1.25
 LARGEST_BEND = 1.9
-MOST_TIES = 90
+MOST_TIES, MOST_TALL_TIES = 150, 60
 TIE_CELLS = 10
 HELD_OUT_EVERY = 5
 BASELINE_STDS = 4.0
@@ -70,18 +71,14 @@ def match(first: View, second: View, method: str) -> Pair | None:
     """Return the ties of two photographs, None if they do not certainly show the same ground."""
     near_first, near_second = _nearby(first, second), _nearby(second, first)
     # Few are enough to see whether the photographs fit, and then where to look for the others.
-    coarse = _coarse(near_first, near_second)
+    coarse = _coarse(near_first, near_second, FEW)
     if coarse is None:
         # The fixes or the yaw are wrong: anything may match anything.
-        coarse = _coarse(first.features, second.features)
-    found = None if coarse is None else _guided(first, second, coarse)
+        coarse = _coarse(first.features, second.features, MANY)
+    found = None if coarse is None else _verified(first, second, coarse)
     if found is None:
         return None
-    homography, first_px, second_px = found
-    chosen = _spread(first_px, first.photo)
-    first_px, second_px = refined(
-        first.gray(), second.gray(), homography, first_px[chosen], second_px[chosen]
-    )
+    first_px, second_px = refined(first.gray(), second.gray(), *found)
     held_out = np.arange(len(first_px)) % HELD_OUT_EVERY == HELD_OUT_EVERY - 1
     return Pair(
         first=first.photo.name,
@@ -93,23 +90,13 @@ def match(first: View, second: View, method: str) -> Pair | None:
     )
 
 
-def _coarse(features: Features, others: Features) -> FloatArray | None:
-    """Return the homography that the strongest features suggest."""
-    matches = _mutual(features.strongest(COARSE_COUNT), others.strongest(COARSE_COUNT))
+def _coarse(features: Features, others: Features, count: int) -> FloatArray | None:
+    """Return the homography that the `count` strongest features suggest."""
+    matches = _mutual(features.strongest(count), others.strongest(count))
     found = _homography(features, others, matches, COARSE_INLIERS, COARSE_SHARE)
     if found is None or not _is_plausible(found[0], found[1]):
         return None
     return found[0]
-
-
-def _guided(
-    first: View, second: View, homography: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Return homography and inliers of all features where a first homography sees an overlap."""
-    features = _seen_by(first.features, homography, second.photo, GUIDED_MARGIN_PX)
-    back = np.asarray(np.linalg.inv(homography), float)
-    others = _seen_by(second.features, back, first.photo, GUIDED_MARGIN_PX)
-    return _verified(first, second, features, others)
 
 
 def _nearby(view: View, other: View) -> Features:
@@ -128,12 +115,9 @@ def _nearby(view: View, other: View) -> Features:
 def _seen_by(features: Features, matrix: FloatArray, other: Photo, margin_px: float) -> Features:
     """Return the features that `matrix` brings into the image of `other`, or near it."""
     points = features.points_px.astype(float)
-    there = np.column_stack([points, np.ones(len(points))]) @ matrix.T
-    with np.errstate(divide='ignore', invalid='ignore'):
-        seen = there[:, :2] / there[:, 2:]
+    seen = carried(matrix, points)
     size = np.array([other.camera.width_px, other.camera.height_px])
-    inside = np.all((seen > -margin_px) & (seen < size + margin_px), axis=1)
-    return features.subset(inside & (there[:, 2] > 0.0))
+    return features.subset(np.all((seen > -margin_px) & (seen < size + margin_px), axis=1))
 
 
 def _ground_to_pixel(photo: Photo) -> FloatArray:
@@ -145,9 +129,12 @@ def _ground_to_pixel(photo: Photo) -> FloatArray:
 
 
 def _verified(
-    first: View, second: View, features: Features, others: Features
+    first: View, second: View, coarse: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Return homography and inliers of two sets of features, None if they do not fit."""
+    """Return homography and ties of all features near a first homography; None if not certain."""
+    features = _seen_by(first.features, coarse, second.photo, GUIDED_MARGIN_PX)
+    back = np.asarray(np.linalg.inv(coarse), float)
+    others = _seen_by(second.features, back, first.photo, GUIDED_MARGIN_PX)
     matches = _mutual(features, others)
     found = _homography(features, others, matches, LEAST_INLIERS, LEAST_INLIER_SHARE)
     if found is None:
@@ -156,7 +143,19 @@ def _verified(
     is_good = _is_spread(first_px, first.photo) and _is_plausible(homography, first_px)
     if is_good and len(first_px) < STRONG_INLIERS:
         is_good = _fits_fixes(homography, first.photo, second.photo)
-    return (homography, first_px, second_px) if is_good else None
+    if not is_good:
+        return None
+    chosen = _spread(first_px, first.photo, MOST_TIES)
+    all_first, all_second = _points(features, others, matches)
+    camera = second.photo.camera
+    middle = np.array([camera.cx_px, camera.cy_px])
+    is_tall = off_plane(homography, all_first, all_second, middle)
+    tall = np.flatnonzero(is_tall)[_spread(all_first[is_tall], first.photo, MOST_TALL_TIES)]
+    return (
+        homography,
+        np.concatenate([first_px[chosen], all_first[tall]]),
+        np.concatenate([second_px[chosen], all_second[tall]]),
+    )
 
 
 def _homography(
@@ -165,8 +164,7 @@ def _homography(
     """Return a homography with its inliers, None with fewer than `least` or that share."""
     if len(matches) < least:
         return None
-    first_px = features.points_px[matches[:, 0]].astype(float)
-    second_px = others.points_px[matches[:, 1]].astype(float)
+    first_px, second_px = _points(features, others, matches)
     homography, mask = cv2.findHomography(
         first_px, second_px, cv2.USAC_MAGSAC, INLIER_PX, maxIters=2000, confidence=0.999
     )
@@ -176,6 +174,16 @@ def _homography(
     if inside.sum() < least or inside.mean() < share:
         return None
     return homography, first_px[inside], second_px[inside]
+
+
+def _points(
+    features: Features, others: Features, matches: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray]:
+    """Return the pixels of matches, (n, 2) each."""
+    return (
+        features.points_px[matches[:, 0]].astype(float),
+        others.points_px[matches[:, 1]].astype(float),
+    )
 
 
 def _mutual(features: Features, others: Features) -> NDArray[np.int64]:
@@ -233,12 +241,12 @@ def _fits_fixes(homography: FloatArray, first: Photo, second: Photo) -> bool:
     return bool(abs(seen_m - flown_m) < slack_m)
 
 
-def _spread(points: FloatArray, photo: Photo) -> NDArray[Any]:
-    """Return which of the points to keep, at most `MOST_TIES`, taken in turn from a grid."""
-    if len(points) <= MOST_TIES:
+def _spread(points: FloatArray, photo: Photo, most: int) -> NDArray[Any]:
+    """Return which of the points to keep, at most `most`, taken in turn from a grid."""
+    if len(points) <= most:
         return np.arange(len(points))
     size = np.array([photo.camera.width_px, photo.camera.height_px]) / TIE_CELLS
     cells = (points // size).astype(int) @ np.array([1, TIE_CELLS])
     order = np.argsort(cells, kind='stable')
     rank = np.arange(len(order)) - np.searchsorted(cells[order], cells[order])
-    return np.sort(order[np.argsort(rank, kind='stable')[:MOST_TIES]])
+    return np.sort(order[np.argsort(rank, kind='stable')[:most]])

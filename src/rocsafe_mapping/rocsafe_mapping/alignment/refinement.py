@@ -5,6 +5,7 @@ import cv2
 import numpy as np
 
 from rocsafe_mapping.alignment.features import Gray
+from rocsafe_mapping.alignment.parallax import carried
 from rocsafe_mapping.alignment.photo import FloatArray
 
 WINDOW_PX = 21
@@ -35,17 +36,21 @@ def refined(
     warped = cv2.warpPerspective(second, inverse, size, flags=flags)
     piece = np.ascontiguousarray(first[low[1] : high[1], low[0] : high[0]])
     start = (first_px - low).astype(np.float32)
+    # What stands off the plane is looked for where its descriptor was found.
+    guess = carried(np.linalg.inv(inverse), second_px).astype(np.float32)
+    is_flat = np.linalg.norm(guess - start, axis=1) < LARGEST_MOVE_PX
+    guess[is_flat] = start[is_flat]
     moved, status, error = cv2.calcOpticalFlowPyrLK(
         piece,
         warped,
         start,
-        start.copy(),
+        guess.copy(),
         winSize=(WINDOW_PX, WINDOW_PX),
         maxLevel=1,
         criteria=CRITERIA,
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )
-    move = np.linalg.norm(moved - start, axis=1)
+    move = np.linalg.norm(moved - guess, axis=1)
     is_good = (status.ravel() == 1) & (move < LARGEST_MOVE_PX) & (error.ravel() < LARGEST_ERROR)
     if is_good.mean() < LEAST_SHARE:
         return first_px, second_px

@@ -11,6 +11,7 @@ LEVELS = 4
 # Beyond so many pixels from a seam nothing is mixed.
 REACH_PX = 2**LEVELS * 2
 Colour = NDArray[np.uint8]
+Floats = NDArray[np.float32]
 
 
 def blended(pictures: Sequence[Colour], masks: Sequence[NDArray[np.bool_]]) -> Colour:
@@ -24,41 +25,49 @@ def blended(pictures: Sequence[Colour], masks: Sequence[NDArray[np.bool_]]) -> C
     pictures: shape (height, width, 3) each.
     masks: shape (height, width) each; no pixel is in two.
     """
-    total: list[NDArray[np.float32]] = []
-    weights: list[NDArray[np.float32]] = []
-    for picture, mask in zip(pictures, masks, strict=True):
-        bands = _bands(picture.astype(np.float32))
-        shares = _smoothed(mask.astype(np.float32))
-        for level, (band, share) in enumerate(zip(bands, shares, strict=True)):
-            part = band * share[..., np.newaxis]
-            if level == len(total):
-                total.append(part)
-                weights.append(share)
+    if len(pictures) == 1:
+        return pictures[0].copy()
+    shares = _shares(masks)
+    # Each level of the joined pyramid is linear in the pictures, with shares that add up to one:
+    # only what the others differ from the first needs a pyramid of its own.
+    first = pictures[0].astype(np.float32)
+    bands: list[Floats] = []
+    for picture, levels in zip(pictures[1:], shares[1:], strict=True):
+        different = _bands(cv2.subtract(picture.astype(np.float32), first))
+        for level, (band, share) in enumerate(zip(different, levels, strict=True)):
+            part = cv2.multiply(band, cv2.merge([share, share, share]))
+            if level == len(bands):
+                bands.append(part)
             else:
-                total[level] += part
-                weights[level] = weights[level] + share
-    joined = [
-        part / np.maximum(weight, 1e-6)[..., np.newaxis]
-        for part, weight in zip(total, weights, strict=True)
-    ]
-    whole = joined[-1]
-    for band in reversed(joined[:-1]):
-        whole = cv2.pyrUp(whole, dstsize=band.shape[1::-1]) + band
-    result: Colour = np.clip(np.rint(whole), 0, 255).astype(np.uint8)
+                cv2.add(bands[level], part, dst=bands[level])
+    whole = bands[-1]
+    for band in reversed(bands[:-1]):
+        whole = cv2.add(cv2.pyrUp(whole, dstsize=band.shape[1::-1]), band)
+    result: Colour = np.clip(np.rint(cv2.add(first, whole)), 0, 255).astype(np.uint8)
     return result
 
 
-def _bands(picture: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+def _bands(picture: Floats) -> list[Floats]:
     """Return the Laplacian pyramid: finest first, what is left last."""
-    bands = []
+    bands: list[Floats] = []
     for _ in range(LEVELS):
         small = cv2.pyrDown(picture)
-        bands.append(picture - cv2.pyrUp(small, dstsize=picture.shape[1::-1]))
+        bands.append(cv2.subtract(picture, cv2.pyrUp(small, dstsize=picture.shape[1::-1])))
         picture = small
     return [*bands, picture]
 
 
-def _smoothed(mask: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+def _shares(masks: Sequence[NDArray[np.bool_]]) -> list[list[Floats]]:
+    """Return the share of each mask at each level; they add up to one where a mask is near."""
+    smoothed = [_smoothed(mask.astype(np.float32)) for mask in masks]
+    for levels in zip(*smoothed, strict=True):
+        total = np.maximum(sum(levels), 1e-6)
+        for level in levels:
+            level /= total
+    return smoothed
+
+
+def _smoothed(mask: Floats) -> list[Floats]:
     masks = [mask]
     for _ in range(LEVELS):
         masks.append(cv2.pyrDown(masks[-1]))

@@ -45,7 +45,8 @@ class Renderer:
         self.coarse, self._step = coarse_grid(grid, sheets)
         views = self._coarse_views()
         self.gains = gains(views)
-        evened = {name: _evened(view, self.gains[name]) for name, view in views.items()}
+        for name in self.names:
+            views[name] = _evened(views[name], self.gains[name])
         low_row = min(view.window.row for view in views.values())
         low_column = min(view.window.column for view in views.values())
         high_row = max(view.window.row + view.window.height for view in views.values())
@@ -53,7 +54,7 @@ class Renderer:
         self._coarse_window = Window(
             low_row, low_column, high_row - low_row, high_column - low_column
         )
-        self.labels = owners(evened, self.names, self._coarse_window)
+        self.labels = owners(views, self.names, self._coarse_window)
 
     @property
     def window(self) -> Window:
@@ -93,8 +94,9 @@ class Renderer:
         is_seen = index[inner] != NOBODY
         if not np.any(is_seen):
             return None
-        if len(numbers) == 1 or len(np.unique(index)) == 1:
-            colours = self._drawn(self.names[int(index.max())], window)[inner]
+        numbers = [number for number in numbers if np.any(index == number)]
+        if len(numbers) == 1:
+            colours = self._drawn(self.names[numbers[0]], window)[inner]
         else:
             parts = [self._drawn(self.names[number], window) for number in numbers]
             colours = blended(parts, [index == number for number in numbers])[inner]

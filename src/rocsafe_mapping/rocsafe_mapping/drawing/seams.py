@@ -156,7 +156,7 @@ def owners(views: Mapping[str, CoarseView], names: list[str], window: Window) ->
         least = np.maximum(best[part] * (1.0 - SEAM_SLACK), second[part])
         is_near = (view.scores > 0.0) & (view.scores >= least)
         masks.append(np.where(is_near, 255, 0).astype(np.uint8))
-        pictures.append(view.colours.astype(np.float32))
+        pictures.append(view.colours)
         corners.append((view.window.column, view.window.row))
     cut = _cut(pictures, corners, masks)
     labels = np.full((window.height, window.width), NOBODY, np.int32)
@@ -174,7 +174,7 @@ def owners(views: Mapping[str, CoarseView], names: list[str], window: Window) ->
 
 
 def _cut(
-    pictures: list[NDArray[np.float32]],
+    pictures: list[NDArray[np.uint8]],
     corners: list[tuple[int, int]],
     masks: list[NDArray[np.uint8]],
 ) -> list[NDArray[np.uint8]]:

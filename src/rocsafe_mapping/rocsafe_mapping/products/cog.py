@@ -20,6 +20,8 @@ from rocsafe_mapping.errors import MappingError
 COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
 RGBA = (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
 RAW_SUFFIX = '.raw'
+# GDAL would else take a twentieth of the machine's memory for its cache of blocks.
+CACHE_BYTES = 64 * 2**20
 RAW = {
     'driver': 'GTiff', 'tiled': True, 'blockxsize': RAW_BLOCK_PX, 'blockysize': RAW_BLOCK_PX,
     'interleave': 'pixel', 'bigtiff': 'if_safer', 'sparse_ok': True,
@@ -56,9 +58,10 @@ def write_cog(
     raw = path.with_name(path.name + RAW_SUFFIX)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _write_raw(raw, grid, window, tiles, is_labels)
-        resampling = 'mode' if is_labels else 'average'
-        rasterio.shutil.copy(raw, part_of(path), **COG, overview_resampling=resampling)
+        with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
+            _write_raw(raw, grid, window, tiles, is_labels)
+            resampling = 'mode' if is_labels else 'average'
+            rasterio.shutil.copy(raw, part_of(path), **COG, overview_resampling=resampling)
         sync_file(part_of(path))
         finish_part(path)
         sync_directory(path.parent)

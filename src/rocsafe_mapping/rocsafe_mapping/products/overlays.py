@@ -15,6 +15,7 @@ from rasterio.errors import RasterioError
 
 from rocsafe_geo.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.products.cog import CACHE_BYTES
 
 LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -73,11 +74,12 @@ def write_mbtiles(cog: Path, path: Path) -> None:
     part = part_of(path).with_suffix('.mbtiles')
     try:
         part.unlink(missing_ok=True)
-        rasterio.shutil.copy(cog, part, driver='MBTILES', TILE_FORMAT='PNG')
-        with rasterio.open(part, 'r+') as file:
-            levels = [2**power for power in range(1, 10)
-                      if max(file.width, file.height) >> power >= 64]  # fmt: skip
-            file.build_overviews(levels or [2], Resampling.average)
+        with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
+            rasterio.shutil.copy(cog, part, driver='MBTILES', TILE_FORMAT='PNG')
+            with rasterio.open(part, 'r+') as file:
+                levels = [2**power for power in range(1, 10)
+                          if max(file.width, file.height) >> power >= 64]  # fmt: skip
+                file.build_overviews(levels or [2], Resampling.average)
         part.replace(part_of(path))
         finish_part(path)
     except (OSError, RasterioError) as error:
