@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from rocsafe_mapping import durable
+from rocsafe_geo import durable
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.store import ImageStore, Status
 
