@@ -17,7 +17,7 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.camera import Truth
 from rocsafe_sim.camera_settings import CameraSettings
-from rocsafe_sim.mounted_camera import MountedCamera
+from rocsafe_sim.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.options import RavOptions
 from rocsafe_sim.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.rav import Rav, RavParts
@@ -54,7 +54,8 @@ def photographed():
         tilt_std_rad=0.0, attitude_std_rad=0.0,
     )  # fmt: skip
     frame = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
-    mounted = MountedCamera(CameraSettings(image_width_px=16, image_height_px=16), camera)
+    settings = CameraSettings(image_width_px=16, image_height_px=16)
+    mounted = MountedCamera(CameraModel(settings=settings, camera=camera))
     parts = RavParts(name='rav1', frame=frame, noise=noise, cameras=(mounted,))
     rav = Rav(parts, vehicle_on(ROUTE))
     for time_ns in range(START_NS, START_NS + 600 * 10**9, 10**8):

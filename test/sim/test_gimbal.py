@@ -18,7 +18,7 @@ from rocsafe_sim.camera_settings import CameraSettings
 from rocsafe_sim.errors import JournalError
 from rocsafe_sim.gimbal import NADIR_RAD, Direction, Gimbal, GimbalLimits
 from rocsafe_sim.gimbal_file import read_gimbal, write_gimbal
-from rocsafe_sim.mounted_camera import Attitude, MountedCamera
+from rocsafe_sim.mounted_camera import Attitude, CameraModel, MountedCamera
 
 LIMITS = GimbalLimits(rate_radps=0.5, lowest_rad=NADIR_RAD, highest_rad=0.3)
 angles = st.floats(-3.1, 3.1)
@@ -84,7 +84,8 @@ def test_a_gimbal_keeps_level_and_a_fixed_camera_sways():
     attitude = Attitude(yaw_rad=0.4, pitch_rad=0.05, roll_rad=-0.08)
     settings = CameraSettings(name='front', pitch_deg=-30.0)
     for is_gimbal in (False, True):
-        camera = MountedCamera(replace(settings, gimbal=is_gimbal), camera=None)
+        hung = replace(settings, gimbal=is_gimbal)
+        camera = MountedCamera(CameraModel(settings=hung, camera=None))
         right = camera.rotation(camera.held(attitude), 0)[:, 0]
         assert bool(abs(right[2]) < 1e-12) == is_gimbal
 

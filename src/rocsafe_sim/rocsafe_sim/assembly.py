@@ -2,7 +2,7 @@
 """RAVs put together from options."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
@@ -10,9 +10,11 @@ import cv2
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.cadence import NS_PER_S
 from rocsafe_sim.camera import Camera, GroundCamera
+from rocsafe_sim.camera_settings import CameraSettings
 from rocsafe_sim.errors import EngineError
 from rocsafe_sim.ground import Ground
-from rocsafe_sim.mounted_camera import MountedCamera
+from rocsafe_sim.mounted_camera import CameraModel, MountedCamera
+from rocsafe_sim.optics.optics import Optics
 from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
 from rocsafe_sim.orthophoto import OrthophotoGround
 from rocsafe_sim.procedural_ground import ProceduralGround
@@ -23,8 +25,8 @@ from rocsafe_sim.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle import Vehicle
 
 
-def make_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
-    """Return what draws for each camera of `options.rig()`, for all vehicles of the process.
+def make_cameras(options: VehicleOptions) -> tuple[CameraModel, ...]:
+    """Return the cameras of `options.rig()`, for all vehicles of the process.
 
     Raises
     ------
@@ -32,13 +34,25 @@ def make_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
     """
     # Other vehicles are other processes: threads of their own would only contend.
     cv2.setNumThreads(1)
-    if options.camera_backend == ENGINE:
-        return _engine_cameras(options)
+    draws = _engine(options) if options.camera_backend == ENGINE else _flat(options)
+    return tuple(
+        CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
+        for settings in options.rig()
+    )
+
+
+def _optics(settings: CameraSettings) -> Optics | None:
+    return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
+
+
+def _flat(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
+    """Return what makes cameras over the flat picture."""
     ground = make_ground(options)
-    return tuple(GroundCamera(settings.lens, ground) for settings in options.rig())
+    return lambda settings: GroundCamera(settings.drawn_lens, ground)
 
 
-def _engine_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
+def _engine(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
+    """Return what makes cameras in the scene."""
     # Only here: who flies over flat ground needs no engine installed.
     try:
         from rocsafe_sim.engine.engine_camera import EngineCamera, EngineRequest, EngineScene
@@ -55,9 +69,7 @@ def _engine_cameras(options: VehicleOptions) -> tuple[Camera, ...]:
             cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
         )
     )
-    return tuple(
-        EngineCamera(scene, settings.lens, settings.oversampling) for settings in options.rig()
-    )
+    return lambda settings: EngineCamera(scene, settings.drawn_lens, settings.oversampling)
 
 
 def make_ground(options: VehicleOptions) -> Ground:
@@ -76,7 +88,7 @@ def make_rav(
     options: VehicleOptions,
     name: str,
     home: GeoPosition,
-    cameras: Sequence[Camera],
+    cameras: Sequence[CameraModel],
     spool: Path | None,
 ) -> Rav:
     """Return the RAV called `name` that stands at `home`, on the ground, with `make_cameras`.
@@ -98,9 +110,6 @@ def make_rav(
             tilt_std_rad=math.radians(options.tilt_std_deg),
             attitude_std_rad=math.radians(options.attitude_std_deg),
         ),
-        cameras=tuple(
-            MountedCamera(settings, camera)
-            for settings, camera in zip(options.rig(), cameras, strict=True)
-        ),
+        cameras=tuple(map(MountedCamera, cameras)),
     )
     return Rav(parts, Vehicle(options.airframe(), (east, north, 0.0)), spool)

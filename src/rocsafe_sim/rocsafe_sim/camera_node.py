@@ -50,8 +50,8 @@ class CameraInterface:
         self._labels = self._publisher(topics.CAMERA_LABELS)
         self._pose = self._publisher(topics.CAMERA_POSE)
         self._table = self._publisher(topics.CAMERA_LABEL_TABLE)
-        if camera.camera.label_table():
-            self._table.publish(String(data=camera.camera.label_table()))
+        if camera.model.camera.label_table():
+            self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
         self._stream = Cadence(period_ns(rate_hz)) if rate_hz else None
         if camera.gimbal is not None:
@@ -60,7 +60,7 @@ class CameraInterface:
     @property
     def name(self) -> str:
         """Of the camera."""
-        return self._camera.settings.name
+        return self._camera.name
 
     def after_step(self, seen: Observation) -> None:
         """Publish what is due at a step besides the pictures of viewpoints."""

@@ -12,6 +12,7 @@ import yaml
 from rocsafe_geo.limits import require_between, require_count, require_not_negative
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_sim.gimbal import Direction, GimbalLimits
+from rocsafe_sim.optics.distortion import lens_to_draw
 from rocsafe_sim.optics.effects import NO_EFFECTS, Effects
 
 FIRST_CAMERA = 'camera'
@@ -69,6 +70,7 @@ class CameraSettings:
             raise ValueError(
                 f'image_width_px x image_height_px is {pixels}: must be {LARGEST_IMAGE_PX} at most'
             )
+        _ = self.drawn_lens
         if self.gimbal:
             _ = self.limits
             lowest, highest = self.gimbal_lowest_deg, self.gimbal_highest_deg
@@ -79,6 +81,11 @@ class CameraSettings:
         """Intrinsics, without distortion."""
         fov_rad = math.radians(self.horizontal_fov_deg)
         return PinholeCamera(fov_rad, self.image_width_px, self.image_height_px)
+
+    @property
+    def drawn_lens(self) -> PinholeCamera:
+        """Intrinsics of the pinhole picture of which its photograph is made."""
+        return lens_to_draw(self.lens, self.effects)
 
     @property
     def direction(self) -> Direction:
@@ -99,7 +106,7 @@ class CameraSettings:
     @property
     def steepest_view_deg(self) -> float:
         """Largest angle of any image corner from the vertical, wherever a gimbal points."""
-        lens = self.lens
+        lens = self.drawn_lens
         right = 0.5 * lens.image_width_px / lens.focal_px
         up = 0.5 * lens.image_height_px / lens.focal_px
         pitch = math.radians(self.gimbal_highest_deg if self.gimbal else self.pitch_deg)

@@ -10,8 +10,18 @@ from rocsafe_geo.pinhole import rotation_body_from_optical, rotation_enu_from_bo
 from rocsafe_sim.camera import Camera, Truth
 from rocsafe_sim.camera_settings import CameraSettings
 from rocsafe_sim.gimbal import Direction, Gimbal
+from rocsafe_sim.optics.motion import (
+    CameraMotion,
+    Rates,
+    motion_between,
+    pixel_rates,
+    plane_depth_m,
+)
+from rocsafe_sim.optics.optics import Optics
 from rocsafe_sim.route import Enu
 from rocsafe_sim.scenery.canvas import Image
+
+_NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,19 +55,73 @@ class Picture:
     rotation_enu_from_optical: NDArray[np.float64]
 
 
-class MountedCamera:
-    """One camera of one vehicle.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stand:
+    """How a vehicle is at a moment: its camera's place, metres, and its attitude."""
 
-    Parameters
+    position_enu: Enu
+    attitude: Attitude
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Exposure:
+    """A picture to be taken.
+
+    Attributes
     ----------
-    settings : of it.
-    camera : that draws; other vehicles may use the same.
+    time_ns : simulated, of its middle row.
+    stand : of the vehicle then.
+    around : of the vehicle half of `MountedCamera.span_ns` earlier and later.
+    rng : of the sensor's noise.
+    is_quick : for a stream, whose pictures need not be as fine.
     """
 
-    def __init__(self, settings: CameraSettings, camera: Camera) -> None:
-        self.settings = settings
-        self.camera = camera
+    time_ns: int
+    stand: Stand
+    around: tuple[Stand, Stand]
+    rng: np.random.Generator
+    is_quick: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CameraModel:
+    """What cameras of all vehicles of a process share.
+
+    Attributes
+    ----------
+    settings : of them.
+    camera : that draws, by the lens `settings.drawn_lens`.
+    optics : that makes photographs of what is drawn; None: they are as drawn.
+    """
+
+    settings: CameraSettings
+    camera: Camera
+    optics: Optics | None = None
+
+
+class MountedCamera:
+    """One camera of one vehicle."""
+
+    def __init__(self, model: CameraModel) -> None:
+        self.model = model
+        settings = model.settings
         self.gimbal = Gimbal(settings.limits, settings.direction) if settings.gimbal else None
+
+    @property
+    def settings(self) -> CameraSettings:
+        """Of it."""
+        return self.model.settings
+
+    @property
+    def name(self) -> str:
+        """Of the camera."""
+        return self.settings.name
+
+    @property
+    def span_ns(self) -> int:
+        """Time over which motion shows in a picture; 0 if it does not."""
+        effects = self.settings.effects
+        return round(_NS_PER_S * max(effects.shutter_s, effects.readout_s))
 
     def direction(self, time_ns: int) -> Direction:
         """Return where it looks from the vehicle at a time."""
@@ -73,22 +137,51 @@ class MountedCamera:
         looks = self.direction(time_ns)
         return np.asarray(body @ rotation_body_from_optical(looks.pitch_rad, looks.yaw_rad))
 
-    def take(
-        self, position_enu: Enu, attitude: Attitude, time_ns: int, *, is_quick: bool = False
-    ) -> Picture:
-        """Return what it sees from a vehicle at a time.
+    def take(self, exposure: Exposure) -> Picture:
+        """Return what it takes.
 
         Raises
         ------
         SimError: if it sees what cannot be drawn.
         """
-        rotation = self.rotation(self.held(attitude), time_ns)
-        image = self.camera.photograph(position_enu, rotation, time_ns, is_quick=is_quick)
+        place, time_ns = exposure.stand.position_enu, exposure.time_ns
+        rotation = self.rotation(self.held(exposure.stand.attitude), time_ns)
+        camera, optics = self.model.camera, self.model.optics
+        image = camera.photograph(place, rotation, time_ns, is_quick=exposure.is_quick)
+        truth = camera.truth
+        if optics is not None:
+            rates = self._rates(exposure, rotation, truth)
+            image = optics.develop(image, rates, exposure.rng)
+            truth = None if truth is None else optics.truth(truth, rates)
         return Picture(
-            camera=self.settings.name,
+            camera=self.name,
             time_ns=time_ns,
             image=image,
-            truth=self.camera.truth,
-            position_enu=position_enu,
+            truth=truth,
+            position_enu=place,
             rotation_enu_from_optical=rotation,
         )
+
+    def _rates(
+        self, exposure: Exposure, rotation: NDArray[np.float64], truth: Truth | None
+    ) -> Rates | None:
+        """Return how fast what each drawn pixel shows moves; None if nothing does."""
+        if not self.span_ns:
+            return None
+        motion = self._motion(exposure)
+        if motion.is_none:
+            return None
+        lens = self.settings.drawn_lens
+        if truth is None:
+            height_m = exposure.stand.position_enu[2]
+            return pixel_rates(lens, plane_depth_m(lens, height_m, rotation), motion)
+        return pixel_rates(lens, truth.depth_m, motion)
+
+    def _motion(self, exposure: Exposure) -> CameraMotion:
+        half_ns, (before, after) = self.span_ns // 2, exposure.around
+        early, late = (
+            self.rotation(self.held(stand.attitude), exposure.time_ns + shift_ns)
+            for stand, shift_ns in ((before, -half_ns), (after, half_ns))
+        )
+        places = (before.position_enu, after.position_enu)
+        return motion_between(places, (early, late), self.span_ns / _NS_PER_S)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A simulated RAV: a vehicle with its sensors, its camera, its journal and its photographs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from rocsafe_sim.flight_record import VehicleRecord
 from rocsafe_sim.gimbal import Direction
 from rocsafe_sim.gimbal_file import read_gimbal, write_gimbal
 from rocsafe_sim.journal import read_journal, write_journal
-from rocsafe_sim.mounted_camera import Attitude, MountedCamera, Picture
+from rocsafe_sim.mounted_camera import Attitude, Exposure, MountedCamera, Picture, Stand
 from rocsafe_sim.observation import Observation, ShotDue
 from rocsafe_sim.route import Enu
 from rocsafe_sim.sensing_noise import SensorNoise
@@ -94,7 +95,7 @@ class Rav:
     def _restore_gimbals(self) -> None:
         for camera in self.parts.cameras:
             if camera.gimbal is not None and self._spool is not None:
-                order = read_gimbal(self._spool, camera.settings.name)
+                order = read_gimbal(self._spool, camera.name)
                 camera.gimbal.order = order or camera.gimbal.order
 
     def step(self, time_ns: int) -> tuple[Observation, list[Shot]]:
@@ -113,14 +114,14 @@ class Rav:
 
     def pictures_of(self, camera: MountedCamera) -> list[Picture]:
         """Return what a camera took at the viewpoints of the last step."""
-        return [each for each in self.pictures if each.camera == camera.settings.name]
+        return [each for each in self.pictures if each.camera == camera.name]
 
     def point(self, camera: MountedCamera, target: Direction) -> None:
         """Turn the gimbal of a camera, if it has one, from the last step on."""
         if camera.gimbal is not None:
             camera.gimbal.point(target, self.vehicle.time_ns)
             if self._spool is not None:
-                write_gimbal(self._spool, camera.settings.name, camera.gimbal.order)
+                write_gimbal(self._spool, camera.name, camera.gimbal.order)
 
     def look(self, camera: MountedCamera, seen: Observation) -> Picture:
         """Return what a camera sees at a step, for a stream.
@@ -129,11 +130,32 @@ class Rav:
         ------
         SimError: if that cannot be drawn.
         """
-        roll, pitch = self.parts.noise.sway_at_rad(seen.time_ns)
-        east, north, up = seen.pose.position_enu
-        attitude = Attitude(yaw_rad=seen.pose.yaw_rad, pitch_rad=pitch, roll_rad=roll)
-        place = (east, north, max(up, LANDED_CAMERA_M))
-        return camera.take(place, attitude, seen.time_ns, is_quick=True)
+
+        def stand(time_ns: int) -> Stand:
+            pose, sway = self.vehicle.pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
+            east, north, up = pose.position_enu
+            return Stand(
+                position_enu=(east, north, max(up, LANDED_CAMERA_M)),
+                attitude=_attitude(pose.yaw_rad, sway),
+            )
+
+        return self._take(camera, seen.time_ns, stand, is_quick=True)
+
+    def _take(
+        self,
+        camera: MountedCamera,
+        time_ns: int,
+        stand: Callable[[int], Stand],
+        *,
+        is_quick: bool = False,
+    ) -> Picture:
+        half_ns, rng = camera.span_ns // 2, self.parts.noise.picture_rng(camera.name, time_ns)
+        around = (stand(time_ns - half_ns), stand(time_ns + half_ns))
+        return camera.take(
+            Exposure(
+                time_ns=time_ns, stand=stand(time_ns), around=around, rng=rng, is_quick=is_quick
+            )
+        )
 
     def keep_journal(self) -> None:
         """Write the journal if an order, a photograph or a landing changed it."""
@@ -155,14 +177,20 @@ class Rav:
 
     def _photograph(self, due: ShotDue) -> Shot:
         parts, place = self.parts, due.pose.position_enu
-        roll, pitch = parts.noise.sway_rad(due.sequence)
-        attitude = Attitude(yaw_rad=due.pose.yaw_rad, pitch_rad=pitch, roll_rad=roll)
+        sway = parts.noise.sway_rad(due.sequence)
+
+        def stand(time_ns: int) -> Stand:
+            pose = due.pose if time_ns == due.time_ns else self.vehicle.pose_at(time_ns)
+            attitude = _attitude(pose.yaw_rad, sway)
+            return Stand(position_enu=pose.position_enu, attitude=attitude)
+
         first, *others = parts.cameras
-        picture = first.take(place, attitude, due.time_ns)
+        picture = self._take(first, due.time_ns, stand)
         self.pictures.append(picture)
         for other in others:
             if other.settings.at_viewpoints:
-                self.pictures.append(other.take(place, attitude, due.time_ns))
+                self.pictures.append(self._take(other, due.time_ns, stand))
+        attitude = stand(due.time_ns).attitude
         measured = self._measured(first.held(attitude), due.sequence)
         rotation = first.rotation(measured, due.time_ns)
         fix = self.fix(due.time_ns, place)
@@ -189,3 +217,8 @@ class Rav:
             pitch_rad=attitude.pitch_rad + pitch,
             roll_rad=attitude.roll_rad + roll,
         )
+
+
+def _attitude(yaw_rad: float, sway_rad: tuple[float, float]) -> Attitude:
+    roll, pitch = sway_rad
+    return Attitude(yaw_rad=yaw_rad, pitch_rad=pitch, roll_rad=roll)

@@ -95,6 +95,11 @@ class SensorNoise:
         std = self.attitude_std_rad
         return std * roll, std * pitch, std * yaw
 
+    def picture_rng(self, camera: str, time_ns: int) -> np.random.Generator:
+        """Return the generator of a picture's noise."""
+        key = [self.seed, crc32(self.vehicle.encode()), crc32(camera.encode()), time_ns]
+        return np.random.default_rng(key)
+
     def _draw(self, stream: int, index: int) -> tuple[float, ...]:
         return _kept_normals(self.seed, self.vehicle, stream, index)
 

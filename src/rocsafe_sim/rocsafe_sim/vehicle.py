@@ -113,6 +113,10 @@ class Vehicle:
             waits_s=self.waits_s,
         )
 
+    def pose_at(self, time_ns: int) -> Pose:
+        """Return the pose at a time if no other order comes; before the last order, as then."""
+        return self._pose(time_ns)
+
     def fly_route(self, route: Route, *, replaces: bool = False) -> None:
         """Fly `route`; one that is being flown, or has just been flown, is not begun again.
 
