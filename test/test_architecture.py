@@ -58,6 +58,9 @@ DOMAINS = {
     'rocsafe_mapping',
     'rocsafe_mavlink',
 }
+# What puts domains together: the mission's processes, and data sets of scenes with the Exif of
+# the image store.
+ABOVE = {'rocsafe_orchestrator', 'rocsafe_dataset'}
 # One physics: what is simulated and what is estimated share these modules.
 SHARED_PHYSICS = {'rocsafe_radiation.physics', 'rocsafe_radiation.detector'}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
@@ -78,6 +81,8 @@ CLOCKS = {
 }
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
+    # tells the renderers of its workers how many threads each may use
+    'rocsafe_dataset.work': {'os.environ'},
     # A command that waits until vehicles are heard.
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
     # a command: tells how long each stage took
@@ -156,7 +161,7 @@ MODULES = [Module(path) for path in sorted(SOURCES.glob('*/rocsafe_*/**/*.py'))]
 NODES = [module for module in MODULES if module.kind == 'node']
 CONVERSIONS = [module for module in MODULES if module.kind == 'conversions']
 CORES = [module for module in MODULES if module.kind == 'core' and module.package in DOMAINS] + [
-    module for module in MODULES if module.package == 'rocsafe_geo'
+    module for module in MODULES if module.package in ('rocsafe_geo', 'rocsafe_dataset')
 ]
 MANIFESTS = sorted(SOURCES.glob('*/package.xml'))
 
@@ -222,7 +227,7 @@ def test_domains_do_not_know_each_other(module):
     foreign = {
         name
         for name in module.imports
-        if name.split('.')[0] in (DOMAINS | {'rocsafe_orchestrator'}) - {module.package}
+        if name.split('.')[0] in (DOMAINS | ABOVE) - {module.package}
     }
     if module.package == 'rocsafe_sim':
         foreign = {

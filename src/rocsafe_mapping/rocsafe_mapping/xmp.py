@@ -29,9 +29,14 @@ PACKET = """<?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>
 
 def xmp_segment(record: ShotRecord) -> bytes:
     """Return the APP1 segment with the XMP of `record`, for a JPEG file."""
-    values = ''.join(f' {name}={quoteattr(text)}\n' for name, text in xmp_values(record).items())
-    block = MARK + PACKET.format(values=values).encode()
+    block = MARK + xmp_packet(record).encode()
     return bytes((0xFF, APP1)) + struct.pack('>H', len(block) + 2) + block
+
+
+def xmp_packet(record: ShotRecord) -> str:
+    """Return the XMP of `record` as it stands in any kind of file."""
+    values = ''.join(f' {name}={quoteattr(text)}\n' for name, text in xmp_values(record).items())
+    return PACKET.format(values=values)
 
 
 def xmp_values(record: ShotRecord) -> dict[str, str]:

@@ -47,6 +47,12 @@ PASSED_ON = (
         summary='check, list and render the scenes that cameras see',
     ),
     PassedOn(
+        word='dataset',
+        package='rocsafe_dataset',
+        executable='dataset',
+        summary='make labelled pictures of a scene for training',
+    ),
+    PassedOn(
         word='changes',
         package='rocsafe_mapping',
         executable='changes',

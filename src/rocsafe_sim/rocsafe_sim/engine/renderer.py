@@ -2,6 +2,7 @@
 """Draws a scene from any pose: picture, depth, labels and normals in one pass."""
 
 import threading
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from rocsafe_sim.engine.shade import Shade
 from rocsafe_sim.engine.smoothing import smoothed
 from rocsafe_sim.engine.stage import EYE, Stage
 from rocsafe_sim.errors import EngineError
-from rocsafe_sim.scene.environment import Environment
+from rocsafe_sim.scene.environment import Environment, SceneObject
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
 
@@ -55,6 +56,16 @@ class Renderer:
             self.stage.move(time_s)
             self._shade.refresh()
         self._time_s = time_s
+
+    def restage(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
+        """Put things elsewhere, leave some out, and change the light.
+
+        `objects` are those of the environment, some in other places; what is missing is not drawn.
+        """
+        self._require_thread()
+        self.stage.arrange(objects)
+        self.stage.light(lighting, weather)
+        self._shade.relight(lighting)
 
     def camera(self, lens: PinholeCamera) -> 'Eye':
         """Return a camera of this scene."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sun and the sky do not reach: shadow maps, and the canopy seen from above."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -28,16 +29,35 @@ _DOWN = np.diag([1.0, -1.0, -1.0])
 _TO_TEXTURE = core.LMatrix4f(0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5, 0.5, 1)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sun:
+    """A shadow map's name in the shaders, its buffer, and the camera it is drawn by."""
+
+    name: str
+    buffer: Any
+    node: Any
+    lens: Any
+
+
 class Shade:
     """Shadow maps and canopy of a stage, bound to its shaders."""
 
     def __init__(self, pipe: Pipe, stage: Stage, lighting: Lighting) -> None:
         self._pipe, self._stage = pipe, stage
-        direction = np.array(lighting.sun_direction)
-        self._buffers = [
-            self._shadow_map('near', direction, _NEAR_M, _NEAR_PX),
-            self._shadow_map('far', direction, _FAR_M, _FAR_PX),
+        self._suns = [
+            self._shadow_map('near', _NEAR_M, _NEAR_PX),
+            self._shadow_map('far', _FAR_M, _FAR_PX),
         ]
+        self._textures: list[Any] = []
+        self.relight(lighting)
+
+    def relight(self, lighting: Lighting) -> None:
+        """Draw all shade anew, after things were put elsewhere or the sun has moved."""
+        for sun in self._suns:
+            self._aim(sun, np.array(lighting.sun_direction))
+        for texture in self._textures:
+            texture.releaseAll()
+        self._textures.clear()
         self._bind_canopy(np.full((8, 8), -1e3, np.float32))
         self.refresh()
         self._bind_canopy(self._canopy())
@@ -45,13 +65,18 @@ class Shade:
 
     def refresh(self) -> None:
         """Draw the shadow maps again."""
-        for buffer in self._buffers:
-            buffer.setActive(True)
+        for sun in self._suns:
+            sun.buffer.setActive(True)
         self._pipe.engine.renderFrame()
-        for buffer in self._buffers:
-            buffer.setActive(False)
+        for sun in self._suns:
+            sun.buffer.setActive(False)
 
-    def _shadow_map(self, name: str, direction: Floats, width_m: float, size: int) -> Any:
+    def _aim(self, sun: '_Sun', direction: Floats) -> None:
+        sun.node.setMat(node_matrix(0.5 * _DEPTH_M * direction, looking(-direction)))
+        to_clip = self._stage.root.getTransform(sun.node).getMat() * sun.lens.getProjectionMat()
+        self._stage.root.setShaderInput(f'{sun.name}_sun', to_clip * _TO_TEXTURE)
+
+    def _shadow_map(self, name: str, width_m: float, size: int) -> '_Sun':
         texture = core.Texture(f'{name} shadow')
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
@@ -61,11 +86,9 @@ class Shade:
             texture, core.GraphicsOutput.RTMBindOrCopy, core.GraphicsOutput.RTPDepth
         )
         lens = flat_lens(width_m, width_m, _DEPTH_M)
-        node = self._camera(buffer, lens, 0.5 * _DEPTH_M * direction, looking(-direction))
-        to_clip = self._stage.root.getTransform(node).getMat() * lens.getProjectionMat()
-        self._stage.root.setShaderInput(f'{name}_sun', to_clip * _TO_TEXTURE)
+        node = self._camera(buffer, lens, np.zeros(3), _DOWN)
         self._stage.root.setShaderInput(f'{name}_shadow', texture)
-        return buffer
+        return _Sun(name, buffer, node, lens)
 
     def _buffer(self, name: str, width: int, height: int, *, is_coloured: bool = True) -> Any:
         properties = core.FrameBufferProperties()
@@ -126,10 +149,13 @@ class Shade:
         self._pipe.engine.renderFrame()
         self._pipe.engine.removeWindow(buffer)
         node.removeNode()
+        self._textures.append(texture)
         return texture
 
     def _bind_canopy(self, heights: Floats) -> None:
-        self._stage.root.setShaderInput('canopy', height_texture('canopy', heights))
+        texture = height_texture('canopy', heights)
+        self._textures.append(texture)
+        self._stage.root.setShaderInput('canopy', texture)
         area = core.LVecBase4f(-_CANOPY_M, -_CANOPY_M, 0.5 / _CANOPY_M, 0.5 / _CANOPY_M)
         self._stage.root.setShaderInput('canopy_area', area)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scene graph: terrain, things, grass and sky, with their shaders and textures."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -19,8 +20,8 @@ from rocsafe_sim.scene.parts.plants import LEAFY, coarser
 from rocsafe_sim.scene.shapes import ball
 from rocsafe_sim.scene.surfaces import LOOKS, Surface
 
-# Bits of the cameras that see a node.
-EYE, SUN, BARE = (core.BitMask32.bit(number) for number in range(3))
+# Bits of the cameras that see a node; ALONE sees the ground and what it is shown.
+EYE, SUN, BARE, ALONE = (core.BitMask32.bit(number) for number in range(4))
 _FOLDER = Path(__file__).parent
 _INNER_CELLS, _OUTER_CELLS = 16, 12
 # Up to these distances, metres, leaves and grass are drawn in full, thinned, thinner.
@@ -62,6 +63,7 @@ class Stage:
         self._foliage = shader('foliage')
         self._moving: list[tuple[SceneObject, Any]] = []
         self._weather = weather
+        self.things: dict[int, Any] = {}
         self._add_ground(environment)
         self._add_objects(environment)
         self._add_sky()
@@ -71,8 +73,9 @@ class Stage:
         """Whether anything moves."""
         return bool(self._moving)
 
-    def light(self, lighting: Lighting) -> None:
-        """Set the light."""
+    def light(self, lighting: Lighting, weather: str | None = None) -> None:
+        """Set the light, and the weather if another one is given."""
+        self._weather = weather or self._weather
         for name in ('sun_direction', 'zenith', 'horizon', 'bounce'):
             self.root.setShaderInput(name, core.LVecBase3f(*getattr(lighting, name)))
         self.root.setShaderInput('sun_light', core.LVecBase3f(*lighting.sun))
@@ -88,6 +91,17 @@ class Stage:
             assert thing.path is not None  # noqa: S101 - only such are kept
             place, yaw = thing.path.shift_at(time_s)
             node.setPosHpr(*place.tolist(), float(np.degrees(yaw)), 0.0, 0.0)
+
+    def arrange(self, objects: Sequence[SceneObject]) -> None:
+        """Put things where `objects`, the stage's own moved, have them; hide the rest."""
+        left = dict(self.things)
+        for thing in objects:
+            parent = left.pop(thing.number)
+            parent.show()
+            for placed, piece in zip(parent.getChildren(), thing.pieces, strict=True):
+                _place(placed, piece, is_moving=thing.path is not None)
+        for parent in left.values():
+            parent.hide()
 
     def _grain(self) -> Any:
         return upload.colour_texture('grain', grain_tile()[..., [2, 1, 0, 3]], is_tile=True)
@@ -114,7 +128,7 @@ class Stage:
         for mesh in upload.grid_meshes(terrain.far, 200, terrain.outer):
             around.attachNewNode(upload.geom_node('far', mesh))
         grass = self.root.attachNewNode('grass')
-        grass.hide(SUN | BARE)
+        grass.hide(SUN | BARE | ALONE)
         grass.setTwoSided(True)
         grass.setShader(self._foliage)
         grass.setShaderInput('meta', core.LVecBase4i(class_number('grass'), GROUND_NUMBER, 0, 0))
@@ -132,6 +146,8 @@ class Stage:
         things.hide(BARE)
         for thing in environment.objects:
             parent = things.attachNewNode(thing.name)
+            parent.hide(ALONE)
+            self.things[thing.number] = parent
             kind = class_number(thing.label)
             parent.setShaderInput('meta', core.LVecBase4i(kind, thing.number, 0, 0))
             hashed = crc32(thing.name.encode())
@@ -152,7 +168,7 @@ class Stage:
         self.sky.setShader(shader('sky'))
         self.sky.setBin('fixed', _SKY)
         self.sky.setDepthWrite(False)
-        self.sky.hide(SUN | BARE)
+        self.sky.hide(SUN | BARE | ALONE)
 
 
 def _add_piece(parent: Any, thing: SceneObject, piece: Piece, nodes: dict[int, list[Any]]) -> None:
@@ -162,11 +178,15 @@ def _add_piece(parent: Any, thing: SceneObject, piece: Piece, nodes: dict[int, l
         meshes = coarser(piece.mesh) if thing.label in LEAFY else [piece.mesh]
         nodes[key] = [upload.geom_node(thing.name, mesh) for mesh in meshes]
     placed = parent.attachNewNode('piece')
+    _place(placed, piece, is_moving=thing.path is not None)
+    _add_steps(placed, nodes[key], piece.mesh.bounds.mean(axis=0), _LEAVES_M)
+
+
+def _place(placed: Any, piece: Piece, *, is_moving: bool) -> None:
     rows = piece.rotation.T
-    offset = np.zeros(3) if thing.path is not None else piece.offset
+    offset = np.zeros(3) if is_moving else piece.offset
     values = [*rows[0], 0.0, *rows[1], 0.0, *rows[2], 0.0, *offset, 1.0]
     placed.setMat(core.LMatrix4f(*(float(value) for value in values)))
-    _add_steps(placed, nodes[key], piece.mesh.bounds.mean(axis=0), _LEAVES_M)
 
 
 def _add_steps(parent: Any, nodes: list[Any], middle: Floats, ranges: tuple[float, ...]) -> None:

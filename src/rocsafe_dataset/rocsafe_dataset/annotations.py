@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stands in a picture, by instance."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_dataset.outlines import outline
+from rocsafe_dataset.rle import run_lengths, short_text
+from rocsafe_sim.engine.outputs import Frame
+from rocsafe_sim.scene.classes import class_number
+from rocsafe_sim.scene.environment import FIRST_OBJECT_NUMBER, SceneObject
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Annotation:
+    """One instance in one picture.
+
+    Attributes
+    ----------
+    number : of the instance in the scene.
+    name : of it.
+    category : class number.
+    box : column, row, width, height, pixels from the corner of the picture.
+    area : pixels.
+    runs : of the mask, COCO's short text.
+    polygon : about it, columns and rows as shares of the picture's width and height.
+    visibility : share that no other thing hides.
+    is_cut : it reaches the border of the picture.
+    """
+
+    number: int
+    name: str
+    category: int
+    box: tuple[int, int, int, int]
+    area: int
+    runs: str
+    polygon: tuple[float, ...]
+    visibility: float
+    is_cut: bool
+
+
+def large_enough(frame: Frame, least_pixels: int) -> list[int]:
+    """Return the numbers of the instances with at least so many pixels, rising."""
+    counts = np.bincount(frame.numbers.ravel())
+    found = np.flatnonzero(counts >= least_pixels).tolist()
+    return [number for number in found if number >= FIRST_OBJECT_NUMBER]
+
+
+def annotate(
+    frame: Frame, objects: Mapping[int, SceneObject], shares: Mapping[int, float]
+) -> list[Annotation]:
+    """Return the annotations of the instances in `shares`, which says how visible they are."""
+    return [_annotation(frame, objects[number], shares[number]) for number in sorted(shares)]
+
+
+def _annotation(frame: Frame, thing: SceneObject, share: float) -> Annotation:
+    mask = frame.numbers == thing.number
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    top, bottom, left, right = int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])
+    height, width = mask.shape
+    ring = np.array([left, top]) + outline(mask[top : bottom + 1, left : right + 1])
+    relative = np.clip(ring / (width, height), 0.0, 1.0)
+    return Annotation(
+        number=thing.number,
+        name=thing.name,
+        category=class_number(thing.label),
+        box=(left, top, right - left + 1, bottom - top + 1),
+        area=int(mask.sum()),
+        runs=short_text(run_lengths(mask)),
+        polygon=tuple(round(value, 6) for value in relative.ravel().tolist()),
+        visibility=round(share, 4),
+        is_cut=left == 0 or top == 0 or right == width - 1 or bottom == height - 1,
+    )

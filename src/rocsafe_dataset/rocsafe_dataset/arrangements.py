@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same scene in other light with its small things elsewhere."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from rocsafe_dataset.options import DatasetOptions
+from rocsafe_sim.scene.description import PlaceBlock
+from rocsafe_sim.scene.environment import Environment, Piece, SceneObject
+from rocsafe_sim.scene.light import sun_direction
+from rocsafe_sim.scene.mesh import Floats, rotation_of
+from rocsafe_sim.scene.terrain import Terrain
+
+# What may stand elsewhere: not what is built, grown or derailed.
+MOVABLE = frozenset(
+    ('person', 'animal', 'car', 'police_car', 'lorry', 'fire_engine', 'ambulance', 'debris',
+     'drum', 'evidence')
+)  # fmt: skip
+_MISSING_SHARE = 0.15
+_SHIFT_STD_M = 6.0
+_TRIES = 8
+# Things that stand higher than this above the ground, metres, lie on something else.
+_LYING_M = 0.5
+# Sine of the lowest sun that a picture is taken in.
+_LEAST_UP = 0.15
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arrangement:
+    """One state of a scene.
+
+    Attributes
+    ----------
+    weather : of the sky.
+    time : of the sun.
+    objects : that are there, where they are.
+    """
+
+    weather: str
+    time: datetime
+    objects: tuple[SceneObject, ...]
+
+
+def arrange(number: int, environment: Environment, options: DatasetOptions) -> Arrangement:
+    """Return arrangement `number` of a scene, from the seed and the number alone."""
+    rng = np.random.default_rng([options.seed, 22, number])
+    description = environment.description
+    weather = str(rng.choice(options.weathers))
+    time = _sunny_time(rng, description.light.time, description.place)
+    objects = _moved(rng, environment.objects, environment.terrain)
+    return Arrangement(weather=weather, time=time, objects=objects)
+
+
+def box_of(piece: Piece) -> Floats:
+    """Return bounds of a piece, (2, 3): of its mesh's box, so rather too large."""
+    corners = np.array(np.meshgrid(*piece.mesh.bounds.T)).reshape(3, -1).T
+    placed = corners @ piece.rotation.T + piece.offset
+    return np.stack([placed.min(axis=0), placed.max(axis=0)])
+
+
+def bounds_of(thing: SceneObject) -> Floats:
+    """Return bounds of a thing, (2, 3), rather too large."""
+    boxes = np.array([box_of(piece) for piece in thing.pieces])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def _sunny_time(rng: np.random.Generator, around: datetime, place: PlaceBlock) -> datetime:
+    """Return a time within half a year of `around` at which the sun is well up."""
+    for _ in range(200):
+        time = around + timedelta(
+            days=int(rng.integers(-180, 181)), minutes=int(rng.integers(0, 1440))
+        )
+        if sun_direction(time, place.latitude_deg, place.longitude_deg)[2] > _LEAST_UP:
+            return time
+    return around
+
+
+def _moved(
+    rng: np.random.Generator, objects: Sequence[SceneObject], terrain: Terrain
+) -> tuple[SceneObject, ...]:
+    """Return `objects` with the movable ones shifted and turned, a few of them left out."""
+    is_free = [_is_free(thing, terrain) for thing in objects]
+    taken = [
+        box_of(piece)[:, :2]
+        for thing, free in zip(objects, is_free, strict=True)
+        for piece in ([] if free else thing.pieces)
+    ]
+    found = []
+    for thing, free in zip(objects, is_free, strict=True):
+        if free:
+            if rng.uniform() < _MISSING_SHARE:
+                continue
+            thing = _elsewhere(rng, thing, terrain, taken)
+            taken.append(bounds_of(thing)[:, :2])
+        found.append(thing)
+    return tuple(found)
+
+
+def _is_free(thing: SceneObject, terrain: Terrain) -> bool:
+    if thing.label not in MOVABLE or thing.path is not None or len(thing.pieces) != 1:
+        return False
+    offset = thing.pieces[0].offset
+    return abs(offset[2] - float(terrain.height_at(offset[None, :2])[0])) < _LYING_M
+
+
+def _elsewhere(
+    rng: np.random.Generator, thing: SceneObject, terrain: Terrain, taken: Sequence[Floats]
+) -> SceneObject:
+    """Return `thing` shifted to where nothing else stands; where it was if there is no room."""
+    (piece,) = thing.pieces
+    boxes = np.array(taken).reshape(-1, 2, 2)
+    above = piece.offset[2] - terrain.height_at(piece.offset[None, :2])[0]
+    for _ in range(_TRIES):
+        place = piece.offset[:2] + rng.normal(0.0, _SHIFT_STD_M, 2)
+        turn = rotation_of(math.degrees(float(rng.uniform(-math.pi, math.pi))))
+        if not terrain.inner.covers(place[None])[0]:
+            continue
+        up = above + terrain.height_at(place[None])[0]
+        moved = replace(piece, rotation=turn @ piece.rotation, offset=np.array([*place, up]))
+        low, high = box_of(moved)[:, :2]
+        if not np.any(np.all((boxes[:, 0] < high) & (boxes[:, 1] > low), axis=1)):
+            return replace(thing, pieces=(moved,))
+    return thing

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The files of a data set: where they lie, and one picture's worth of them."""
+
+import json
+from dataclasses import asdict, dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_dataset.annotations import Annotation
+from rocsafe_dataset.errors import DatasetError
+from rocsafe_dataset.options import DatasetOptions
+from rocsafe_dataset.takes import Take
+from rocsafe_geo.durable import replace_whole
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import PinholeCamera, quaternion_of_rotation
+from rocsafe_mapping.exif import with_exif
+from rocsafe_mapping.exif_png import png_with_exif
+from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_sim.engine.outputs import Frame
+
+_UNKNOWN = (0.0,) * 9
+# 16 bit pictures of instances end here.
+LARGEST_NUMBER = 65_535
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Picture:
+    """One finished picture.
+
+    Attributes
+    ----------
+    take : how it was taken.
+    frame : what was seen.
+    annotations : of the instances in it.
+    weather, time_ns : of the light.
+    height_m : of the camera above the ground.
+    renderer : that drew it.
+    """
+
+    take: Take
+    frame: Frame
+    annotations: list[Annotation]
+    weather: str
+    time_ns: int
+    height_m: float
+    renderer: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Folder:
+    """The folder of a data set.
+
+    Attributes
+    ----------
+    path : of it.
+    options : of the data set.
+    """
+
+    path: Path
+    options: DatasetOptions
+
+    def image(self, take: Take) -> str:
+        """Return the path of a picture in the folder."""
+        return f'images/{take.split}/{take.name}.{self.options.image_format}'
+
+    def record(self, number: int) -> Path:
+        """Return the path of a picture's record, the last of its files to be written."""
+        return self.path / 'records' / f'{number:06d}.json'
+
+    def write(self, picture: Picture, frame: LocalFrame) -> None:
+        """Write all files of one picture; `frame` is that of the scene.
+
+        Raises
+        ------
+        DatasetError: if the disk does not take them.
+        """
+        take, seen = picture.take, picture.frame
+        shot = _shot(picture, frame, self.options.lens)
+        depth = np.where(np.isfinite(seen.depth_m), seen.depth_m, np.float32(0.0))
+        files = {
+            self.image(take): self._image(seen.image, shot),
+            f'masks/{take.split}/{take.name}.png': _png(seen.numbers.astype(np.uint16)),
+            f'semantic/{take.split}/{take.name}.png': _png(seen.classes),
+            f'depth/{take.split}/{take.name}.tiff': _encoded('.tiff', depth),
+            f'labels/{take.split}/{take.name}.txt': _yolo(picture.annotations).encode(),
+            f'records/{take.name}.json': json.dumps(self._record(picture)).encode(),
+        }
+        try:
+            for name, data in files.items():
+                path = self.path / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                replace_whole(path, data)
+        except OSError as error:
+            raise DatasetError(f'{error.filename or self.path}: {error.strerror}') from error
+
+    def _image(self, image: NDArray[np.uint8], shot: ShotRecord) -> bytes:
+        if self.options.image_format == 'png':
+            return png_with_exif(_png(image), shot)
+        quality = [cv2.IMWRITE_JPEG_QUALITY, self.options.jpeg_quality]
+        return with_exif(_encoded('.jpg', image, quality), shot)
+
+    def _record(self, picture: Picture) -> dict[str, Any]:
+        take, lens = picture.take, self.options.lens
+        return {
+            'number': take.number,
+            'split': take.split,
+            'file': self.image(take),
+            'weather': picture.weather,
+            'sun_time_ns': picture.time_ns,
+            'height_agl_m': round(picture.height_m, 3),
+            'position_enu_m': take.position.tolist(),
+            'rotation_enu_from_optical': take.rotation.tolist(),
+            'camera_matrix': lens.matrix.tolist(),
+            'foreign_share': round(take.foreign_share, 4),
+            'renderer': picture.renderer,
+            'annotations': [asdict(annotation) for annotation in picture.annotations],
+        }
+
+
+def _shot(picture: Picture, frame: LocalFrame, lens: PinholeCamera) -> ShotRecord:
+    """Return the record that the image store would keep of a picture."""
+    take, matrix = picture.take, lens.matrix
+    position = frame.position_of(take.position)
+    return ShotRecord(
+        shot_id=f'dataset-{take.number:05d}',
+        vehicle='dataset',
+        sequence=take.number,
+        viewpoint_id=take.number,
+        time_ns=picture.time_ns,
+        latitude_deg=position.latitude_deg,
+        longitude_deg=position.longitude_deg,
+        altitude_m=position.altitude_m,
+        position_covariance_m2=_UNKNOWN,
+        height_agl_m=picture.height_m,
+        orientation_xyzw=_quaternion(take),
+        orientation_covariance_rad2=_UNKNOWN,
+        camera=Intrinsics(
+            width_px=lens.image_width_px, height_px=lens.image_height_px,
+            fx_px=float(matrix[0, 0]), fy_px=float(matrix[1, 1]),
+            cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]),
+        ),
+        sha256=sha256(picture.frame.image.tobytes()).hexdigest(),
+    )  # fmt: skip
+
+
+def _quaternion(take: Take) -> tuple[float, float, float, float]:
+    x, y, z, w = (float(value) for value in quaternion_of_rotation(take.rotation))
+    return x, y, z, w
+
+
+def _png(image: NDArray[Any]) -> bytes:
+    return _encoded('.png', image)
+
+
+def _encoded(suffix: str, image: NDArray[Any], settings: list[int] | None = None) -> bytes:
+    return cv2.imencode(suffix, image, settings or [])[1].tobytes()
+
+
+def _yolo(annotations: list[Annotation]) -> str:
+    """Return the lines of a picture's text: class and polygon; one without instances is empty."""
+    return ''.join(
+        f'{annotation.category} {" ".join(map(str, annotation.polygon))}\n'
+        for annotation in annotations
+    )

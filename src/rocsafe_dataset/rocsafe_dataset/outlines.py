@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mask as one polygon, which is all that YOLO's text knows."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_sim.scene.mesh import Floats
+
+# A part smaller than this share of the largest is left out.
+_LEAST_SHARE = 0.02
+# Pixels that a simplified outline may be off.
+_TOLERANCE_PX = 0.4
+
+
+def outline(mask: NDArray[np.bool_]) -> Floats:
+    """Return one polygon about all parts of `mask`, in pixels from its corner, (n, 2), n >= 3.
+
+    Parts are joined by a line there and back between their nearest corners; holes are lost.
+    """
+    # Four times as fine, so that the outline runs along the borders of pixels.
+    large = np.repeat(np.repeat(mask.astype(np.uint8), 4, axis=0), 4, axis=1)
+    contours, _ = cv2.findContours(large, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    rings = sorted((ring[:, 0] for ring in contours), key=lambda r: -_area(r))
+    largest = _area(rings[0])
+    kept = [ring for ring in rings if _area(ring) >= _LEAST_SHARE * largest]
+    fine = [cv2.approxPolyDP(ring, 4.0 * _TOLERANCE_PX, True)[:, 0] for ring in kept]
+    joined = np.asarray(fine[0], float)
+    for ring in fine[1:]:
+        joined = _joined(joined, np.asarray(ring, float))
+    return np.asarray((joined + 0.5) / 4.0)
+
+
+def _area(ring: Floats) -> float:
+    return float(cv2.contourArea(ring.astype(np.float32)))
+
+
+def _joined(one: Floats, two: Floats) -> Floats:
+    """Return one ring that runs round `one`, over to `two`, round it and back."""
+    distance = np.linalg.norm(one[:, None] - two[None], axis=2)
+    here, there = np.unravel_index(int(np.argmin(distance)), distance.shape)
+    around = np.concatenate([np.roll(two, -int(there), axis=0), two[there][None]])
+    return np.concatenate([one[: here + 1], around, one[here:]])
