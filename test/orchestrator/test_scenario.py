@@ -50,12 +50,17 @@ REFUSED = [
     ('name', '../up', 'must match'),
     ('clock.start', 'noon', 'must be a valid datetime'),
     ('camera.ground', 'no.tif', 'must be procedural or the path of a GeoTIFF; no such file'),
+    ('camera.effects.vignetting', 2.0, 'must be less than or equal to 1'),
+    ('camera.gimbal', 1, 'must be a valid boolean'),
     ('radiation.sources[0].sigma_usvps', -1.0, 'must be greater than 0'),
     ('radiation.sources[0].position', [0.0, -9.061], 'is 590'),
 ]
 
 # Key path, value, the line: mistakes without a single value.
 REFUSED_BLOCKS = [
+    ('other_cameras', [{'name': 'camera'}], "other_cameras[0].name = 'camera': is taken"),
+    ('other_cameras', [{'name': 'a b'}], "other_cameras[0].name = 'a b': must match"),
+    ('other_cameras', [{'pitch_deg': 9.0}], 'other_cameras[0].name: is missing'),
     ('sede', 3, 'sede: unknown key (did you mean seed?)'),
     ('survey.hight_agl_m', 3.0, 'survey.hight_agl_m: unknown key (did you mean height_agl_m?)'),
     ('vehicles[1].colour', 'red', 'vehicles[1].colour: unknown key (known: name, home, '),

@@ -18,8 +18,9 @@ from rocsafe_interfaces.msg import (
     VehicleState,
 )
 from rocsafe_orchestrator.mission.status import FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.scenario.camera_blocks import CameraBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import CameraBlock, RegionBlock, VehicleBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import RegionBlock, VehicleBlock
 from rocsafe_ros.conversions import point_of_position, position_of_point, region_of_area
 
 # What a flight that did not end as planned is called.
@@ -29,6 +30,7 @@ _FAULTS = {
     FlyRoute.Result.RETURNED_EARLY: 'returned early by request',
     FlyRoute.Result.BATTERY_LOW: 'returned early to keep its reserve of battery',
     FlyRoute.Result.ABORTED: 'aborted its flight',
+    FlyRoute.Result.COLLISION: 'flew into something',
 }
 
 

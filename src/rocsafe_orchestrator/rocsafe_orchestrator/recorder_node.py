@@ -40,6 +40,9 @@ class RecorderOptions:
     vehicles: tuple[str, ...] = field(
         default=(), metadata={'doc': 'namespaces of the vehicles to record'}
     )
+    other_cameras: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'names of further cameras of the vehicles'}
+    )
     lock_step: bool = field(
         default=True, metadata={'doc': 'take part in lock-step simulation as "recorder"'}
     )
@@ -85,7 +88,7 @@ class RecorderNode(Node):
     def _subscribe(self) -> list[Subscription]:
         """Subscribe to all topics; return the subscriptions that a vehicle feeds all the time."""
         awaited = []
-        for spec, vehicle in recorded_topics(self._options.vehicles):
+        for spec, vehicle in recorded_topics(self._options.vehicles, self._options.other_cameras):
             full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.scenario.camera_blocks import camera_parameters
 from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 
@@ -123,6 +124,7 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     return {
         'output_directory': str(run.path),
         'vehicles': list(scenario.vehicle_names),
+        'other_cameras': [camera.name for camera in scenario.other_cameras],
         **LOCK_STEP,
     }
 
@@ -155,17 +157,13 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'wind_east_mps': scenario.survey.wind_mps[0],
         'wind_north_mps': scenario.survey.wind_mps[1],
         **simulation,
-        **{f'{_camera_prefix(key)}{key}': v for key, v in scenario.camera.model_dump().items()},
+        **camera_parameters(scenario.camera, scenario.other_cameras),
         'scene': scenario.scene,
         'scene_start_s': scenario.clock.start.timestamp(),
         'seed': scenario.seed,
         **_origin(scenario),
         **LOCK_STEP,
     }
-
-
-def _camera_prefix(key: str) -> str:
-    return 'camera_' if key in ('backend', 'horizontal_fov_deg', 'oversampling') else ''
 
 
 def _origin(scenario: Scenario) -> Parameters:

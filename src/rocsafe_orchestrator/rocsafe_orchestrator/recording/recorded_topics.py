@@ -43,11 +43,28 @@ FLEET_TOPICS: tuple[TopicSpec, ...] = (
 AWAITED_TOPICS: tuple[TopicSpec, ...] = (topics.FIX, topics.STATE, topics.RADIATION)
 
 
-def recorded_topics(vehicles: Iterable[str]) -> Iterator[tuple[TopicSpec, str]]:
-    """Yield each topic to record with the vehicle it belongs to, empty for the fleet's."""
+# Of every camera; gimbals are among them where there are any.
+CAMERA_TOPICS: tuple[TopicSpec, ...] = (
+    topics.CAMERA_IMAGE_COMPRESSED,
+    topics.CAMERA_INFO,
+    topics.GIMBAL_STATE,
+)
+
+
+def recorded_topics(
+    vehicles: Iterable[str], other_cameras: Iterable[str] = ()
+) -> Iterator[tuple[TopicSpec, str]]:
+    """Yield each topic to record with the vehicle it belongs to, empty for the fleet's.
+
+    `other_cameras` are the names of the vehicles' cameras besides the first.
+    """
+    cameras = tuple(other_cameras)
     for vehicle in vehicles:
         for spec in VEHICLE_TOPICS:
             yield spec, vehicle
+        for camera in cameras:
+            for spec in CAMERA_TOPICS:
+                yield topics.of_camera(spec, camera), vehicle
     for spec in FLEET_TOPICS:
         yield spec, ''
 

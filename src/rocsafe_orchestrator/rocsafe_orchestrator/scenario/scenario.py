@@ -8,11 +8,11 @@ from pydantic import Field
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.scenario.camera_blocks import CameraBlock, OtherCameraBlock
 from rocsafe_orchestrator.scenario.limits import LARGEST_FLEET, LARGEST_SEED
 from rocsafe_orchestrator.scenario.radiation_blocks import RadiationBlock
 from rocsafe_orchestrator.scenario.scenario_blocks import (
     Block,
-    CameraBlock,
     ClockBlock,
     LatLon,
     OriginBlock,
@@ -36,6 +36,7 @@ class Scenario(Block):
     exclusions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
     survey: SurveyBlock
     camera: CameraBlock = CameraBlock()
+    other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)

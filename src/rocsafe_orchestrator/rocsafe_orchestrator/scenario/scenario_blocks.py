@@ -117,23 +117,6 @@ class SurveyBlock(Block):
     max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
 
 
-class CameraBlock(Block):
-    """The camera of every vehicle: a pinhole that looks straight down.
-
-    `backend` flat photographs `ground` with the scene painted on it; engine looks into the scene
-    of `scene_file`, by default ``../scenes/<scene>.yaml`` from the scenario's file.
-    """
-
-    backend: Literal['flat', 'engine'] = 'flat'
-    scene_file: str = ''
-    oversampling: int = Field(default=2, ge=1, le=4)
-    horizontal_fov_deg: float = Field(default=60.0, ge=5.0, le=150.0)
-    image_width_px: int = Field(default=640, ge=16, le=8192)
-    image_height_px: int = Field(default=480, ge=16, le=8192)
-    jpeg_quality: int = Field(default=90, ge=1, le=100)
-    ground: str = 'procedural'
-
-
 class SimulationBlock(Block):
     """How vehicles are simulated: one process each or all in one, and their sensors' noise."""
 

@@ -9,6 +9,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import distance_m
+from rocsafe_orchestrator.scenario.camera_blocks import FIRST_CAMERA
 from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_blocks import PLANNING_KEYS
 from rocsafe_orchestrator.scenario.survey_size import fewest_viewpoints
@@ -23,6 +24,7 @@ def mistakes(scenario: Scenario) -> list[str]:
     """Return one line for each mistake of `scenario`, naming key path, value and limit."""
     lines = [
         *_double_names(scenario),
+        *_double_cameras(scenario),
         *_unequal_fleet(scenario),
         *_missing_homes(scenario),
         *_unreal_time(scenario),
@@ -56,6 +58,14 @@ def _double_names(scenario: Scenario) -> Iterator[str]:
             if count > 1:
                 index = [i for i, other in enumerate(names) if other == name][1]
                 yield f'{block}[{index}].name = {name!r}: is given {count} times, must be unique'
+
+
+def _double_cameras(scenario: Scenario) -> Iterator[str]:
+    taken = [FIRST_CAMERA]
+    for index, camera in enumerate(scenario.other_cameras):
+        if camera.name in taken:
+            yield f'other_cameras[{index}].name = {camera.name!r}: is taken, must be unique'
+        taken.append(camera.name)
 
 
 def _unequal_fleet(scenario: Scenario) -> Iterator[str]:

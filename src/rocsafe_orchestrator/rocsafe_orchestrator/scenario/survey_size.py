@@ -6,7 +6,8 @@ import math
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.scenario.scenario_blocks import CameraBlock, SurveyBlock
+from rocsafe_orchestrator.scenario.camera_blocks import CameraBlock
+from rocsafe_orchestrator.scenario.scenario_blocks import SurveyBlock
 
 
 def spacing_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:
