@@ -11,10 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.position import offset
-from rocsafe_planner.errors import TerrainError
+from rocsafe_geo.relief import Relief
+from rocsafe_geo.terrain import TerrainError
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.relief import Relief
 
 from .fleets import FLEET, request, vehicle
 from .surveys import surveys

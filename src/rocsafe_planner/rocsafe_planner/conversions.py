@@ -7,6 +7,7 @@ from dataclasses import fields
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain_file import read_terrain
 from rocsafe_interfaces import action, msg
 from rocsafe_planner.errors import (
     BeyondEnduranceError,
@@ -20,7 +21,6 @@ from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
 from rocsafe_planner.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
 from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.terrain_file import read_terrain
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_planner.viewpoint import viewpoints_over
 from rocsafe_ros.conversions import (

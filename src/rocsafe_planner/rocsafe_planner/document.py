@@ -8,8 +8,8 @@ from typing import Any
 from rocsafe_geo.area import Ring, SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain import Terrain
 from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.terrain import Terrain
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_planner.viewpoint import Viewpoint
 

@@ -26,9 +26,5 @@ class MissingSensorError(PlannerError):
     """No vehicle carries what a viewpoint requires."""
 
 
-class TerrainError(PlannerError):
-    """The elevation model lacks the ground that is to be flown over."""
-
-
 class NothingLeftError(PlannerError):
     """Every viewpoint is photographed."""

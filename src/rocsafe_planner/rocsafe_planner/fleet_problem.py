@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.motion.route_motion import RouteMotion
+from rocsafe_geo.relief import Relief
+from rocsafe_geo.terrain import LocalGround
 from rocsafe_planner.airspace import Air, Detours
 from rocsafe_planner.flight_motion import enu, flight_motion
 from rocsafe_planner.flight_time import FlightTime
-from rocsafe_planner.relief import Relief
-from rocsafe_planner.terrain import LocalGround
 from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.motion import MotionLimits
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.motion.route_motion import RouteMotion
-from rocsafe_planner.relief import Relief
+from rocsafe_geo.relief import Relief
 
 FloatArray = NDArray[np.float64]
 

@@ -16,6 +16,7 @@ from rocsafe_geo.limits import (
 )
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain import Terrain
 from rocsafe_planner.coverage import GRIDS, spacing_m
 from rocsafe_planner.document import (
     area_document,
@@ -28,7 +29,6 @@ from rocsafe_planner.document import (
 )
 from rocsafe_planner.routing import METHODS
 from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.terrain import Terrain
 from rocsafe_planner.vehicle import Vehicle
 from rocsafe_planner.viewpoint import Viewpoint
 

@@ -25,6 +25,7 @@ from rocsafe_geo.area import Ring, SurveyArea
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain_file import read_terrain
 from rocsafe_planner.request import (
     DEFAULT_MAX_VIEWPOINTS,
     DEFAULT_METHOD,
@@ -33,7 +34,6 @@ from rocsafe_planner.request import (
     SurveyRequest,
 )
 from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.terrain_file import read_terrain
 from rocsafe_planner.vehicle import Vehicle
 
 Place = Annotated[list[float], Field(min_length=2, max_length=3)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain import LocalGround
 from rocsafe_planner.airspace import Airspace
 from rocsafe_planner.coverage import Coverage, CoverageSpec, cover, coverage_spec
 from rocsafe_planner.errors import MissingSensorError, TooManyViewpointsError
@@ -19,7 +20,6 @@ from rocsafe_planner.given_viewpoints import given_coverage, places_of
 from rocsafe_planner.plan import Viewpoint
 from rocsafe_planner.request import SurveyRequest
 from rocsafe_planner.site_checks import check_distances, check_stands
-from rocsafe_planner.terrain import LocalGround
 
 FloatArray = NDArray[np.float64]
 

@@ -62,7 +62,8 @@ class Relief:
     def _depths(self, distance: FloatArray) -> NDArray[np.intp]:
         """Return the grid whose samples are enough for each leg."""
         steps = np.maximum(distance / (2.0 * self._cell * _MOST_SAMPLES), 1.0)
-        return np.clip(np.ceil(np.log2(steps)), 0, len(self._levels) - 1).astype(np.intp)
+        depths: NDArray[np.intp] = np.ceil(np.log2(steps)).astype(np.intp)
+        return np.clip(depths, 0, len(self._levels) - 1)
 
     def _bends(self, a: FloatArray, b: FloatArray, level: int) -> tuple[FloatArray, FloatArray]:
         longest = float(np.hypot(*(b - a)[:, :2].T).max())

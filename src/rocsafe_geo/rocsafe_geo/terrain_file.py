@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_planner.terrain import Terrain
+from rocsafe_geo.terrain import Terrain
 
 MOST_PIXELS = 25_000_000
 """5000 by 5000: a larger raster takes more than 200 MB."""

@@ -10,14 +10,17 @@ from pyproj import CRS, Transformer
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.projection import columns as as_columns
-from rocsafe_planner.errors import TerrainError
-from rocsafe_planner.relief import Relief
+from rocsafe_geo.relief import Relief
 
 FloatArray = NDArray[np.float64]
 
 # Cells of a relief along its longer side, at most, and their least size.
 _MOST_CELLS = 1000
 _LEAST_CELL_M = 0.5
+
+
+class TerrainError(ValueError):
+    """The elevation model lacks ground that is needed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,8 +30,8 @@ class Terrain:
     Attributes
     ----------
     heights_m
-        Of pixel centres, shape (rows, columns), NaN where unknown; above any level surface: the
-        planner shifts them so that they agree with the homes.
+        Of pixel centres, shape (rows, columns), NaN where unknown; above any level surface:
+        `LocalGround` shifts them so that they agree with places whose altitude is known.
     to_column, to_row
         Coefficients (x, y, 1) of column and row, 0.5 in the middle of the first pixel.
     crs
