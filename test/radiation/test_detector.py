@@ -87,15 +87,21 @@ def test_a_tube_overresponds_to_soft_photons():
     assert TUBE.relative_response('Cs-137') == 1.0
 
 
+def northward(samples):
+    """Return the dose rate at each sample."""
+    return np.array([1e4 * sample.place[0] for sample in samples])
+
+
 def flight(counter, steps):
-    """Return the readings of a flight with a sample each 0.2 s."""
+    """Return the readings of a flight with a sample each 0.2 s.
+
+    The dose rate grows by 0.1 uSv/h each step of 1e-5 degrees to the north.
+    """
     samples = (
         Sample(
             time_ns=step * SECOND_NS // 5,
-            dose_rate_usvh=0.1 * step,
-            latitude_deg=1e-5 * step,
-            longitude_deg=2.0,
-            altitude_m=30.0,
+            place=(1e-5 * step, 2.0, 30.0),
+            believed=(1e-5 * step, 2.0, 30.0),
         )
         for step in steps
     )
@@ -104,7 +110,7 @@ def flight(counter, steps):
 
 def test_windows_end_at_whole_seconds_at_the_mean_place():
     """Samples 6 to 10 are the second window: their mean is 0.8 uSv/h at sample 8."""
-    readings = flight(WindowCounter(DETECTORS['nai_2x2'], 'rav1', 1.0, 7), range(1, 16))
+    readings = flight(WindowCounter(DETECTORS['nai_2x2'], 'rav1', 1.0, 7, northward), range(1, 16))
     assert [reading.time_ns for reading in readings] == [2 * SECOND_NS, 3 * SECOND_NS]
     assert readings[0].latitude_deg == pytest.approx(8e-5)
     assert readings[0].measurement.counts == pytest.approx(0.8 * 1500, abs=200)
@@ -112,15 +118,15 @@ def test_windows_end_at_whole_seconds_at_the_mean_place():
 
 def test_a_restart_changes_no_later_window():
     """The counter that began in the middle agrees from its first whole window on."""
-    whole = flight(WindowCounter(TUBE, 'rav1', 1.0, 7), range(1, 31))
-    late = flight(WindowCounter(TUBE, 'rav1', 1.0, 7), range(13, 31))
+    whole = flight(WindowCounter(TUBE, 'rav1', 1.0, 7, northward), range(1, 31))
+    late = flight(WindowCounter(TUBE, 'rav1', 1.0, 7, northward), range(13, 31))
     assert late == whole[-len(late) :]
     assert len(late) == 3
 
 
 def test_windows_without_a_sample_at_their_end_are_told_by_the_next():
     """As with fixes that miss the whole second."""
-    readings = flight(WindowCounter(TUBE, 'rav1', 1.0, 7), (1, 3, 6, 9, 12))
+    readings = flight(WindowCounter(TUBE, 'rav1', 1.0, 7, northward), (1, 3, 6, 9, 12))
     assert [reading.time_ns for reading in readings] == [2 * SECOND_NS]
 
 

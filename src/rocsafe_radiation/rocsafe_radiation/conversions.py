@@ -21,11 +21,6 @@ def coordinates_of_fix(fix: NavSatFix) -> Coordinates:
     return (fix.latitude, fix.longitude, fix.altitude) if has_position(fix) else NOWHERE
 
 
-def mission_time_s(fix: NavSatFix, start_ns: int) -> float:
-    """Return the time of `fix` after the start of the mission, seconds."""
-    return seconds_since(start_ns, ns_of_stamp(fix.header.stamp))
-
-
 def seconds_since(start_ns: int, time_ns: int) -> float:
     """Return the seconds from `start_ns` to `time_ns`, both nanoseconds since 1970."""
     return (time_ns - start_ns) / NS_PER_S
@@ -63,15 +58,12 @@ def reading_of(
     return reading
 
 
-def sample_of(fix: NavSatFix, dose_rate_usvh: float) -> Sample:
-    """Return the field at the time of `fix`, with the place that it states."""
-    latitude, longitude, altitude = coordinates_of_fix(fix)
+def sample_of(fix: NavSatFix, truth: NavSatFix) -> Sample:
+    """Return the moment of `fix`, with the place that it states and the true one."""
     return Sample(
         time_ns=ns_of_stamp(fix.header.stamp),
-        dose_rate_usvh=float(dose_rate_usvh),
-        latitude_deg=latitude,
-        longitude_deg=longitude,
-        altitude_m=altitude,
+        place=coordinates_of_fix(truth),
+        believed=coordinates_of_fix(fix),
     )
 
 

@@ -2,31 +2,32 @@
 """Windows of a counting detector: samples of the field along a flight become measurements."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_radiation.detector import DetectorModel, Measurement, measure, window_generator
 
 NS_PER_S = 1_000_000_000
+Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """The field at one moment of a flight.
+    """One moment of a flight; places are latitude and longitude in degrees, altitude in metres.
 
     Attributes
     ----------
     time_ns: of the moment.
-    dose_rate_usvh: dose rate of Cs-137 that makes as many counts as the field.
-    latitude_deg, longitude_deg, altitude_m: where the vehicle believes it is; NaN: unknown.
+    place: where the detector is.
+    believed: where the vehicle believes it is; NaN: unknown.
     """
 
     time_ns: int
-    dose_rate_usvh: float
-    latitude_deg: float
-    longitude_deg: float
-    altitude_m: float
+    place: Place
+    believed: Place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,21 +41,33 @@ class WindowReading:
     altitude_m: float
 
 
+# The dose rate of Cs-137 that makes as many counts as the field, at n samples, uSv/h, shape (n,).
+DoseRates = Callable[[Sequence[Sample]], NDArray[np.float64]]
+
+
 class WindowCounter:
     """Counts in windows that begin at whole multiples of their length since the epoch.
 
     The counts of a window depend on the seed, the vehicle, the number of the window and the field
     along it, so restarts and speed change nothing; a window of which only a part was seen, as
     after a restart, gives no reading. A window is complete with a sample at its end or, without
-    one, with the first sample thereafter.
+    one, with the first sample thereafter. The field is asked once a window, for all its samples.
     """
 
-    def __init__(self, detector: DetectorModel, vehicle: str, window_s: float, seed: int) -> None:
+    def __init__(
+        self,
+        detector: DetectorModel,
+        vehicle: str,
+        window_s: float,
+        seed: int,
+        dose_rates: DoseRates,
+    ) -> None:
         if not 1e-3 <= window_s <= 3600.0:
             raise ValueError(f'window_s = {window_s} must be within 0.001 and 3600')
         self._detector = detector
         self._vehicle = vehicle
         self._seed = seed
+        self._dose_rates = dose_rates
         self._window_ns = round(window_s * NS_PER_S)
         self._samples: list[Sample] = []
         self._index: int | None = None
@@ -84,9 +97,9 @@ class WindowCounter:
         if not samples or not self._is_whole or self._index is None:
             return None
         generator = window_generator(self._seed, self._vehicle, self._index)
-        mean_usvh = math.fsum(sample.dose_rate_usvh for sample in samples) / len(samples)
+        mean_usvh = math.fsum(self._dose_rates(samples).tolist()) / len(samples)
         window_s = self._window_ns / NS_PER_S
-        places = np.array([(s.latitude_deg, s.longitude_deg, s.altitude_m) for s in samples])
+        places = np.array([sample.believed for sample in samples])
         known = places[np.isfinite(places).all(axis=1)]
         latitude, longitude, altitude = known.mean(axis=0) if len(known) else [math.nan] * 3
         return WindowReading(

@@ -75,6 +75,11 @@ class RadiationField:
         object.__setattr__(self, '_moving', tuple(np.flatnonzero(moves).tolist()))
         object.__setattr__(self, '_still', still)
 
+    @property
+    def is_still(self) -> bool:
+        """Whether no source moves."""
+        return not self._moving
+
     def dose_rates_usvh(
         self,
         latitudes_deg: ArrayLike,
@@ -200,6 +205,13 @@ def dose_rate_usvps(
     """Return sigma / d^2 in microsievert per second, with d at least `source_radius_m`."""
     clamped_m = np.maximum(distances_m, source_radius_m)
     return np.asarray(sigma_usvps / (clamped_m * clamped_m), dtype=np.float64)
+
+
+def require_point(latitude_deg: float, longitude_deg: float, altitude_m: float) -> None:
+    """Raise UnknownPointError if a place is not finite or out of range."""
+    is_place = abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0
+    if not (is_place and math.isfinite(altitude_m)):
+        _check_points(_arrays(latitude_deg, longitude_deg, altitude_m))
 
 
 def _arrays(*parts: ArrayLike) -> Coordinates:

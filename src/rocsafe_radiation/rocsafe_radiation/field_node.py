@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``radiation_field``: what the vehicles' detectors read in a simulated field."""
 
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -11,13 +12,13 @@ from rocsafe_radiation.conversions import (
     coordinates_of_fix,
     coordinates_of_points,
     counted_reading_of,
-    mission_time_s,
     reading_of,
     sample_of,
     seconds_since,
 )
 from rocsafe_radiation.counting import WindowCounter
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
+from rocsafe_radiation.field import require_point
 from rocsafe_radiation.options import FieldOptions
 from rocsafe_radiation.pairing import StampPairing
 from rocsafe_radiation.survey_field import SurveyField
@@ -39,12 +40,13 @@ class Detector:
     ) -> None:
         self._log = node.get_logger()
         self._vehicle = vehicle
-        self._model = options.model
-        self._start_ns = options.start_time_ns
-        self._field = field
+        self._model, self._kind = options.model, field.detector
+        self._dose_rates_usvh = partial(field.flown_dose_rates_usvh, options.start_time_ns)
         kind = field.kind
         self._counter = (
-            WindowCounter(kind, vehicle, options.window_s, options.seed) if kind else None
+            WindowCounter(kind, vehicle, options.window_s, options.seed, self._dose_rates_usvh)
+            if kind
+            else None
         )
         self._pairing: StampPairing[NavSatFix, NavSatFix] = StampPairing()
         self._unanswered = 0
@@ -74,19 +76,19 @@ class Detector:
             return
         fix, place = pair
         try:
-            dose_rate_usvh = self._field.counted_dose_rates_usvh(
-                *coordinates_of_fix(place), mission_time_s(place, self._start_ns)
-            )[0]
+            require_point(*coordinates_of_fix(place))
         except UnknownPointError as error:
             self._count_unanswered(error)
             return
+        sample = sample_of(fix, place)
         if self._counter is None:
+            (dose_rate_usvh,) = self._dose_rates_usvh([sample])
             self._readings.publish(reading_of(fix, self._vehicle, self._model, dose_rate_usvh))
             return
-        window = self._counter.add(sample_of(fix, dose_rate_usvh))
+        window = self._counter.add(sample)
         if window is not None:
-            name = self._field.detector
-            self._readings.publish(counted_reading_of(window, self._vehicle, self._model, name))
+            reading = counted_reading_of(window, self._vehicle, self._model, self._kind)
+            self._readings.publish(reading)
 
     def _count_unanswered(self, error: UnknownPointError) -> None:
         self._unanswered += 1

@@ -2,12 +2,14 @@
 """What a detector meets in the field: sources, each by its nuclide, and background."""
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rocsafe_radiation.background import Background
+from rocsafe_radiation.counting import NS_PER_S, Sample
 from rocsafe_radiation.detector import DETECTORS, IDEAL, DetectorModel
 from rocsafe_radiation.field import RadiationField
 
@@ -80,6 +82,24 @@ class SurveyField:
         )
         counted = self._responses @ by_source
         return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
+
+    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> Array:
+        """Return the same for each sample of a flight, shape (n,).
+
+        Parameters
+        ----------
+        start_ns: start of the mission, nanoseconds since 1970.
+        samples: at places that are some.
+        """
+        if self.field.is_still:
+            places = np.array([sample.place for sample in samples])
+            return self.counted_dose_rates_usvh(*places.T)
+        return np.concatenate(
+            [
+                self.counted_dose_rates_usvh(*one.place, (one.time_ns - start_ns) / NS_PER_S)
+                for one in samples
+            ]
+        )
 
     def _natural(self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike) -> Array:
         """Return the background, or zero where there is none."""
