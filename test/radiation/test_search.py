@@ -192,3 +192,17 @@ def test_a_question_waits_for_readings_that_still_come():
     assert inquiry.is_answerable(second, 14, 12), 'what there was when it was asked'
     asked = [inquiry.is_answerable(second, 20, 20) for _ in range(3)]
     assert asked == [False, False, True]
+
+
+def test_ground_not_seen_yet_hides_no_source_that_was_seen():
+    """Half of the ground read, the other known but unread: what was seen counts as it is."""
+    whole = survey([(75.0, 150.0, 92.0)], seed=3)
+    unread = whole.positions_enu_m[:, 0] > 150.0
+    half = type(whole)(
+        positions_enu_m=whole.positions_enu_m,
+        counts=np.where(unread, 0.0, whole.counts),
+        exposures=np.where(unread, 1e-6, whole.exposures),
+    )
+    evidence = sequential_evidence(half, Setting(kernel=PAPER), 92.0)
+    assert StoppingRule().decision(evidence) == PRESENT
+    assert evidence.log_ratio_smallest > 10.0

@@ -21,15 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_radiation.candidates import candidate_grid, grid_kernel
-from rocsafe_radiation.likelihood import Setting, background_level_usvh
+from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
-STRENGTHS = 13
+STRENGTHS = 9
 # The range of strengths spans so many decades above the smallest that is looked for.
 DECADES = 4.0
-# Background and strengths are fitted together in so many rounds.
-ROUNDS = 3
+# Newton's method for the background beside a source: so many rounds are good to 1e-4.
+ROUNDS = 5
+# Of the background without a source: less is not looked for beside one.
+LOWEST_LEVEL = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,13 +103,14 @@ def _log_ratios(survey: Survey, added: Array, natural: Array, level: float) -> A
     `added` are the counts that a source at each place adds, shape (places, n).
     """
     counts = survey.counts
-    levels = np.full((len(added), 1), background_level_usvh(survey))
+    levels = np.full((len(added), 1), level)
     for _ in range(ROUNDS):
-        # One step of expectation and maximisation: the share of counts that is background.
-        levels = (counts * (levels * natural) / (levels * natural + added)).sum(
-            axis=1, keepdims=True
-        ) / natural.sum()
-        levels = np.maximum(levels, 1e-9)
+        expected = levels * natural + added
+        # The slope of the likelihood by the level falls ever less: from below, no step is too far.
+        shares = natural / expected
+        slopes = (counts * shares).sum(axis=1, keepdims=True) - natural.sum()
+        bends = (counts * shares * shares).sum(axis=1, keepdims=True)
+        levels = np.maximum(levels + slopes / np.maximum(bends, 1e-300), LOWEST_LEVEL * level)
     expected = levels * natural + added
     null = level * natural
     return np.asarray((counts * np.log(expected / null) - (expected - null)).sum(axis=1))
