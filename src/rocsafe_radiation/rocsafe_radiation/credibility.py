@@ -8,10 +8,13 @@ counts plus that of the ground, and its log likelihood ratio L becomes
 
     1 / (1/L + 2 a^2/q^2),
 
-with the source's dose rate over itself q in units of the background: never more than q^2/(2 a^2),
-however long one counts. On even ground a is 0, and nothing changes.
+with the largest dose rate q that it adds to a reading in units of the background: never more than
+q^2/(2 a^2), however long one counts. The share a is half of what the ground varies smoothly, or
+what readings far from all sources scatter beyond their counts, if that is more. On even ground a
+is 0, and nothing changes.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +28,10 @@ UNRESOLVED_SHARE = 0.5
 LEAST_EVIDENCE = 12.0
 # So much better explains uneven ground the readings, with as many sources.
 CLEARLY_BETTER = 3.0
+# Readings to which sources add less than this share of the background are far from them.
+LARGEST_EXCESS = 0.3
+# Standard deviations of the squared misfits of counts.
+CLEARLY_BEYOND = 3.0
 
 
 def unevenness(even: OrderSearch, uneven: OrderSearch) -> float:
@@ -38,7 +45,9 @@ def unevenness(even: OrderSearch, uneven: OrderSearch) -> float:
     order = uneven.order
     if order < len(even.scores) and uneven.scores[order] < even.scores[order] + CLEARLY_BETTER:
         return 0.0
-    return UNRESOLVED_SHARE * _smooth_variation(uneven.likelihood, uneven.fits[order])
+    likelihood, fit = uneven.likelihood, uneven.fits[order]
+    smooth = UNRESOLVED_SHARE * _smooth_variation(likelihood, fit)
+    return max(smooth, _rough_variation(likelihood, fit))
 
 
 def weighed(found: OrderSearch, share: float) -> OrderSearch:
@@ -56,8 +65,20 @@ def weighed(found: OrderSearch, share: float) -> OrderSearch:
 
 def _smooth_variation(likelihood: Likelihood, fit: Fit) -> float:
     """Return the standard deviation of the logarithm of the smooth background over readings."""
-    bumps = fit.parameters[LEVEL_PARAMETERS : likelihood.background_size]
+    bumps = fit.parameters[LEVEL_PARAMETERS : likelihood.head_size]
     return float((likelihood.basis[:, LEVEL_PARAMETERS - 1 :] @ bumps).std())
+
+
+def _rough_variation(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the share by which readings far from all sources scatter beyond their counts."""
+    background = likelihood.background_usvh(fit.parameters) * likelihood.survey.exposures
+    expected = likelihood.expected(fit.parameters)
+    far = expected - background <= LARGEST_EXCESS * background
+    misfits = (likelihood.survey.counts - expected)[far] ** 2 - expected[far]
+    noise = math.sqrt(float((2.0 * expected[far] ** 2 + expected[far]).sum()))
+    if misfits.sum() <= CLEARLY_BEYOND * noise:
+        return 0.0
+    return math.sqrt(float(misfits.sum() / (background[far] ** 2).sum()))
 
 
 def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> float:
@@ -67,9 +88,7 @@ def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> flo
     others would take over part of what that explains.
     """
     level = float(np.median(likelihood.background_usvh(fit.parameters)))
-    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
-    (over,) = likelihood.setting.kernel.values(np.array([height**2]))
-    ratios = np.exp(likelihood.sources(fit.parameters)[:, 3]) * over / level
+    ratios = likelihood.source_rates_usvh(fit.parameters).max(axis=1, initial=0.0) / level
     evidence = np.array(
         [
             fit.log_likelihood - likelihood.objective(_without(likelihood, fit, index))
@@ -85,5 +104,5 @@ def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> flo
 
 
 def _without(likelihood: Likelihood, fit: Fit, index: int) -> Array:
-    start = likelihood.background_size + SOURCE_PARAMETERS * index
+    start = likelihood.head_size + SOURCE_PARAMETERS * index
     return np.delete(fit.parameters, range(start, start + SOURCE_PARAMETERS))

@@ -2,7 +2,8 @@
 """The Poisson likelihood of counts given sources and background, and its maximum.
 
 Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
-ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Parameters: c0, ch, c_j,
+ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Where the law of the dose
+rate is in doubt, too, the numbers p_j of a `LawDeviation` change it. Parameters: c0, ch, c_j, p_j,
 then for each source east, north, up and the logarithm of its strength. Fitted by damped Fisher
 scoring.
 
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.law_deviation import LawDeviation
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
@@ -49,6 +51,8 @@ class Setting:
         keeps it.
     background_std: of each c_j as known before; 0: the background is the same everywhere.
     rho: share of the excess by which counts scatter beyond Poisson.
+    tilt_std, shadow_std: of the numbers of the deviation of the law of the dose rate as known
+        before; 0: it is that of the kernel.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
@@ -56,6 +60,8 @@ class Setting:
     source_up_std_m: float = 0.0
     background_std: float = 0.0
     rho: float = 0.0
+    tilt_std: float = 0.0
+    shadow_std: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,11 +79,21 @@ class Likelihood:
     def __init__(self, survey: Survey, setting: Setting, basis: Array) -> None:
         self.survey = survey
         self.setting = setting
-        has_bumps = setting.background_std > 0.0
         ups = survey.positions_enu_m[:, 2]
         below = (np.median(ups) - ups)[:, None] / GROUND_DECAY_M
-        self.basis = np.hstack([below, basis]) if has_bumps else below
-        self.background_size = 1 + self.basis.shape[1]
+        bumps = basis if setting.background_std > 0.0 else basis[:, :0]
+        self._deviation = LawDeviation(
+            height_m=survey.height_m(setting.source_up_m),
+            tilt_std=setting.tilt_std,
+            shadow_std=setting.shadow_std,
+        )
+        stds = self._deviation.stds
+        # The numbers of the law come last before the sources; to the background they add nothing.
+        self.basis = np.hstack([below, bumps, np.zeros((survey.size, stds.size))])
+        self.head_size = 1 + self.basis.shape[1]
+        bumps_end = LEVEL_PARAMETERS + bumps.shape[1]
+        self.bumps, self.law = slice(LEVEL_PARAMETERS, bumps_end), slice(bumps_end, self.head_size)
+        self.nuisance_stds = np.append(np.full(bumps.shape[1], setting.background_std), stds)
         self.weights = _weights(survey, setting.rho)
         counts = survey.counts
         # With this constant the likelihood of a perfect fit is 0: no large numbers are compared.
@@ -92,15 +108,15 @@ class Likelihood:
 
     def source_count(self, parameters: Array) -> int:
         """Return the number of sources that `parameters` describe."""
-        return (len(parameters) - self.background_size) // SOURCE_PARAMETERS
+        return (len(parameters) - self.head_size) // SOURCE_PARAMETERS
 
     def sources(self, parameters: Array) -> Array:
         """Return east, north, up and log strength of each source, shape (sources, 4)."""
-        return parameters[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+        return parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
 
     def background_usvh(self, parameters: Array) -> Array:
         """Return the background at each reading, shape (n,)."""
-        logs = parameters[0] + self.basis @ parameters[1 : self.background_size]
+        logs = parameters[0] + self.basis @ parameters[1 : self.head_size]
         return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)) * self._shape)
 
     def expected(self, parameters: Array) -> Array:
@@ -108,10 +124,18 @@ class Likelihood:
         rates = self.background_usvh(parameters)
         sources = self.sources(parameters)
         if len(sources):
-            offsets = self._offsets(sources)
-            squares = np.einsum('kcn,kcn->kn', offsets, offsets)
-            rates = rates + np.exp(sources[:, 3]) @ self.setting.kernel.values(squares)
+            rates = rates + self.source_rates_usvh(parameters).sum(axis=0)
         return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
+
+    def source_rates_usvh(self, parameters: Array) -> Array:
+        """Return the dose rate of each source at each reading, shape (sources, n)."""
+        sources = self.sources(parameters)
+        offsets = self._offsets(sources)
+        squares = np.einsum('kcn,kcn->kn', offsets, offsets)
+        values = np.exp(sources[:, 3])[:, None] * self.setting.kernel.values(squares)
+        if self.law.stop > self.law.start:
+            values *= self._deviation.factors(parameters[self.law], offsets)
+        return np.asarray(values)
 
     def objective(self, parameters: Array) -> float:
         """Return the logarithm of likelihood and priors."""
@@ -166,7 +190,7 @@ class Likelihood:
         slopes = np.empty((self.survey.size, len(parameters)))
         rates = self.background_usvh(parameters)
         slopes[:, 0] = rates
-        slopes[:, 1 : self.background_size] = self.basis * rates[:, None]
+        slopes[:, 1 : self.head_size] = self.basis * rates[:, None]
         sources = self.sources(parameters)
         if len(sources):
             offsets = self._offsets(sources)
@@ -176,10 +200,19 @@ class Likelihood:
             parts = np.empty((len(sources), SOURCE_PARAMETERS, self.survey.size))
             parts[:, :3] = (-2.0 * strengths * by_square)[:, None, :] * offsets
             parts[:, 3] = strengths * values
-            slopes[:, self.background_size :] = parts.reshape(-1, self.survey.size).T
+            if self.law.stop > self.law.start:
+                self._deviate(parameters[self.law], offsets, parts, slopes)
+            slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
             rates = rates + parts[:, 3].sum(axis=0)
         expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
         return expected, slopes * exposures[:, None]
+
+    def _deviate(self, numbers: Array, offsets: Array, parts: Array, slopes: Array) -> None:
+        """Change the slopes of sources to those of a law that deviates, and add its own."""
+        parts *= self._deviation.factors(numbers, offsets)[:, None]
+        parts[:, :3] += parts[:, 3:] * self._deviation.slopes(numbers, offsets)
+        features = self._deviation.features(offsets)
+        slopes[:, self.law] = np.einsum('kn,jkn->nj', parts[:, 3], features)
 
     def _offsets(self, sources: Array) -> Array:
         """Return the way from each source to each reading, shape (sources, 3, n)."""
@@ -190,34 +223,35 @@ class Likelihood:
         diagonal = np.diag_indices_from(matrix)
         matrix[diagonal] += damping * matrix[diagonal] + 1e-12
         step: Array = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
-        step[: self.background_size] = np.clip(
-            step[: self.background_size], -LARGEST_LOG_STEP, LARGEST_LOG_STEP
+        step[: self.head_size] = np.clip(
+            step[: self.head_size], -LARGEST_LOG_STEP, LARGEST_LOG_STEP
         )
-        sources = step[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+        sources = step[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
         limits = np.array([self._step_limit_m] * 3 + [LARGEST_LOG_STEP])
         np.clip(sources, -limits, limits, out=sources)
         return step
 
     def _inside(self, parameters: Array) -> Array:
         """Return `parameters` with all sources moved into the ground that readings can tell of."""
-        sources = parameters[self.background_size :].reshape(-1, SOURCE_PARAMETERS)
+        sources = parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
         np.clip(sources[:, :2], self._low, self._high, out=sources[:, :2])
+        limits = self._deviation.limits
+        np.clip(parameters[self.law], -limits, limits, out=parameters[self.law])
         return parameters
 
     def _prior_means(self, parameters: Array) -> Array:
         means = np.zeros_like(parameters)
         means[0], means[1] = LEVEL_MEAN, HEIGHT_MEAN
-        means[self.background_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
+        means[self.head_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
         return means
 
     def _prior_precisions(self, parameters: Array) -> Array:
         precisions = np.zeros_like(parameters)
         precisions[0], precisions[1] = LEVEL_STD**-2, HEIGHT_STD**-2
-        if self.setting.background_std > 0.0:
-            precisions[LEVEL_PARAMETERS : self.background_size] = self.setting.background_std**-2
+        precisions[LEVEL_PARAMETERS : self.head_size] = self.nuisance_stds**-2.0
         # A height that is kept is one known to a tenth of a millimetre.
         up_std = max(self.setting.source_up_std_m, 1e-4)
-        precisions[self.background_size + UP :: SOURCE_PARAMETERS] = up_std**-2
+        precisions[self.head_size + UP :: SOURCE_PARAMETERS] = up_std**-2
         return precisions
 
 

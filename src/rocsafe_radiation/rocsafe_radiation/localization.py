@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Likelihood, Setting
+from rocsafe_radiation.mirror_image import covariance_with_images
 from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, search
 from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
@@ -154,7 +155,7 @@ def require_enough(survey: Survey) -> None:
 
 def _described(found: OrderSearch, reading_count: int) -> Localization:
     likelihood, fit = found.likelihood, found.best
-    covariance = np.asarray(np.linalg.inv(fit.information), np.float64)
+    covariance = covariance_with_images(likelihood, fit)
     estimates = [
         _estimate(likelihood, found, covariance, index)
         for index in range(likelihood.source_count(fit.parameters))
@@ -176,7 +177,7 @@ def _described(found: OrderSearch, reading_count: int) -> Localization:
 def _estimate(
     likelihood: Likelihood, found: OrderSearch, covariance: Array, index: int
 ) -> SourceEstimate:
-    start = likelihood.background_size + SOURCE_PARAMETERS * index
+    start = likelihood.head_size + SOURCE_PARAMETERS * index
     own = covariance[start : start + SOURCE_PARAMETERS, start : start + SOURCE_PARAMETERS]
     source = likelihood.sources(found.best.parameters)[index]
     others = np.delete(found.best.parameters, range(start, start + SOURCE_PARAMETERS))

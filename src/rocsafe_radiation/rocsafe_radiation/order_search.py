@@ -4,6 +4,7 @@
 import itertools
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from rocsafe_radiation.likelihood import (
     Setting,
     background_level_usvh,
 )
+from rocsafe_radiation.mirror_image import mirror_images
 from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
 
@@ -41,15 +43,19 @@ SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
 # Of a source before any reading: sources are rare, and ground and detectors never quite as
 # assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
 LOG_PRIOR_ODDS_FIRST = -3.0
-# What may be wrong with "Poisson about a constant background": background_std, rho.
-NUISANCES = (
-    (0.0, 0.0),
-    (0.3, 0.0),
-    (0.0, 0.05),
-    (0.3, 0.05),
-    (0.0, 0.1),
-    (0.3, 0.1),
-    (0.0, 0.2),
+# What may be wrong with "Poisson about a constant background, by the law of the dose rate".
+UNEVEN = {'background_std': 0.3}
+NUISANCES: tuple[dict[str, Any], ...] = (
+    UNEVEN,
+    {'tilt_std': 0.4},
+    {'tilt_std': 0.4, 'shadow_std': 1.0},
+    {'rho': 0.05},
+    UNEVEN | {'rho': 0.05},
+    {'rho': 0.1},
+    UNEVEN | {'rho': 0.1},
+    {'rho': 0.2},
+    {'rho': 0.2, 'tilt_std': 0.4, 'shadow_std': 1.0},
+    {'rho': 0.5, 'tilt_std': 0.4, 'shadow_std': 1.0},
 )
 # A single source with more evidence is not feigned by the ground.
 STRONG_EVIDENCE = 60.0
@@ -66,14 +72,14 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
     feign do not count.
     """
     trial = _Trial(survey, setting)
-    plain = trial.orders(*NUISANCES[0], largest_order)
+    plain = trial.orders({}, largest_order)
     if plain.dispersion >= LARGEST_DISPERSION:
-        others = [trial.orders(*nuisance, largest_order, plain) for nuisance in NUISANCES[1:]]
+        others = [trial.orders(nuisance, largest_order, plain) for nuisance in NUISANCES]
     elif plain.order > 1:
         # Do fewer sources explain it as well, on uneven ground or with scattered readings?
-        others = [trial.orders(*nuisance, plain.order - 1, plain) for nuisance in NUISANCES[1:]]
+        others = [trial.orders(nuisance, plain.order - 1, plain) for nuisance in NUISANCES]
     elif plain.order == 1 and plain.gain(1) < STRONG_EVIDENCE:
-        others = [trial.orders(*NUISANCES[1], 1, plain)]
+        others = [trial.orders(UNEVEN, 1, plain)]
     else:
         return plain
     share = unevenness(plain, others[0])
@@ -95,20 +101,16 @@ class _Trial:
         self._kernel = grid_kernel(survey, setting, self._grid)
 
     def orders(
-        self,
-        background_std: float,
-        rho: float,
-        largest_order: int,
-        hints: OrderSearch | None = None,
+        self, nuisance: dict[str, Any], largest_order: int, hints: OrderSearch | None = None
     ) -> OrderSearch:
         """Return the best fit of each order, until one more source is worse.
 
         The sources of `hints` are tried as starts, too: a smooth background that has taken the
         shape of a source does not easily give way to it.
         """
-        setting = replace(self._setting, background_std=background_std, rho=rho)
+        setting = replace(self._setting, **nuisance)
         likelihood = Likelihood(self._survey, setting, self._basis)
-        start = np.zeros(likelihood.background_size)
+        start = np.zeros(likelihood.head_size)
         start[0], start[1] = math.log(background_level_usvh(self._survey)), HEIGHT_MEAN
         fits = [likelihood.fit(start)]
         scores = [_score(likelihood, fits[0])]
@@ -128,7 +130,7 @@ def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> li
     if hints is None or order >= len(hints.fits):
         return []
     fit = hints.fits[order]
-    background = np.zeros(likelihood.background_size)
+    background = np.zeros(likelihood.head_size)
     background[:LEVEL_PARAMETERS] = fit.parameters[:LEVEL_PARAMETERS]
     sources = hints.likelihood.sources(fit.parameters)
     return [np.concatenate([background, sources.ravel()])]
@@ -147,11 +149,16 @@ def _with_one_more(
     if not starts:
         return None
     rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
-    ranked = sorted(rough, key=lambda result: result.log_likelihood, reverse=True)
-    return max(
-        (likelihood.fit(result.parameters) for result in ranked[:REFINED_CANDIDATES]),
-        key=lambda result: result.log_likelihood,
+    ranked = sorted(rough, key=_evidence, reverse=True)
+    best = max(
+        (likelihood.fit(one.parameters) for one in ranked[:REFINED_CANDIDATES]), key=_evidence
     )
+    images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
+    return max((best, *images), key=_evidence)
+
+
+def _evidence(fit: Fit) -> float:
+    return fit.log_likelihood
 
 
 def _added(
@@ -175,7 +182,7 @@ def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list
         pair[:, :2] += np.stack([offset, -offset])
         pair[:, 3] -= math.log(2.0)
         others = np.delete(sources, index, axis=0)
-        background = parameters[: likelihood.background_size]
+        background = parameters[: likelihood.head_size]
         starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
     return starts
 
@@ -187,7 +194,7 @@ def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
     """
     places = likelihood.survey.positions_enu_m[:, :2]
     diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
-    variances = np.diag(np.linalg.inv(fit.information))[likelihood.background_size :]
+    variances = np.diag(np.linalg.inv(fit.information))[likelihood.head_size :]
     spreads = variances.reshape(-1, SOURCE_PARAMETERS)[:, :2]
     return bool((ELLIPSE_95 * spreads < diagonal**2).all())
 
@@ -198,9 +205,10 @@ def _score(likelihood: Likelihood, fit: Fit) -> float:
     penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
     if order > 0:
         penalty -= LOG_PRIOR_ODDS_FIRST
-    bumps = slice(LEVEL_PARAMETERS, likelihood.background_size)
-    std = likelihood.setting.background_std
-    if std > 0.0:
-        _, volume = np.linalg.slogdet(fit.information[bumps, bumps] * std**2)
+    for part in (likelihood.bumps, likelihood.law):
+        stds = likelihood.nuisance_stds[
+            part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS
+        ]
+        _, volume = np.linalg.slogdet(fit.information[part, part] * np.outer(stds, stds))
         penalty += 0.5 * float(volume)
     return fit.log_likelihood - penalty
