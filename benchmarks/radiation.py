@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the radiation nodes cost, and how often a search ends wrongly: targets and measured values.
+"""What the radiation nodes cost: targets and measured values.
 
-    python benchmarks/radiation.py [--trials N] [--only NAME ...]
+    python benchmarks/radiation.py
 
-The part `node` needs the workspace to be sourced: it starts the executable `field` and feeds it.
+The workspace must be sourced: the executable `field` is started and fed.
 """
 
-import argparse
 import os
 
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
@@ -18,71 +17,10 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import yaml
-from localisation import (
-    CAESIUM_USVH_PER_GBQ,
-    OPTIONS,
-    PITCH_M,
-    World,
-    drawn,
-    flown,
-)
+from radiation_surveys import Row, print_table
 
-from rocsafe_radiation.likelihood import Setting
-from rocsafe_radiation.sequential_test import sequential_evidence
-from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
-from rocsafe_radiation.survey import Survey
-
-Row = tuple[str, str, str]
 VEHICLES, RATE_HZ, WARM_S, MEASURED_S = 10, 10.0, 3.0, 10.0
-LINES_A_LOOK = 3
-# The smallest source that matters, and one three times as strong.
-SMALLEST_GBQ = 1.0
-
-
-def stopping(count: int) -> Iterator[Row]:
-    """Yield how often the test decides wrongly, looked at after each three lines of a survey."""
-    rule = StoppingRule(smallest_usvh=SMALLEST_GBQ * CAESIUM_USVH_PER_GBQ)
-    for name, gbq, wrong in (
-        ('no source', 0.0, PRESENT),
-        ('a source of 1 GBq', SMALLEST_GBQ, ABSENT),
-        ('a source of 3 GBq', 3.0 * SMALLEST_GBQ, ABSENT),
-    ):
-        ends, looks = [], []
-        for index in range(count):
-            generator = np.random.default_rng([11, int(10 * gbq), index])
-            truth = drawn(generator, int(gbq > 0.0), max(gbq, 1.0), max(gbq, 1.0) * 1.0001)
-            verdict, line = _searched(flown(generator, World(), truth), rule)
-            ends.append(verdict)
-            looks.append(line)
-        errors = ends.count(wrong) / count
-        yield f'sequential test, {name}, {count} trials: wrong', '<= 0.01', f'{errors:.3f}'
-        decided = 1.0 - ends.count(CONTINUE) / count
-        yield f'sequential test, {name}: decided', '', f'{decided:.2f}'
-        share = float(np.mean(looks)) / (300.0 / PITCH_M + 1.0)
-        yield f'sequential test, {name}: share of the survey used', '', f'{share:.2f}'
-
-
-def _searched(survey: Survey, rule: StoppingRule) -> tuple[str, int]:
-    """Return how a survey, read line by line, is decided, and after how many lines.
-
-    The ground is known from the start: what is not read yet has readings of next to no exposure.
-    """
-    setting = Setting(kernel=OPTIONS.kernel, source_up_m=OPTIONS.source_up_m)
-    lines = np.round(survey.positions_enu_m[:, 1] / PITCH_M).astype(int)
-    last = int(lines.max())
-    for line in range(LINES_A_LOOK - 1, last + 1, LINES_A_LOOK):
-        seen = lines <= line
-        part = Survey(
-            positions_enu_m=survey.positions_enu_m,
-            counts=np.where(seen, survey.counts, 0.0),
-            exposures=np.where(seen, survey.exposures, 1e-6),
-        )
-        decision = rule.decision(sequential_evidence(part, setting, rule.smallest_usvh))
-        if decision != CONTINUE:
-            return decision, line + 1
-    return CONTINUE, last + 1
 
 
 def node(_: int) -> Iterator[Row]:
@@ -164,20 +102,8 @@ def _processor_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
-PARTS: dict[str, Callable[[int], Iterator[Row]]] = {'stopping': stopping, 'node': node}
-
-
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(description='Measure nodes and stopping against targets.')
-    parser.add_argument('--trials', type=int, default=200, metavar='N', help='surveys a row')
-    parser.add_argument('--only', nargs='+', choices=list(PARTS), default=list(PARTS))
-    arguments = parser.parse_args()
-    print(f'{"what":62} {"target":>10} {"measured":>10}')
-    for part in arguments.only:
-        for what, target, measured in PARTS[part](arguments.trials):
-            print(f'{what:62} {target:>10} {measured:>10}', flush=True)
+PARTS: dict[str, Callable[[int], Iterator[Row]]] = {'node': node}
 
 
 if __name__ == '__main__':
-    main()
+    print_table('Measure what the radiation nodes cost.', PARTS)
