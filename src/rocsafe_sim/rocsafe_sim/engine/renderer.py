@@ -5,6 +5,7 @@ import threading
 from collections.abc import Sequence
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from panda3d import core
@@ -27,7 +28,8 @@ _PLANES = (
     core.GraphicsOutput.RTPAuxRgba1,
     core.GraphicsOutput.RTPAuxRgba2,
 )
-_CLASS_SHIFT, _NUMBER_MASK = 24, 0xFFFFFF
+# The class is the highest byte of a label, the instance the others.
+_CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
 
 
 class Renderer:
@@ -139,21 +141,27 @@ class Eye:
         self._node.removeNode()
 
     def _plane(self, number: int) -> NDArray[np.uint8]:
+        """Return what a target holds: blue, green, red, alpha; the lowest row first."""
         data = self._textures[number].getRamImage()
         if not data:
             raise EngineError('the engine returned no picture')
         raw = np.frombuffer(memoryview(data).cast('B'), np.uint8)
-        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, 4)[::-1]
+        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, 4)
 
     def _frame(self) -> Frame:
-        depth = np.ascontiguousarray(self._plane(1)).view(np.float32)[..., 0]
-        labels = np.ascontiguousarray(self._plane(2)).view(np.uint32)[..., 0]
-        numbers = labels & np.uint32(_NUMBER_MASK)
-        normals = np.ascontiguousarray(self._plane(3)[..., 2::-1])
+        labels = self._plane(2)
+        numbers = _upright(labels.view(np.uint32)[..., 0]) & np.uint32(_NUMBER_MASK)
+        normals = _upright(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB))
+        image = _upright(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR))
         return Frame(
-            image=smoothed(np.ascontiguousarray(self._plane(0)[..., :3]), numbers, normals),
-            depth_m=np.where(numbers == 0, np.float32(np.inf), depth),
+            image=smoothed(image, numbers, normals),
+            depth_m=_upright(self._plane(1).view(np.float32)[..., 0]),
             numbers=numbers,
-            classes=(labels >> np.uint32(_CLASS_SHIFT)).astype(np.uint8),
+            classes=_upright(labels[..., _CLASS_BYTE]),
             normals=normals,
         )
+
+
+def _upright(image: NDArray[Any]) -> NDArray[Any]:
+    """Return a copy with the uppermost row first."""
+    return np.ascontiguousarray(image[::-1])

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sky, with clouds where the weather has them; number and class 0, no depth.
+// The sky, with clouds where the weather has them; number and class 0, infinitely far.
 in vec3 world;
 in vec3 normal;
 in vec4 tint;
@@ -22,5 +22,5 @@ void main() {
     vec3 shown = colour * air.z * 0.5;
     shown = shown * (2.51 * shown + 0.03) / (shown * (2.43 * shown + 0.59) + 0.14);
     picture = vec4(sqrt(clamp(shown, 0.0, 1.0)), 1.0);
-    write_labels(0.0, 0, 0, vec3(0.0));
+    write_labels(uintBitsToFloat(0x7f800000u), 0, 0, vec3(0.0));
 }

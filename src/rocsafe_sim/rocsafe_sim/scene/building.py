@@ -10,7 +10,7 @@ import numpy as np
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import SceneError
-from rocsafe_sim.scene import map_cache
+from rocsafe_sim.scene import map_cache, scene_cache
 from rocsafe_sim.scene.catalogue import maker_of
 from rocsafe_sim.scene.classes import class_number
 from rocsafe_sim.scene.description import GroundBlock, SceneDescription
@@ -29,6 +29,7 @@ _PATCHES = {6: 0.5, 7: 0.8, 8: 1.0, 9: 0.8}
 # Long grass grows on these, short grass is painted.
 _LONG_GRASS = {'grass': 1.0, 'meadow': 0.16, 'water': 0.05, 'soil': 0.02}
 _CHUNK_M = 20.48
+_Shapes = tuple[Terrain, tuple[SceneObject, ...], tuple[Mesh, ...]]
 
 
 def build(
@@ -51,12 +52,16 @@ def build(
     SceneError: one line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
+    origin = origin or _origin(description)
     works = ground_works(description, seed)
-    terrain = make_terrain(_relief(description, seed, works).heights)
-    frame = LocalFrame(origin or _origin(description))
-    objects = tuple(Placer(description, seed, frame, terrain).objects())
     inner, outer = map_cache.maps(works, seed, description, cache)
-    grass = tuple(_tufts(description.terrain.tufts, seed, terrain, inner))
+
+    def shapes() -> _Shapes:
+        terrain = make_terrain(_relief(description, seed, works).heights)
+        objects = tuple(Placer(description, seed, LocalFrame(origin), terrain).objects())
+        return terrain, objects, tuple(_tufts(description.terrain.tufts, seed, terrain, inner))
+
+    terrain, objects, grass = scene_cache.kept(shapes, description, seed, origin, cache)
     return Environment(
         description=description,
         seed=seed,

@@ -3,6 +3,7 @@
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
@@ -41,7 +42,8 @@ def _kept(path: Path, paint: Painter) -> GroundMap:
         _write(path, ground)
     except OSError:
         # A full or read-only disk costs time at the next start, nothing else.
-        path.unlink(missing_ok=True)
+        with suppress(OSError):
+            path.unlink()
     return ground
 
 
