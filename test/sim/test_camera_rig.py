@@ -14,7 +14,7 @@ from test.sim.flights import HOME, ROUTE, START_NS
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.assembly import make_cameras, make_rav
+from rocsafe_sim.assembly import make_rav, make_shared
 from rocsafe_sim.camera import jpeg_of
 from rocsafe_sim.gimbal import Direction
 from rocsafe_sim.options import RavOptions
@@ -27,9 +27,8 @@ def flown(*cameras, spool=None, **values):
     """Return a vehicle after its first photograph, that photograph, and all pictures of then."""
     options = RavOptions(cameras=cameras, **{**SMALL, **values})
     home = options.frame().position_of(HOME)
-    models = make_cameras(options)
     place = GeoPosition(home.latitude_deg, home.longitude_deg, 0.0)
-    rav = make_rav(options, 'rav1', place, models, spool)
+    rav = make_rav(options, 'rav1', place, make_shared(options), spool)
     rav.step(START_NS)
     rav.vehicle.fly_route(ROUTE)
     for time_ns in range(START_NS, START_NS + 300 * 10**9, 2 * 10**8):

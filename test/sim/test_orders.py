@@ -13,6 +13,7 @@ from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehic
 
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight_record import Outcome
+from rocsafe_sim.route import Enu
 from rocsafe_sim.segment import Mode
 from rocsafe_sim.vehicle import Vehicle
 
@@ -31,7 +32,21 @@ OBEYED = {
     Mode.RETURNING: ('hold', 'land'),
     Mode.LANDING: (),
     Mode.LANDED: (),
+    Mode.FALLING: (),
+    Mode.CRASHED: (),
 }
+
+
+class Ceiling:
+    """Surroundings that nobody flies through at 20 m."""
+
+    def ground_up_m(self, _east_m: float, _north_m: float) -> float:
+        """Return level ground."""
+        return 0.0
+
+    def touched(self, place_enu: Enu, _radius_m: float) -> str:
+        """Return whether the ceiling is reached."""
+        return 'ceiling' if place_enu[2] > 20.0 else ''
 
 
 def vehicle_in(mode: Mode) -> Vehicle:
@@ -40,6 +55,11 @@ def vehicle_in(mode: Mode) -> Vehicle:
     vehicle = vehicle_on(replace(ROUTE, delay_s=delay_s))
     if mode is Mode.DISARMED:
         vehicle = Vehicle(AIRFRAME, HOME)
+    if mode in (Mode.FALLING, Mode.CRASHED):
+        vehicle = Vehicle(AIRFRAME, HOME, Ceiling())
+        vehicle.step(START_NS)
+        vehicle.fly_route(ROUTE)
+        next(seen for seen in steps(vehicle, 0.1) if seen.mode is mode)
     if mode in TIMES_S:
         at_s(vehicle, TIMES_S[mode])
     elif mode is Mode.HOLDING:

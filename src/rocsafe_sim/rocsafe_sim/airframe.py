@@ -20,6 +20,7 @@ class Airframe:
     endurance_s : time in the air on a full battery, however it flies.
     reserve_fraction : part of a full battery with which it wants to land.
     fails_after_s : time from a flight's take-off to the failure of its battery; 0: never.
+    collision_radius_m : within which nothing may stand; 0: it passes through everything.
     hover_power_w, drag_power_w_s2_per_m2, voltage_v : of its battery, see `PowerModel`.
     """
 
@@ -31,11 +32,13 @@ class Airframe:
     drag_power_w_s2_per_m2: float = 0.2
     voltage_v: float = 12.6
     fails_after_s: float = 0.0
+    collision_radius_m: float = 0.4
 
     def __post_init__(self) -> None:
         require_not_negative('hover_s', self.hover_s)
         require_positive('endurance_s', self.endurance_s)
         require_not_negative('fails_after_s', self.fails_after_s)
+        require_not_negative('collision_radius_m', self.collision_radius_m)
         require_between('reserve_fraction', self.reserve_fraction, 0.0, 0.9)
         _ = self.power
 

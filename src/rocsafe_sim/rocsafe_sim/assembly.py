@@ -2,7 +2,8 @@
 """RAVs put together from options."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -22,11 +23,26 @@ from rocsafe_sim.rav import Rav, RavParts
 from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scenery.catalogue import make_scene
 from rocsafe_sim.sensing_noise import SensorNoise
+from rocsafe_sim.surroundings import Surroundings
 from rocsafe_sim.vehicle import Vehicle
 
 
-def make_cameras(options: VehicleOptions) -> tuple[CameraModel, ...]:
-    """Return the cameras of `options.rig()`, for all vehicles of the process.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SharedParts:
+    """What all vehicles of a process have in common.
+
+    Attributes
+    ----------
+    cameras : of each vehicle.
+    surroundings : that they fly in; None: they meet nothing.
+    """
+
+    cameras: tuple[CameraModel, ...]
+    surroundings: Surroundings | None
+
+
+def make_shared(options: VehicleOptions) -> SharedParts:
+    """Return the cameras of `options.rig()`, and what stands in the vehicles' way.
 
     Raises
     ------
@@ -34,25 +50,29 @@ def make_cameras(options: VehicleOptions) -> tuple[CameraModel, ...]:
     """
     # Other vehicles are other processes: threads of their own would only contend.
     cv2.setNumThreads(1)
-    draws = _engine(options) if options.camera_backend == ENGINE else _flat(options)
-    return tuple(
+    is_engine = options.camera_backend == ENGINE
+    draws, surroundings = _engine(options) if is_engine else _flat(options)
+    cameras = tuple(
         CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
         for settings in options.rig()
     )
+    return SharedParts(cameras=cameras, surroundings=surroundings)
 
 
 def _optics(settings: CameraSettings) -> Optics | None:
     return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
 
 
-def _flat(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
-    """Return what makes cameras over the flat picture."""
+def _flat(options: VehicleOptions) -> tuple[Callable[[CameraSettings], Camera], None]:
+    """Return what makes cameras over the flat picture, in which nothing stands."""
     ground = make_ground(options)
-    return lambda settings: GroundCamera(settings.drawn_lens, ground)
+    return lambda settings: GroundCamera(settings.drawn_lens, ground), None
 
 
-def _engine(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
-    """Return what makes cameras in the scene."""
+def _engine(
+    options: VehicleOptions,
+) -> tuple[Callable[[CameraSettings], Camera], Surroundings]:
+    """Return what makes cameras in the scene, and the scene as vehicles meet it."""
     # Only here: who flies over flat ground needs no engine installed.
     try:
         from rocsafe_sim.engine.engine_camera import EngineCamera, EngineRequest, EngineScene
@@ -60,6 +80,8 @@ def _engine(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
         raise EngineError(
             f'camera_backend engine: Python module {error.name} is missing: run `make setup`'
         ) from error
+    from rocsafe_sim.scene.scene_surroundings import SceneSurroundings
+
     scene = EngineScene(
         EngineRequest(
             scene_file=Path(options.scene_file),
@@ -69,7 +91,11 @@ def _engine(options: VehicleOptions) -> Callable[[CameraSettings], Camera]:
             cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
         )
     )
-    return lambda settings: EngineCamera(scene, settings.drawn_lens, settings.oversampling)
+
+    def draws(settings: CameraSettings) -> Camera:
+        return EngineCamera(scene, settings.drawn_lens, settings.oversampling)
+
+    return draws, SceneSurroundings(scene.environment)
 
 
 def make_ground(options: VehicleOptions) -> Ground:
@@ -88,10 +114,10 @@ def make_rav(
     options: VehicleOptions,
     name: str,
     home: GeoPosition,
-    cameras: Sequence[CameraModel],
+    shared: SharedParts,
     spool: Path | None,
 ) -> Rav:
-    """Return the RAV called `name` that stands at `home`, on the ground, with `make_cameras`.
+    """Return the RAV called `name` that stands at `home`, on the ground, with `make_shared`.
 
     Raises
     ------
@@ -110,6 +136,9 @@ def make_rav(
             tilt_std_rad=math.radians(options.tilt_std_deg),
             attitude_std_rad=math.radians(options.attitude_std_deg),
         ),
-        cameras=tuple(map(MountedCamera, cameras)),
+        cameras=tuple(map(MountedCamera, shared.cameras)),
     )
-    return Rav(parts, Vehicle(options.airframe(), (east, north, 0.0)), spool)
+    surroundings = shared.surroundings
+    up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
+    vehicle = Vehicle(options.airframe(), (east, north, up), surroundings)
+    return Rav(parts, vehicle, spool)

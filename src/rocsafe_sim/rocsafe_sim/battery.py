@@ -8,6 +8,7 @@ import numpy as np
 
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.fall import Fall
 from rocsafe_sim.route import Route
 from rocsafe_sim.segment import Mode, Pose
 from rocsafe_sim.tasks import LEVEL_TOLERANCE_M, safe_up, stopped
@@ -42,7 +43,7 @@ def _descent_s(performance: Performance, height_m: float) -> float:
 
 def low_battery_s(
     airframe: Airframe,
-    timeline: Timeline,
+    timeline: Timeline | Fall,
     charge_fraction: float,
     route: Route,
     number: int = 0,
@@ -83,7 +84,7 @@ def low_battery_s(
     return math.inf
 
 
-def _level_from_s(timeline: Timeline, route: Route) -> float:
+def _level_from_s(timeline: Timeline | Fall, route: Route) -> float:
     """Return from when on the vehicle climbs no more."""
     heights = [waypoint.position_enu[2] for waypoint in route.waypoints]
     is_level = max(heights, default=0.0) - min(heights, default=0.0) <= LEVEL_TOLERANCE_M

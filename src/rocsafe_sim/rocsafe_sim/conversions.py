@@ -28,6 +28,8 @@ STATES = {
     Mode.RETURNING: VehicleState.RETURNING,
     Mode.LANDING: VehicleState.LANDING,
     Mode.LANDED: VehicleState.LANDED,
+    Mode.FALLING: VehicleState.CRASHED,
+    Mode.CRASHED: VehicleState.CRASHED,
 }
 OUTCOMES = {
     Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
@@ -35,6 +37,7 @@ OUTCOMES = {
     Outcome.RETURNED_EARLY: FlyRoute.Result.RETURNED_EARLY,
     Outcome.BATTERY_LOW: FlyRoute.Result.BATTERY_LOW,
     Outcome.FAILED: FlyRoute.Result.ABORTED,
+    Outcome.COLLIDED: FlyRoute.Result.COLLISION,
 }
 _UNKNOWN = math.nan
 

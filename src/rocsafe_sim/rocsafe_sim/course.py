@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.battery import low_battery_s
-from rocsafe_sim.orders import Order, timeline_of
+from rocsafe_sim.orders import Order, OrderKind, timeline_of
 from rocsafe_sim.route import Route
 from rocsafe_sim.segment import Mode, Pose
 from rocsafe_sim.timeline import ShotTime
@@ -48,7 +48,7 @@ class Course:
     def mode(self, time_ns: int) -> Mode:
         """Return what the vehicle is about at `time_ns`."""
         if time_ns >= self.touch_down_ns:
-            return Mode.LANDED
+            return Mode.CRASHED if self.order.kind is OrderKind.FALL else Mode.LANDED
         if time_ns < self.order.start_ns:
             return Mode.WAITING
         return self.timeline.segment(self.elapsed_s(time_ns)).mode

@@ -11,7 +11,7 @@ from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.assembly import make_cameras, make_rav
+from rocsafe_sim.assembly import make_rav, make_shared
 from rocsafe_sim.cadence import floor_to
 from rocsafe_sim.errors import SimError
 from rocsafe_sim.options import FleetOptions
@@ -67,9 +67,9 @@ def _ravs(options: FleetOptions) -> list[Rav]:
     homes = zip(options.home_latitudes_deg, options.home_longitudes_deg, strict=True)
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
-        cameras = make_cameras(options)
+        shared = make_shared(options)
         return [
-            make_rav(options, name, GeoPosition(*home, 0.0), cameras, spool and spool / name)
+            make_rav(options, name, GeoPosition(*home, 0.0), shared, spool and spool / name)
             for name, home in zip(options.vehicles, homes, strict=True)
         ]
     except (SimError, OSError) as error:

@@ -14,6 +14,8 @@ from rocsafe_sim.segment import Mode
 
 # A route's home may be this far from the vehicle's own: more is a route meant for another one.
 HOME_TOLERANCE_M = 5.0
+# A vehicle whose flight ends so does not fly again.
+_BROKEN = frozenset({Outcome.FAILED, Outcome.COLLIDED})
 _BUSY = frozenset({Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING, Mode.LANDING})
 
 
@@ -35,7 +37,7 @@ def require_ready(
     """
     if flight is not None and flight.outcome is None and not replaces:
         raise CommandRefusedError(f'flies plan {flight.route.plan_id!r}: cancel that first')
-    if flight is not None and flight.ending is Outcome.FAILED:
+    if flight is not None and flight.ending in _BROKEN:
         raise CommandRefusedError(f'cannot fly a route: {flight.text}')
     if mode is Mode.LANDING or (mode in _BUSY and not replaces):
         raise CommandRefusedError(f'cannot fly a route: {mode.value}')
@@ -59,7 +61,7 @@ def cut_short(flight: FlightRecord, ending: Outcome, text: str) -> FlightRecord:
 
 def failure_ns(flight: FlightRecord, course: Course, airframe: Airframe) -> int | float:
     """Return when the battery fails; infinity if it does not, or has."""
-    if not airframe.fails_after_s or flight.ending is Outcome.FAILED:
+    if not airframe.fails_after_s or flight.ending in _BROKEN:
         return math.inf
     fails_ns = flight.take_off_ns + round(airframe.fails_after_s * NS_PER_S)
     return fails_ns if course.order.start_ns <= fails_ns < course.touch_down_ns else math.inf
@@ -69,6 +71,12 @@ def failed(flight: FlightRecord) -> FlightRecord:
     """Note that the battery failed."""
     text = f'the battery failed after {flight.visited} viewpoints'
     return replace(flight, ending=Outcome.FAILED, text=text)
+
+
+def collided(flight: FlightRecord, thing: str) -> FlightRecord:
+    """Note that the vehicle flew into something."""
+    text = f'flew into {thing} after {flight.visited} viewpoints'
+    return replace(flight, ending=Outcome.COLLIDED, text=text)
 
 
 def is_over(flight: FlightRecord) -> bool:

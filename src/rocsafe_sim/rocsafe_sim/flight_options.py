@@ -22,6 +22,9 @@ class FlightOptions(OriginOptions):
     )
     endurance_s: float = option(1500.0, 'time in the air on a full battery, s', 1.0, 604_800.0)
     reserve_fraction: float = option(0.1, 'charge to land with, 0 to 0.9', 0.0, 0.9)
+    collision_radius_m: float = option(
+        0.4, 'within which nothing of a scene may stand, m; 0: flies through all', 0.0, 10.0
+    )
     fails_after_s: float = option(
         0.0, "time from a flight's take-off to the failure of its battery, s; 0: never", 0.0, 1e6
     )
@@ -60,6 +63,7 @@ class FlightOptions(OriginOptions):
             endurance_s=self.endurance_s,
             reserve_fraction=self.reserve_fraction,
             fails_after_s=self.fails_after_s,
+            collision_radius_m=self.collision_radius_m,
             hover_power_w=self.hover_power_w,
             drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
             voltage_v=self.voltage_v,

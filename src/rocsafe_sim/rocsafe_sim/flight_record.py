@@ -16,6 +16,7 @@ class Outcome(Enum):
     RETURNED_EARLY = 'returned early'
     BATTERY_LOW = 'battery low'
     FAILED = 'failed'
+    COLLIDED = 'collided'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.fall import Fall
 from rocsafe_sim.route import Route
 from rocsafe_sim.segment import Pose
 from rocsafe_sim.tasks import fly_timeline, hold_timeline, land_timeline, return_timeline
@@ -19,6 +20,7 @@ class OrderKind(Enum):
     RETURN = 'return'
     DIVERT = 'divert'
     LAND = 'land'
+    FALL = 'fall'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,6 +37,7 @@ class Order:
     charge_fraction : left in the battery at that time.
     distance_m : flown until that time since power-up.
     number : of the route's flight, from 0.
+    ground_up_m : of the ground below, to land or fall on; None: as the route has it.
     """
 
     kind: OrderKind
@@ -45,9 +48,10 @@ class Order:
     distance_m: float
     number: int = 0
     wait_ns: int = 0
+    ground_up_m: float | None = None
 
 
-def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline:
+def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline | Fall:
     """Return what a vehicle flies from `order` on."""
     if order.kind is OrderKind.FLY:
         return fly_timeline(airframe, order.start, route, (order.number, order.first_index))
@@ -58,4 +62,7 @@ def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline:
     if order.kind is OrderKind.DIVERT:
         place = route.refuge(order.start.position_enu, order.number)
         return return_timeline(airframe, order.start, route, place)
-    return land_timeline(airframe, order.start, route)
+    if order.kind is OrderKind.FALL:
+        below = route.ground_below(order.start.position_enu)[2]
+        return Fall(order.start, below if order.ground_up_m is None else order.ground_up_m)
+    return land_timeline(airframe, order.start, route, order.ground_up_m)

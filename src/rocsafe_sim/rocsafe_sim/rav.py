@@ -19,6 +19,7 @@ from rocsafe_sim.mounted_camera import Attitude, Exposure, MountedCamera, Pictur
 from rocsafe_sim.observation import Observation, ShotDue
 from rocsafe_sim.route import Enu
 from rocsafe_sim.sensing_noise import SensorNoise
+from rocsafe_sim.surroundings import on_ground
 from rocsafe_sim.vehicle import Vehicle
 
 JOURNAL_NAME = 'journal.json'
@@ -134,8 +135,9 @@ class Rav:
         def stand(time_ns: int) -> Stand:
             pose, sway = self.vehicle.pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
             east, north, up = pose.position_enu
+            on_legs = LANDED_CAMERA_M - self._height_m(pose.position_enu)
             return Stand(
-                position_enu=(east, north, max(up, LANDED_CAMERA_M)),
+                position_enu=(east, north, up + max(0.0, on_legs)),
                 attitude=_attitude(pose.yaw_rad, sway),
             )
 
@@ -203,12 +205,19 @@ class Rav:
             position=fix.position,
             horizontal_std_m=parts.noise.gps_horizontal_std_m,
             vertical_std_m=parts.noise.gps_vertical_std_m,
-            height_m=fix.position_enu[2],
+            height_m=self._height_m(fix.position_enu),
             quaternion_xyzw=(x, y, z, w),
             width_px=first.settings.image_width_px,
             height_px=first.settings.image_height_px,
             jpeg=jpeg_of(picture.image, first.settings.jpeg_quality),
         )
+
+    def _height_m(self, place_enu: Enu) -> float:
+        """Return the height of a place above the ground below it."""
+        surroundings = self.vehicle.surroundings
+        if surroundings is None:
+            return place_enu[2]
+        return place_enu[2] - on_ground(surroundings, place_enu)[2]
 
     def _measured(self, attitude: Attitude, sequence: int) -> Attitude:
         roll, pitch, yaw = self.parts.noise.attitude_error_rad(sequence)

@@ -9,7 +9,7 @@ from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.assembly import make_cameras, make_rav
+from rocsafe_sim.assembly import make_rav, make_shared
 from rocsafe_sim.cadence import floor_to
 from rocsafe_sim.errors import SimError
 from rocsafe_sim.options import RavOptions
@@ -51,7 +51,7 @@ def _rav(options: RavOptions, name: str) -> Rav:
     home = GeoPosition(options.home_latitude_deg, options.home_longitude_deg, 0.0)
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
-        return make_rav(options, name, home, make_cameras(options), spool)
+        return make_rav(options, name, home, make_shared(options), spool)
     except (SimError, OSError) as error:
         raise ParameterError(f'{name}: {error}') from error
 

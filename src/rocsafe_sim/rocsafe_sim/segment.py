@@ -21,11 +21,13 @@ class Mode(Enum):
     RETURNING = 'returning'
     LANDING = 'landing'
     LANDED = 'landed'
+    FALLING = 'falling'
+    CRASHED = 'crashed'
 
     @property
     def is_airborne(self) -> bool:
-        """Whether the motors carry the vehicle."""
-        return self not in (Mode.DISARMED, Mode.WAITING, Mode.LANDED)
+        """Whether the vehicle is off the ground."""
+        return self not in (Mode.DISARMED, Mode.WAITING, Mode.LANDED, Mode.CRASHED)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

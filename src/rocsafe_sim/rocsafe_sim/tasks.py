@@ -59,11 +59,14 @@ def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
     return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
 
 
-def land_timeline(airframe: Airframe, start: Pose, route: Route) -> Timeline:
-    """Return the stop from `start` and the way straight down."""
+def land_timeline(
+    airframe: Airframe, start: Pose, route: Route, ground_up_m: float | None = None
+) -> Timeline:
+    """Return the stop from `start` and the way straight down, to the ground that the route has."""
     stop, at = stopped(airframe, start)
-    ground = route.ground_below(at.position_enu)
-    return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground[2])))
+    if ground_up_m is None:
+        ground_up_m = route.ground_below(at.position_enu)[2]
+    return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground_up_m)))
 
 
 def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:

@@ -11,9 +11,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from rocsafe_sim.airframe import Airframe
+from rocsafe_sim.collision import CollisionWatch
 from rocsafe_sim.course import NS_PER_S, Course
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight_ends import (
+    collided,
     cut_short,
     failed,
     failure_ns,
@@ -26,6 +28,7 @@ from rocsafe_sim.observation import FlightSummary, Observation, ShotDue
 from rocsafe_sim.orders import Order, OrderKind
 from rocsafe_sim.route import Enu, Route
 from rocsafe_sim.segment import Mode, Pose, standing
+from rocsafe_sim.surroundings import Surroundings, grounded, on_ground
 from rocsafe_sim.tasks import stopped
 from rocsafe_sim.timeline import ShotTime
 
@@ -40,14 +43,19 @@ class Vehicle:
     ----------
     airframe : what it can do.
     home_enu : where it stands, metres; up is that of the ground.
+    surroundings : that it flies in; None: over the ground of its route, with nothing in the way.
     """
 
-    def __init__(self, airframe: Airframe, home_enu: Enu) -> None:
+    def __init__(
+        self, airframe: Airframe, home_enu: Enu, surroundings: Surroundings | None = None
+    ) -> None:
         self.airframe = airframe
+        self.surroundings = surroundings
         self.time_ns = 0
         self._record = VehicleRecord(home_enu=home_enu)
         self._course: Course | None = None
         self._shots: deque[tuple[int, ShotTime]] = deque()
+        self._watch: CollisionWatch | None = None
 
     @property
     def record(self) -> VehicleRecord:
@@ -127,6 +135,8 @@ class Vehicle:
         ------
         CommandRefusedError: if another flight runs, home is elsewhere or the battery too low.
         """
+        if self.surroundings is not None:
+            route = grounded(route, self.surroundings)
         flight = self.flight
         if flight is not None and flight.route == route:
             if self.mode is Mode.HOLDING:
@@ -174,7 +184,7 @@ class Vehicle:
         self._record = replace(self._record, flight=cancelled)
         if mode is Mode.WAITING:
             self._give(cancelled, OrderKind.LAND)
-        elif mode not in (Mode.LANDING, Mode.HOLDING):
+        elif mode not in (Mode.LANDING, Mode.HOLDING, Mode.FALLING):
             self._give(cancelled, OrderKind.HOLD)
 
     def hold(self) -> None:
@@ -275,22 +285,33 @@ class Vehicle:
         self._follow(replace(flight, order=order))
 
     def _order(self, kind: OrderKind, time_ns: int, first_index: int) -> Order:
-        course = self._course
+        course, start = self._course, self._pose(time_ns)
         return Order(
             kind=kind,
             start_ns=time_ns,
-            start=self._pose(time_ns),
+            start=start,
+            ground_up_m=self._ground_for(kind, start),
             first_index=first_index,
             charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
             distance_m=self._distance_m(time_ns),
             number=0 if self.flight is None else self.flight.order.number,
         )
 
+    def _ground_for(self, kind: OrderKind, start: Pose) -> float | None:
+        """Return the height of the ground on which an order ends; None: its route knows."""
+        if self.surroundings is None or kind not in (OrderKind.LAND, OrderKind.FALL):
+            return None
+        at = start if kind is OrderKind.FALL else stopped(self.airframe, start)[1]
+        return on_ground(self.surroundings, at.position_enu)[2]
+
     def _follow(self, flight: FlightRecord) -> None:
         """Make `flight` the one that is flown."""
         self._record = replace(self._record, flight=flight)
         self._course = Course(flight.order, flight.route, self.airframe)
         self._shots = deque(self._course.shots(flight.visited))
+        self._watch = None
+        if self.surroundings is not None and self.airframe.collision_radius_m:
+            self._watch = CollisionWatch(self._course, self.surroundings, self.airframe)
 
     def _run_to(self, time_ns: int) -> Iterator[ShotDue]:
         """Let happen, in order, all that is due until `time_ns`; yield the photographs."""
@@ -300,6 +321,10 @@ class Vehicle:
             fails_ns = failure_ns(flight, course, self.airframe)
             due_ns = self._shots[0][0] if self._shots else math.inf
             next_ns = min(due_ns, low_ns, down_ns, fails_ns)
+            hit = self._watch and self._watch.first_until(min(next_ns, time_ns))
+            if hit:
+                self._give(collided(flight, hit.thing), OrderKind.FALL, hit.time_ns)
+                continue
             if next_ns > time_ns or math.isinf(next_ns):
                 return
             if next_ns == due_ns:

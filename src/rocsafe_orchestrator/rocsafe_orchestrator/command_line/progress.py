@@ -26,6 +26,7 @@ _STATE_STYLES = {
     FlightState.LANDED: 'blue',
     FlightState.HOLDING: 'yellow',
     FlightState.LOST: 'bold red',
+    FlightState.CRASHED: 'bold red',
 }
 _PHASE_STYLES = {
     Phase.COMPLETE: 'bold green',

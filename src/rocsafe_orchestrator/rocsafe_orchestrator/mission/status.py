@@ -22,11 +22,13 @@ class FlightState(IntEnum):
     LANDING = 7
     LANDED = 8
     LOST = 9
+    CRASHED = 10
 
     @property
     def has_left(self) -> bool:
         """True once the vehicle has taken off, wherever it is now."""
-        return FlightState.TAKING_OFF <= self <= FlightState.LANDED
+        is_flying = FlightState.TAKING_OFF <= self <= FlightState.LANDED
+        return is_flying or self is FlightState.CRASHED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -126,6 +126,7 @@ class SimulationBlock(Block):
     gps_vertical_std_m: float = Field(default=0.04, ge=0.0, le=100.0)
     tilt_std_deg: float = Field(default=0.5, ge=0.0, le=20.0)
     attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
+    collision_radius_m: float = Field(default=0.4, ge=0.0, le=10.0)
 
 
 # Of a real vehicle whose home the scenario leaves out: it is told by the vehicle.

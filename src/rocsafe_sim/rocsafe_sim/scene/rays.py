@@ -59,7 +59,7 @@ class _Cluster:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Solid:
+class Solid:
     """A thing as triangles in the world: all of them, and in clusters."""
 
     thing: SceneObject
@@ -72,10 +72,10 @@ class RayScene:
     """A scene as rays see it: what stands in it at the start of the mission."""
 
     environment: Environment
-    _solids: list[_Solid] = field(init=False)
+    _solids: list[Solid] = field(init=False)
 
     def __post_init__(self) -> None:
-        self._solids = [_solid(thing) for thing in self.environment.objects]
+        self._solids = [solid_of(thing) for thing in self.environment.objects]
 
     def first_hits(self, origins: Floats, directions: Floats) -> Hits:
         """Return what rays from `origins` (n, 3) in unit `directions` (n, 3) meet first."""
@@ -123,13 +123,13 @@ class RayScene:
         if float(self.height_above_ground(np.asarray(place)[None])[0]) < radius_m:
             return 'ground'
         for solid in self._solids:
-            if _touches(solid, np.asarray(place, float), radius_m):
+            if touches(solid, np.asarray(place, float), radius_m):
                 return solid.thing.name
         return ''
 
     def _near(
         self, origins: Floats, directions: Floats, limits: Floats
-    ) -> Iterator[tuple[_Solid, Floats]]:
+    ) -> Iterator[tuple[Solid, Floats]]:
         """Yield each solid with the indices of the rays that may meet it within `limits`."""
         for solid in self._solids:
             rays = solid.whole.reached(origins, directions, limits)
@@ -161,13 +161,14 @@ class RayScene:
         return high
 
 
-def _solid(thing: SceneObject) -> _Solid:
+def solid_of(thing: SceneObject) -> Solid:
+    """Return a thing as rays see it, where it is at the start of the mission."""
     corners = np.concatenate(
         [piece.points()[piece.mesh.triangles] for piece in thing.pieces]
     ).astype(np.float32)
     if thing.path is not None:
         corners = corners + thing.path.places[0].astype(np.float32)
-    return _Solid(thing, _cluster(corners), list(_clusters(corners)))
+    return Solid(thing, _cluster(corners), list(_clusters(corners)))
 
 
 def _cluster(corners: Floats) -> _Cluster:
@@ -207,7 +208,7 @@ def _crossings(cluster: _Cluster, origins: Floats, directions: Floats) -> tuple[
     return np.where(is_hit, distance, np.inf), directions @ np.cross(one, two).T
 
 
-def _nearest(solid: _Solid, origins: Floats, directions: Floats) -> Floats:
+def _nearest(solid: Solid, origins: Floats, directions: Floats) -> Floats:
     """Return the distance to the first triangle in front whose outside a ray meets."""
     found = np.full(len(origins), np.inf)
     for cluster in solid.clusters:
@@ -225,7 +226,7 @@ def _blocks(rays: Floats) -> Iterator[Floats]:
         yield rays[start : start + _BLOCK // _CLUSTER_SIZE]
 
 
-def _inside_m(solid: _Solid, origins: Floats, directions: Floats, lengths: Floats) -> Floats:
+def _inside_m(solid: Solid, origins: Floats, directions: Floats, lengths: Floats) -> Floats:
     """Return the length of each ray inside the union of the solid's closed parts."""
     who: list[Floats] = [np.zeros(0, int)]
     where: list[Floats] = [np.zeros(0)]
@@ -256,7 +257,7 @@ def _union_m(distances: Floats, cosines: Floats, length: float) -> float:
     return float(np.sum(np.diff(np.append(at, length)) * (depth > 0)))
 
 
-def _touches(solid: _Solid, place: Floats, radius_m: float) -> bool:
+def touches(solid: Solid, place: Floats, radius_m: float) -> bool:
     """Return whether a ball about `place` (3,) touches the surface of a solid."""
     for cluster in (solid.whole, *solid.clusters):
         gap = np.maximum(np.maximum(cluster.low - place, place - cluster.high), 0.0)
