@@ -118,11 +118,11 @@ def mapped(
     if maker.frame is None:
         raise ValueError('no photograph could be placed')
     origin = frame.enu_of(maker.frame.frame.origin)[:2]
+    sheets = maker.sheets()
     for sample in samples:
         name = sample.record.shot_id
-        if name in alignment.placements:
-            pose = alignment.placements[name].pose
-            found.append(footprint(alignment.photos[name], pose) + origin)
+        if name in sheets:
+            found.append(sheets[name].corners_m + origin)
             true.append(sample.corners_m)
     off = np.linalg.norm(alignment.held_out_px, axis=1)
     states = [placement.placed_by for placement in alignment.placements.values()]

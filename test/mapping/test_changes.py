@@ -90,10 +90,14 @@ def test_change_options_have_limits():
 
 
 def test_labels_lie_where_the_map_lies(tmp_path):
-    """The map of labels has only labels that were given, on the map's own grid."""
+    """The map of labels has only classes that were given, on the map's own grid."""
     ground = texture.textured_ground(8)
     labels = tmp_path / 'labels'
     labels.mkdir()
+    rows = [(3, 'grass', (80, 150, 60)), (7, 'lorry', (60, 120, 180))]
+    keys = ('number', 'class', 'colour')
+    table = [dict(zip(keys, row, strict=True)) for row in rows]
+    (labels / 'table.json').write_text(json.dumps(table))
     marked = painted(np.full_like(ground, 3), 7)
     for shot in taken(ground, tmp_path / 'card', np.random.default_rng(3)):
         # Nearest: what the camera sees of a picture of labels.
@@ -107,11 +111,15 @@ def test_labels_lie_where_the_map_lies(tmp_path):
         found = file.read(1)
         assert (file.transform, file.shape) == (mosaic.transform, mosaic.shape)
         assert (file.crs, file.nodata) == (mosaic.crs, 0)
-        assert set(np.unique(found)) == {0, 3, 7}
-        area_m2 = np.count_nonzero(found == 7) * 0.2**2
+        assert set(np.unique(found)) == {0, 1, 2}
+        assert file.colormap(1)[2] == (60, 120, 180, 255)
+        area_m2 = np.count_nonzero(found == 2) * 0.2**2
         assert area_m2 == pytest.approx((EAST - WEST) * (NORTH - SOUTH), rel=0.1)
-        rows, columns = np.nonzero(found == 7)
+        rows, columns = np.nonzero(found == 2)
         east, north = mosaic.transform @ (columns.mean() + 0.5, rows.mean() + 0.5)
         longitude, latitude = rasterio.warp.transform(file.crs, 4326, [east], [north])
     place = texture.FRAME.to_enu(latitude, longitude, [60.0])[0]
+    legend = json.loads((out / 'labels.json').read_text())['classes']
+    assert [row['class'] for row in legend] == ['grass', 'lorry']
+    assert legend[1]['area_m2'] == pytest.approx(area_m2, abs=0.01)
     assert place[:2] == pytest.approx(((WEST + EAST) / 2, (SOUTH + NORTH) / 2), abs=1.5)

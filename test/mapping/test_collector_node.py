@@ -2,6 +2,7 @@
 """The collector answers every photograph, and only with the truth."""
 
 import hashlib
+import threading
 
 import pytest
 
@@ -9,12 +10,15 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import NavSatStatus
+from sensor_msgs.msg import Image, NavSatStatus
+from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
 from rocsafe_mapping import store
 from rocsafe_mapping.catalogue import read_shot
 from rocsafe_mapping.collector_node import CollectorNode
+from rocsafe_mapping.label_images import LabelImages
+from rocsafe_mapping.repository.server import Repository
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
@@ -46,21 +50,21 @@ def message_of(record, image):
     return message
 
 
-def parameters(directory):
+def parameters(directory, **changes):
     """Return the parameters of a collector."""
-    values = {'vehicles': ['rav1'], 'store_directory': str(directory)}
+    values = {'vehicles': ['rav1'], 'store_directory': str(directory), **changes}
     return [Parameter(name, value=value) for name, value in values.items()]
 
 
 class Bench:
     """A collector and a vehicle."""
 
-    def __init__(self, ros, directory):
+    def __init__(self, ros, directory, **changes):
         self.ros = ros
         self.directory = directory
         self.receipts = []
         self.node = CollectorNode(
-            context=ros.context, parameter_overrides=parameters(self.directory)
+            context=ros.context, parameter_overrides=parameters(self.directory, **changes)
         )
         self.drone = Node('drone', context=ros.context)
         self.shots = topics.create_publisher(self.drone, topics.SHOT, 'rav1')
@@ -146,3 +150,59 @@ def test_a_store_in_use_is_a_wrong_parameter(ros, bench):
     """One line and exit code 2, no traceback."""
     with pytest.raises(ParameterError, match=r'store_directory: image store .* is in use'):
         CollectorNode(context=ros.context, parameter_overrides=parameters(bench.directory))
+
+
+def test_label_images_are_kept_beside_the_photographs(ros, tmp_path, shot):
+    """As an engine's camera sends them, with their table."""
+    bench = Bench(ros, tmp_path / 'images', store_labels=True)
+    labels = topics.create_publisher(bench.drone, topics.CAMERA_LABELS, 'rav1')
+    table = topics.create_publisher(bench.drone, topics.CAMERA_LABEL_TABLE, 'rav1')
+    ros.spin_until(lambda: labels.get_subscription_count() == 1, DEADLINE_S)
+    table.publish(String(data='[{"number": 513, "class": "tree"}]'))
+    record, image = shot()
+    message = Image(encoding='mono16', width=2, height=1, step=4, data=[1, 2, 0, 0])
+    message.header.stamp = stamp_of_ns(record.time_ns)
+    labels.publish(message)
+    bench.send(message_of(record, image))
+    folder = bench.directory / 'labels'
+    wanted = {'rav1-00000.png', 'table.json'}
+    try:
+        ros.spin_until(
+            lambda: folder.is_dir() and wanted == {path.name for path in folder.iterdir()},
+            DEADLINE_S,
+        )
+        assert LabelImages(folder).of('rav1-00000').tolist() == [[1, 0]]
+    finally:
+        bench.close()
+
+
+def test_copies_bring_the_token_of_a_file(ros, tmp_path, shot):
+    """A repository that asks for a token gets it from the collector."""
+    (tmp_path / 'token').write_text('secret\n')
+    server = Repository(tmp_path / 'far', ('127.0.0.1', 0), token='secret')  # noqa: S106
+    thread = threading.Thread(target=server.serve_forever, kwargs={'poll_interval': 0.01})
+    thread.start()
+    bench = Bench(
+        ros, tmp_path / 'images', copy_to=f'http://127.0.0.1:{server.server_address[1]}',
+        copy_token_file=str(tmp_path / 'token'),
+    )  # fmt: skip
+    try:
+        bench.send(message_of(*shot()))
+        ros.spin_until(lambda: (tmp_path / 'far' / 'rav1-00000.jpg').exists(), DEADLINE_S)
+    finally:
+        bench.close()
+        server.shutdown()
+        thread.join(DEADLINE_S)
+        server.server_close()
+
+
+@pytest.mark.parametrize('content', [None, ' \n'])
+def test_a_token_file_without_a_token_is_a_wrong_parameter(ros, tmp_path, content):
+    """Missing or empty: said at the start, not with every copy."""
+    if content is not None:
+        (tmp_path / 'token').write_text(content)
+    changes = {'copy_to': 'http://127.0.0.1:9', 'copy_token_file': str(tmp_path / 'token')}
+    with pytest.raises(ParameterError, match=r'copy_token_file: .*token'):
+        CollectorNode(
+            context=ros.context, parameter_overrides=parameters(tmp_path / 'images', **changes)
+        )

@@ -76,6 +76,7 @@ def test_overlays_lie_where_the_map_lies(folder):
         assert lines[4] - half == pytest.approx(file.transform.c, abs=1e-3)
         assert lines[5] + half == pytest.approx(file.transform.f, abs=1e-3)
     assert 'LatLonQuad' in (folder / 'mosaic.kml').read_text()
+    assert (folder / 'mosaic.pmtiles').read_bytes()[:8] == b'PMTiles\x03'
     with sqlite3.connect(folder / 'mosaic.mbtiles') as tiles:
         assert tiles.execute('SELECT COUNT(*) FROM tiles').fetchone()[0] > 1
 

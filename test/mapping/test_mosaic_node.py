@@ -2,6 +2,7 @@
 """The map grows with the receipts, is written when asked, and survives a restart."""
 
 import importlib.util
+import json
 import pathlib
 
 import pytest
@@ -12,12 +13,14 @@ import rasterio
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.mosaic_node import MosaicNode
 from rocsafe_mapping.store import ImageStore
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import region_of_area
 
 _spec = importlib.util.spec_from_file_location(
     'ground', pathlib.Path(__file__).with_name('ground.py')
@@ -201,3 +204,19 @@ def test_the_final_map_tells_its_quality_and_tiles(bench):
     assert message.tiles_path == str(bench.directory / 'map' / 'tiles')
     assert (message.images_by_features, message.is_georeferenced) == (0, False)
     assert message.stated_error_m > 0.0
+
+
+def test_coverage_is_that_of_the_region_that_was_drawn(bench):
+    """The share of the mission's region and its largest hole stand in the quality."""
+    place = GALWAY.frame
+    corners = [(-5.0, -5.0), (5.0, -5.0), (5.0, 205.0), (-5.0, 205.0)]
+    boundary = tuple(place.position_of((east, north, 0.0)) for east, north in corners)
+    bench.start()
+    regions = topics.create_publisher(bench.operator, topics.REGION)
+    regions.publish(region_of_area(SurveyArea(boundary=boundary)))
+    bench.ros.spin_until(lambda: bench.node._region is not None, DEADLINE_S)
+    bench.put(0)
+    bench.save()
+    cover = json.loads(pathlib.Path(bench.wait_for_final().quality_path).read_text())['coverage']
+    assert cover['of'] == 'region'
+    assert 0.0 < cover['share'] < 0.3

@@ -7,18 +7,22 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from sensor_msgs.msg import Image
+from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_mapping.catalogue import read_store
-from rocsafe_mapping.conversions import receipt_of_answer, record_of_message
+from rocsafe_mapping.conversions import numbers_of, receipt_of_answer, record_of_message
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.label_images import LabelKeeper
 from rocsafe_mapping.listings import write_listings
 from rocsafe_mapping.options import CollectorOptions
 from rocsafe_mapping.repository.copying import Copier
-from rocsafe_mapping.repository.sink import open_sink
+from rocsafe_mapping.repository.sink import open_sink, token_of_file
 from rocsafe_mapping.store import Answer, ImageStore, Status
 from rocsafe_mapping.store_index import write_index
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
@@ -29,7 +33,8 @@ QUIET_S = 2.0
 class CollectorNode(Node):
     """Stores each photograph exactly once and tells its vehicle so.
 
-    Subscribes: ``camera/shot`` of each vehicle. Publishes: ``shots/receipts``.
+    Subscribes: ``camera/shot`` of each vehicle, and ``camera/labels`` with ``camera/label_table``
+    where label images are to be kept. Publishes: ``shots/receipts``.
 
     A photograph that the disk refuses gets no receipt: its vehicle keeps it and sends it again.
     """
@@ -46,16 +51,20 @@ class CollectorNode(Node):
             raise ParameterError(f'collector: store_directory: {error}') from error
         self._copier = None
         if options.copy_to:
+            token = self._token(options)
             self._copier = Copier(
-                self._folder, partial(open_sink, options.copy_to), self.get_logger().warning
+                self._folder, partial(open_sink, options.copy_to, token), self.get_logger().warning
             )
         self._failing = False
         self._is_listed, self._is_quiet = False, True
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(QUIET_S, self._on_quiet, clock=steady)
         self._receipts = topics.create_publisher(self, topics.RECEIPTS)
+        self._labels = LabelKeeper(self._folder) if options.store_labels else None
         for vehicle in options.vehicles:
             topics.create_subscription(self, topics.SHOT, self._on_shot, vehicle)
+            if self._labels is not None:
+                self._listen_to_labels(vehicle)
 
     def destroy_node(self) -> None:
         """Release the store with the node."""
@@ -64,6 +73,34 @@ class CollectorNode(Node):
             self._copier.close()
         self._store.close()
         super().destroy_node()
+
+    @staticmethod
+    def _token(options: CollectorOptions) -> str:
+        """Return the token of the repository. Raises ParameterError if its file has none."""
+        try:
+            return token_of_file(options.copy_token_file)
+        except StoreError as error:
+            raise ParameterError(f'collector: copy_token_file: {error}') from error
+
+    def _listen_to_labels(self, vehicle: str) -> None:
+        on_labels = partial(self._on_labels, vehicle)
+        topics.create_subscription(self, topics.CAMERA_LABELS, on_labels, vehicle)
+        topics.create_subscription(self, topics.CAMERA_LABEL_TABLE, self._on_label_table, vehicle)
+
+    def _on_labels(self, vehicle: str, message: Image) -> None:
+        keeper = self._labels
+        assert keeper is not None  # noqa: S101 - nothing is subscribed without one
+        try:
+            keeper.add_image(vehicle, ns_of_stamp(message.header.stamp), numbers_of(message))
+        except (StoreError, ValueError) as error:
+            self.get_logger().warning(str(error), once=True)
+
+    def _on_label_table(self, message: String) -> None:
+        try:
+            if self._labels is not None:
+                self._labels.add_table(message.data)
+        except StoreError as error:
+            self.get_logger().warning(str(error), once=True)
 
     def _on_quiet(self) -> None:
         if self._is_quiet:
@@ -95,11 +132,21 @@ class CollectorNode(Node):
             self.get_logger().error(f'{message.shot_id!r} rejected: {answer.reason}')
         if answer.status is Status.STORED:
             self._is_listed = self._is_quiet = False
+            self._keep_labels_of(message)
             if self._copier is not None:
                 self._copier.wake()
         receipt = receipt_of_answer(message, answer)
         receipt.header.stamp = self.get_clock().now().to_msg()
         self._receipts.publish(receipt)
+
+    def _keep_labels_of(self, message: GeotaggedImage) -> None:
+        if self._labels is None:
+            return
+        try:
+            time_ns = ns_of_stamp(message.header.stamp)
+            self._labels.add_shot(message.vehicle, time_ns, message.shot_id)
+        except StoreError as error:
+            self.get_logger().warning(str(error), once=True)
 
     def _stored(self, message: GeotaggedImage) -> Answer:
         image = bytes(message.image.data)

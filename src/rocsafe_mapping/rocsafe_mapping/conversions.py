@@ -3,7 +3,9 @@
 
 import math
 
-from sensor_msgs.msg import CameraInfo, NavSatFix
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
 from rocsafe_mapping.shot import Intrinsics, ShotRecord
@@ -63,6 +65,23 @@ def intrinsics_of_message(info: CameraInfo) -> Intrinsics:
         distortion_model=info.distortion_model if is_distorted else '',
         distortion=_floats(info.d) if is_distorted else (),
     )
+
+
+def numbers_of(message: Image) -> NDArray[np.uint16]:
+    """Return the numbers of a label image, shape (height, width).
+
+    Raises
+    ------
+    ValueError: if it is not 16 bit numbers in little-endian order, or too short.
+    """
+    if message.encoding != 'mono16' or message.is_bigendian:
+        raise ValueError(f'label image has encoding {message.encoding!r}: must be mono16')
+    if message.step != 2 * message.width or len(message.data) != message.step * message.height:
+        raise ValueError(
+            f'label image of {message.width} x {message.height} has {len(message.data)} bytes'
+        )
+    numbers = np.frombuffer(bytes(message.data), '<u2').reshape(message.height, message.width)
+    return numbers.astype(np.uint16)
 
 
 def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:

@@ -10,8 +10,10 @@ import shapely
 
 from rocsafe_geo.durable import write_whole
 from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.label_images import LabelImages
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker
 from rocsafe_mapping.products.cog import write_cog
+from rocsafe_mapping.products.label_products import write_labels
 from rocsafe_mapping.products.overlays import write_overlays
 from rocsafe_mapping.products.quality import quality
 from rocsafe_mapping.products.quality_page import quality_page, quality_text
@@ -30,12 +32,14 @@ class Handover:
     folder: of what goes with it.
     region: that was to be covered, in local metres.
     with_overlays: whether a picture with world file and KML is wanted.
+    labels: folder of label images, named like the photographs; None for none.
     """
 
     geotiff: Path
     folder: Path
     region: shapely.Polygon | None = None
     with_overlays: bool = True
+    labels: Path | None = None
 
 
 def hand_over(
@@ -63,6 +67,10 @@ def hand_over(
     step('seams')
     write_cog(wanted.geotiff, renderer.grid, renderer.window, renderer.tiles())
     step('draw')
+    if wanted.labels is not None:
+        images = LabelImages(wanted.labels)
+        write_labels(wanted.folder, renderer, maker.sheets(), images, maker.file_name)
+        step('labels')
     document = quality(alignment, maker.survey.state, renderer, wanted.region)
     step('quality')
     picture = ''

@@ -9,29 +9,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import cv2
-import numpy as np
-from numpy.typing import NDArray
-
 from rocsafe_geo.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import MANIFEST, StoredShot, read_store
-from rocsafe_mapping.drawing.label_map import label_tiles
 from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.label_images import LABELS
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.photograph_files import photographs_of
-from rocsafe_mapping.products.cog import write_cog
 from rocsafe_mapping.products.overlays import write_mbtiles
+from rocsafe_mapping.products.pmtiles import write_pmtiles
 
 EXIT_OK, EXIT_FAILED, EXIT_REFUSED = 0, 1, 2
 NAME = 'mosaic'
-LABEL_TILE_PX = 256
 EPILOG = """\
 The folder holds drone photographs with Exif, or is an image store of ROCSAFE. Written are
 mosaic.tif (cloud optimised GeoTIFF in UTM), mosaic.png with world file and mosaic.kml,
-mosaic.mbtiles, quality.json and quality.html. Exit code 1: there is a map, but it must not be
-called georeferenced; the reasons are printed.
+mosaic.mbtiles and mosaic.pmtiles, quality.json and quality.html; where there are label images,
+labels.tif and labels.json too. Exit code 1: there is a map, but it must not be called
+georeferenced; the reasons are printed.
 """
 
 
@@ -92,31 +88,22 @@ def make_map(options: argparse.Namespace) -> int:
         folder=folder,
         region=region,
         with_overlays=not options.only_geotiff,
+        labels=_labels_of(options),
     )
     alignment = maker.align(watch.lap)
     document = hand_over(maker, alignment, wanted, watch.lap, watch.costs)
-    if options.labels is not None:
-        write_labels(maker, options.labels, folder / 'labels.tif')
     if not options.only_geotiff:
         write_mbtiles(wanted.geotiff, folder / f'{NAME}.mbtiles')
+        write_pmtiles(folder / f'{NAME}.mbtiles', folder / f'{NAME}.pmtiles')
     return _conclude(document, folder)
 
 
-def write_labels(maker: Mapmaker, labels: Path, path: Path) -> None:
-    """Write the map of the label images of a folder, named like the photographs.
-
-    Raises
-    ------
-    MappingError: if it cannot be written.
-    """
-    renderer, sheets = maker.renderer(), maker.sheets()
-
-    def labels_of(name: str) -> NDArray[np.uint8] | None:
-        file = labels / f'{maker.file_name(name)}.png'
-        return cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) if file.exists() else None
-
-    tiles = label_tiles(renderer, sheets, labels_of, LABEL_TILE_PX)
-    write_cog(path, renderer.grid, renderer.window, tiles, is_labels=True)
+def _labels_of(options: argparse.Namespace) -> Path | None:
+    """Return the folder of label images: the one that is named, or that of an image store."""
+    if options.labels is not None:
+        return Path(options.labels)
+    kept = Path(options.folder) / LABELS
+    return kept if kept.is_dir() else None
 
 
 def shots_of(folder: Path) -> tuple[StoredShot, ...]:
@@ -176,7 +163,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar='DIR',
         help='PNG label images named like the photographs: writes labels.tif too',
     )
-    parser.add_argument('--only-geotiff', action='store_true', help='no picture, KML and MBTiles')
+    parser.add_argument('--only-geotiff', action='store_true', help='no picture, KML and tiles')
     return parser
 
 

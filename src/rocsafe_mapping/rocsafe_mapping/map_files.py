@@ -7,7 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from rocsafe_mapping.handover import QUALITY_JSON
+from rocsafe_geo.area import SurveyArea
+from rocsafe_mapping.handover import QUALITY_JSON, Handover
+from rocsafe_mapping.label_images import LABELS
+from rocsafe_mapping.mapmaker import Mapmaker
 from rocsafe_mapping.options import MosaicOptions
 
 TILES = 'tiles'
@@ -42,6 +45,21 @@ def files_before(options: MosaicOptions) -> MapFiles:
         geotiff=str(geotiff) if geotiff.exists() else '',
         tiles=str(options.products / TILES) if options.live_tiles else '',
         ground_resolution_m=options.ground_resolution_m,
+    )
+
+
+def handover_of(options: MosaicOptions, maker: Mapmaker, region: SurveyArea | None) -> Handover:
+    """Return what shall be written of a mission's map.
+
+    Label images that the collector kept beside the photographs become a map, too.
+    """
+    frame = maker.frame
+    labels = Path(options.store_directory) / LABELS
+    return Handover(
+        geotiff=Path(options.output_path).absolute(),
+        folder=options.products,
+        region=region.polygon(frame.frame) if region is not None and frame is not None else None,
+        labels=labels if labels.is_dir() else None,
     )
 
 

@@ -10,17 +10,19 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from rocsafe_interfaces.msg import ShotReceipt
+from rocsafe_geo.area import SurveyArea
+from rocsafe_interfaces.msg import Region, ShotReceipt
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
-from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.handover import hand_over
 from rocsafe_mapping.live import LiveMap
 from rocsafe_mapping.map_conversions import mosaic_message
-from rocsafe_mapping.map_files import TILES, files_after, files_before
+from rocsafe_mapping.map_files import TILES, files_after, files_before, handover_of
 from rocsafe_mapping.mapmaker import MapOptions
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 
@@ -33,9 +35,9 @@ PREVIEW_S = 0.5
 class MosaicNode(Node):
     """Shows each stored photograph on the map at once, then where it fits, and writes the map.
 
-    Subscribes: ``shots/receipts``. Publishes: ``mosaic`` with a preview, at most twice a second.
-    Service: ``mosaic/save`` places all that is stored, writes the GeoTIFF with its quality and
-    publishes it as final. A restarted node makes the map again from the store.
+    Subscribes: ``shots/receipts``, ``region``. Publishes: ``mosaic`` with a preview, at most twice
+    a second. Service: ``mosaic/save`` places all that is stored, writes the GeoTIFF with its
+    quality and publishes it as final. A restarted node makes the map again from the store.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -53,8 +55,10 @@ class MosaicNode(Node):
         )
         self._waiting: deque[str] = deque()
         self._refused: set[str] = set()
+        self._region: SurveyArea | None = None
         self._maps = topics.create_publisher(self, topics.MOSAIC)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
+        topics.create_subscription(self, topics.REGION, self._on_region)
         self.create_service(topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name, self._on_save)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._worker = self.create_timer(PAUSE_S, self._on_worker, clock=steady)
@@ -70,6 +74,12 @@ class MosaicNode(Node):
         if receipt.status != ShotReceipt.REJECTED:
             self._waiting.append(receipt.shot_id)
             self._worker.reset()
+
+    def _on_region(self, message: Region) -> None:
+        try:
+            self._region = area_of_region(message)
+        except ValueError as error:
+            self.get_logger().warning(f'coverage is not of the region: {error}')
 
     def _on_worker(self) -> None:
         if self._waiting:
@@ -103,9 +113,7 @@ class MosaicNode(Node):
             return
         self._live.finish()
         alignment = self._live.maker.align()
-        wanted = Handover(
-            geotiff=Path(self._options.output_path).absolute(), folder=self._options.products
-        )
+        wanted = handover_of(self._options, self._live.maker, self._region)
         quality = hand_over(self._live.maker, alignment, wanted)
         self._live.mark_all()
         self._worker.reset()

@@ -33,8 +33,21 @@ class CollectorOptions:
         },
     )
 
+    copy_token_file: str = field(
+        default='',
+        metadata={'doc': 'file that holds the token of the HTTP repository; or none is needed'},
+    )
+    store_labels: bool = field(
+        default=False,
+        metadata={'doc': 'keep the label images of simulated photographs beside them'},
+    )
+
     def __post_init__(self) -> None:
         _require_text('store_directory', self.store_directory)
+        if self.copy_token_file and not self.copy_to:
+            raise ValueError(
+                f'copy_token_file = {self.copy_token_file!r} needs copy_to, which is empty'
+            )
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 

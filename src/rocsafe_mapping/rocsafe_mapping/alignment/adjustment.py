@@ -8,6 +8,7 @@ photographs like the epipolar lines of a free point, and on level ground like th
 """
 
 import dataclasses
+import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -17,7 +18,7 @@ from rocsafe_mapping.alignment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
 from rocsafe_mapping.alignment.projection import Transfer
-from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Noise, State
+from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Lens, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid
 from rocsafe_mapping.alignment.ties import ties_of
 
@@ -88,11 +89,15 @@ def stated_error_m(
     for step in steps.T:
         moved = unknowns.moved(state, step)
         for number, name in enumerate(names):
-            shift = footprint(photos[name], moved.poses[name]) - footprint(
-                photos[name], state.poses[name]
-            )
+            shift = _corners(photos[name], moved) - _corners(photos[name], state)
             squares[number] += np.mean(np.sum(shift**2, axis=1))
     return dict(zip(names, np.sqrt(squares / SAMPLES).tolist(), strict=True))
+
+
+def _corners(photo: Photo, state: State) -> FloatArray:
+    """Return the corners (4, 2) of a photograph on the ground, with its lens as found."""
+    lens = state.lenses.get(photo.lens, Lens())
+    return footprint(photo, state.poses[photo.name], math.exp(lens.log_focal))
 
 
 def residuals_px(

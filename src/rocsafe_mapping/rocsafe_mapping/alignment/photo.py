@@ -180,15 +180,16 @@ def rays_of_pixels(camera: Intrinsics, pixels: FloatArray) -> FloatArray:
     return np.column_stack([x, y, np.ones(len(pixels))])
 
 
-def footprint(photo: Photo, pose: Pose) -> FloatArray:
+def footprint(photo: Photo, pose: Pose, focal_factor: float = 1.0) -> FloatArray:
     """Return (east, north) of the image's corners on level ground, metres, shape (4, 2).
 
     Order: top left, top right, bottom right, bottom left. Rays near the horizon end at five
-    heights from the camera.
+    heights from the camera. `focal_factor` is the focal length over the believed one.
     """
     right, bottom = photo.camera.width_px - 0.5, photo.camera.height_px - 0.5
     corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
-    rays = rays_of_pixels(photo.camera, corners) @ pose.rotation.T
+    rays = rays_of_pixels(photo.camera, corners) / (focal_factor, focal_factor, 1.0)
+    rays = rays @ pose.rotation.T
     steepness = np.maximum(-rays[:, 2], 0.2 * np.hypot(rays[:, 0], rays[:, 1]))
     reach: FloatArray = rays[:, :2] / np.maximum(steepness, 1e-9)[:, np.newaxis] * pose.centre[2]
     return pose.centre[:2] + reach

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One aligned photograph, seen from straight above."""
 
+import math
 from dataclasses import dataclass, field
 
 import cv2
@@ -39,7 +40,8 @@ class Sheet:
     corners_m: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'corners_m', footprint(self.photo, self.pose))
+        focal_factor = math.exp(self.lens.log_focal)
+        object.__setattr__(self, 'corners_m', footprint(self.photo, self.pose, focal_factor))
 
     def pixels_of(self, ground_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the pixels (n, 2) where ground points (n, 2) are seen, and cosines^2 off nadir.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The map as a cloud optimised GeoTIFF: tiled, with overviews, transparent where nothing lies."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from rocsafe_mapping.errors import MappingError
 
 COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
 RGBA = (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
+Colour = tuple[int, int, int]
 RAW_SUFFIX = '.raw'
 # GDAL would else take a twentieth of the machine's memory for its cache of blocks.
 CACHE_BYTES = 64 * 2**20
@@ -39,7 +40,7 @@ def write_cog(
     window: Window,
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
     *,
-    is_labels: bool = False,
+    palette: Mapping[int, Colour] | None = None,
 ) -> None:
     """Write `tiles` of `window` to `path`, which at any moment holds its old or its new content.
 
@@ -49,7 +50,8 @@ def write_cog(
     grid: that the windows count in.
     window: what the file shall hold.
     tiles: each with red, green, blue and coverage, shape (height, width, 4); or labels (height,
-        width), 0 where nothing is known, with `is_labels`.
+        width), 0 where nothing is known, with a `palette`.
+    palette: colours of labels (red, green, blue), or none of them known; None for a picture.
 
     Raises
     ------
@@ -59,8 +61,8 @@ def write_cog(
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
-            _write_raw(raw, grid, window, tiles, is_labels)
-            resampling = 'mode' if is_labels else 'average'
+            _write_raw(raw, grid, window, tiles, palette)
+            resampling = 'average' if palette is None else 'mode'
             rasterio.shutil.copy(raw, part_of(path), **COG, overview_resampling=resampling)
         sync_file(part_of(path))
         finish_part(path)
@@ -77,7 +79,7 @@ def _write_raw(
     grid: MapGrid,
     window: Window,
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
-    is_labels: bool,
+    palette: Mapping[int, Colour] | None,
 ) -> None:
     west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
     transform = Affine.translation(west_m, north_m) @ Affine.scale(
@@ -85,16 +87,18 @@ def _write_raw(
     )
     crs = rasterio.CRS.from_epsg(grid.epsg)
     size = {'width': window.width, 'height': window.height, 'dtype': 'uint8'}
-    size |= {'count': 1, 'nodata': 0} if is_labels else {'count': 4}
+    size |= {'count': 4} if palette is None else {'count': 1, 'nodata': 0}
     with rasterio.open(path, 'w', crs=crs, transform=transform, **size, **RAW) as file:
-        if not is_labels:
+        if palette is None:
             file.colorinterp = RGBA
+        elif palette:
+            file.write_colormap(1, {0: (0, 0, 0, 0), **{n: (*c, 255) for n, c in palette.items()}})
         for place, rgba in tiles:
             shared = place.cut(window)
             if shared.is_empty:
                 continue
             part = rgba[shared.within(place)]
-            part = part[np.newaxis] if is_labels else np.moveaxis(part, 2, 0)
+            part = np.moveaxis(part, 2, 0) if palette is None else part[np.newaxis]
             rows, columns = shared.within(window)
             file.write(
                 part,

@@ -73,6 +73,24 @@ class S3Sink:
         """Nothing is held open."""
 
 
+def token_of_file(path: str) -> str:
+    """Return the token that a file holds; without a file there is none.
+
+    Raises
+    ------
+    StoreError: if the file cannot be read or is empty.
+    """
+    if not path:
+        return ''
+    try:
+        token = Path(path).read_text(encoding='utf-8').strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise StoreError(f'cannot read token file {path}: {error}') from error
+    if not token:
+        raise StoreError(f'token file {path} is empty')
+    return token
+
+
 def open_sink(url: str, token: str = '') -> Sink:
     """Return what keeps photographs at `url`: a path, file, http, https or s3 URL.
 

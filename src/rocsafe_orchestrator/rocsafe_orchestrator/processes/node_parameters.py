@@ -110,8 +110,12 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 
 def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
-    """Return the parameters of the image store."""
-    return {'vehicles': list(scenario.vehicle_names), 'store_directory': str(run.images)}
+    """Return the parameters of the image store; an engine's camera knows what it shows."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'store_directory': str(run.images),
+        'store_labels': scenario.camera.backend == 'engine',
+    }
 
 
 def mosaic_parameters(run: RunDirectory) -> Parameters:

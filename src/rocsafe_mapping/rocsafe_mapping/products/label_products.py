@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The map of what is where: a GeoTIFF of classes, and the area of each."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.durable import write_whole
+from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.label_map import UNKNOWN, label_tiles
+from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing.sheet import Sheet
+from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.label_images import LabelImages
+from rocsafe_mapping.products.cog import write_cog
+
+LABELS_TIF, LABELS_JSON = 'labels.tif', 'labels.json'
+TILE_PX, VALUES = 256, 256
+Tiles = Iterator[tuple[Window, NDArray[np.uint8]]]
+
+
+def write_labels(
+    folder: Path,
+    renderer: Renderer,
+    sheets: Mapping[str, Sheet],
+    images: LabelImages,
+    file_name: Callable[[str], str],
+) -> None:
+    """Write ``labels.tif`` and ``labels.json``: what each value means and how much there is of it.
+
+    Parameters
+    ----------
+    folder: where they go.
+    renderer, sheets: of the map.
+    images: label images of the photographs.
+    file_name: returns what the file of a photograph is called, without its suffix.
+
+    Raises
+    ------
+    MappingError: if they cannot be written.
+    ValueError: if a label image is not as large as its photograph.
+    """
+    counts = np.zeros(VALUES, np.int64)
+
+    def counted(tiles: Tiles) -> Tiles:
+        for window, labels in tiles:
+            np.add(counts, np.bincount(labels.ravel(), minlength=VALUES), out=counts)
+            yield window, labels
+
+    tiles = label_tiles(renderer, sheets, lambda name: images.of(file_name(name)), TILE_PX)
+    colours = {label.value: label.colour for label in images.classes}
+    path = folder / LABELS_TIF
+    write_cog(path, renderer.grid, renderer.window, counted(tiles), palette=colours)
+    names = {label.value: label.name for label in images.classes}
+    pixel_m2 = renderer.grid.resolution_m**2
+    rows = [
+        {
+            'value': value,
+            'class': names.get(value, str(value)),
+            'colour': list(colours.get(value, ())),
+            'area_m2': round(float(counts[value]) * pixel_m2, 2),
+        }
+        for value in np.flatnonzero(counts).tolist()
+        if value != UNKNOWN
+    ]
+    try:
+        write_whole(folder / LABELS_JSON, json.dumps({'classes': rows}, indent=1).encode() + b'\n')
+    except OSError as error:
+        raise MappingError(f'cannot write {folder / LABELS_JSON}: {error}') from error
