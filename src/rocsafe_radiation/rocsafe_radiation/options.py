@@ -5,16 +5,21 @@ from dataclasses import dataclass, field
 
 from rocsafe_radiation.background import Background
 from rocsafe_radiation.detector import DETECTOR_NAMES, IDEAL
-from rocsafe_radiation.field import MODELS, PAPER_MODEL, SMALLEST_SOURCE_RADIUS_M, RadiationField
+from rocsafe_radiation.field import (
+    MODELS,
+    PAPER_MODEL,
+    SHIELDED_MODEL,
+    SMALLEST_SOURCE_RADIUS_M,
+    RadiationField,
+)
 from rocsafe_radiation.field_assembly import (
     SHAPES,
     TRACK,
-    BoxLists,
     SourceLists,
     places_of,
-    shielding_of,
     sources_of,
 )
+from rocsafe_radiation.shield_options import ShieldOptions
 from rocsafe_radiation.survey_field import SurveyField
 
 GROUND_TRUTH = 'ground_truth'
@@ -36,14 +41,14 @@ PARALLEL_LISTS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FieldOptions:
+class FieldOptions(ShieldOptions):
     """Options of the field node; the source lists run in parallel."""
 
     model: str = field(
         default=PAPER_MODEL,
         metadata={
             'doc': 'law of the dose rate; paper: sigma / d^2, air: attenuated, '
-            'shielded: behind boxes, too'
+            'shielded: behind boxes and things of a scene, too'
         },
     )
     vehicles: tuple[str, ...] = field(
@@ -111,35 +116,6 @@ class FieldOptions:
             'min': SMALLEST_SOURCE_RADIUS_M,
             'max': 1e3,
         },
-    )
-    box_materials: tuple[str, ...] = field(
-        default=(),
-        metadata={'doc': 'materials of the boxes that shield: iron, lead, concrete, water'},
-    )
-    box_latitudes_deg: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'WGS84 latitudes of the middles of the boxes, degrees'}
-    )
-    box_longitudes_deg: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'WGS84 longitudes of the middles of the boxes, degrees'}
-    )
-    box_altitudes_m: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'altitudes of their bottoms above the ellipsoid, metres'}
-    )
-    box_lengths_m: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'lengths of the boxes, metres'}
-    )
-    box_widths_m: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'widths of the boxes, metres'}
-    )
-    box_heights_m: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'heights of the boxes, metres'}
-    )
-    box_headings_deg: tuple[float, ...] = field(
-        default=(),
-        metadata={'doc': 'directions of their lengths, degrees clockwise from north; none: north'},
-    )
-    box_walls_m: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'thickness of their walls, metres; 0 or none: solid'}
     )
     background_usvh: float = field(
         default=0.0,
@@ -238,7 +214,7 @@ class FieldOptions:
                 sources=sources_of(self._source_lists()),
                 source_radius_m=self.source_radius_m,
                 model=self.model,
-                shielding=shielding_of(self._box_lists()),
+                shielding=self.shield(self.seed) if self.model == SHIELDED_MODEL else None,
             ),
             background=self._background(),
             detector=self.detector,
@@ -278,22 +254,6 @@ class FieldOptions:
                 self.corner_altitudes_m,
             ),
             corner_times_s=self.corner_times_s,
-        )
-
-    def _box_lists(self) -> BoxLists:
-        return BoxLists(
-            materials=self.box_materials,
-            places=places_of(
-                [f'box {index}' for index in range(len(self.box_materials))],
-                self.box_latitudes_deg,
-                self.box_longitudes_deg,
-                self.box_altitudes_m,
-            ),
-            sizes_m=tuple(
-                zip(self.box_lengths_m, self.box_widths_m, self.box_heights_m, strict=True)
-            ),
-            headings_deg=self.box_headings_deg,
-            walls_m=self.box_walls_m,
         )
 
 

@@ -2,7 +2,7 @@
 """How much of which material lies between a source and a point."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -91,6 +91,28 @@ class BoxShielding:
             inside = box.lengths_m(starts_enu, points_enu)
             lengths[box.material] = lengths.get(box.material, 0.0) + inside
         return lengths
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedShielding:
+    """Several at once; where two overlap, both count."""
+
+    parts: tuple[Shielding, ...]
+
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+        """Return by material the length within it of each ray from a start to a point, metres."""
+        totals: dict[str, Array] = {}
+        for part in self.parts:
+            for name, lengths in part.lengths_m(starts, points).items():
+                totals[name] = totals.get(name, 0.0) + lengths
+        return totals
+
+
+def joined(parts: Sequence[Shielding]) -> Shielding | None:
+    """Return `parts` as one, None of none."""
+    if len(parts) > 1:
+        return JoinedShielding(tuple(parts))
+    return parts[0] if parts else None
 
 
 def _shares_within(starts: Array, rays: Array, half: Array) -> Array:

@@ -8,11 +8,13 @@ from rocsafe_orchestrator.scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
 SHAPE_OF_KEY = {'position': 'point'}
+# Who answers for the things of a scene; the field calls it by this name.
+SCENE_SHIELDING = 'rocsafe_sim.scene.shielding:scene_shielding'
 
 
 def field_parameters(scenario: Scenario) -> Parameters:
     """Return the parameters of the radiation field."""
-    radiation = scenario.radiation
+    radiation, origin = scenario.radiation, scenario.origin_position()
     return {
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
@@ -22,6 +24,11 @@ def field_parameters(scenario: Scenario) -> Parameters:
         'start_time_s': scenario.clock.start.timestamp(),
         **_sources(scenario),
         **_boxes(scenario),
+        'shielding': SCENE_SHIELDING if radiation.scene_file else '',
+        'shielding_file': radiation.scene_file,
+        'origin_latitude_deg': origin.latitude_deg,
+        'origin_longitude_deg': origin.longitude_deg,
+        'origin_altitude_m': origin.altitude_m,
         'detector': radiation.detector,
         'window_s': radiation.window_s,
         'background_usvh': radiation.background.dose_rate_usvh,

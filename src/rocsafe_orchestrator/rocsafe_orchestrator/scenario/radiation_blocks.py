@@ -149,7 +149,8 @@ class RadiationBlock(Block):
     """The radiation field; nearer than `source_radius_m` a source counts as that far.
 
     Every vehicle carries `detector`, which counts over windows of `window_s`; the ideal one reads
-    the dose rate itself, at once. The `shields` matter to the model ``shielded`` alone.
+    the dose rate itself, at once. The `shields`, and the things of the scene of `scene_file`, a
+    path from the scenario's file, matter to the model ``shielded`` alone.
     """
 
     model: Literal['paper', 'air', 'shielded'] = 'paper'
@@ -161,6 +162,7 @@ class RadiationBlock(Block):
     levels: LevelsBlock = LevelsBlock()
     sources: tuple[SourceBlock, ...] = ()
     shields: tuple[ShieldBlock, ...] = Field(default=(), max_length=1000)
+    scene_file: str = ''
 
     @property
     def localize_options(self) -> tuple[str, ...]:

@@ -170,6 +170,11 @@ def _unused_shields(scenario: Scenario) -> Iterator[str]:
             f'radiation.model = {radiation.model!r}: must be shielded where there are '
             'radiation.shields'
         )
+    if radiation.scene_file and radiation.model != 'shielded':
+        yield (
+            f'radiation.model = {radiation.model!r}: must be shielded where there is a '
+            'radiation.scene_file'
+        )
     for index, shield in enumerate(radiation.shields):
         thinnest_m = min(shield.length_m, shield.width_m, shield.height_m)
         if shield.wall_m >= thinnest_m / 2.0:

@@ -33,9 +33,10 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
     scenario = _validated(path.name, _with_options(content, speed, seed))
-    scenario = _with_terrain(
-        _with_scene(_with_ground(_with_region(scenario, path), path), path), path
-    )
+    for with_absolute in (
+        _with_region, _with_ground, _with_scene, _with_terrain, _with_shielding_scene,
+    ):  # fmt: skip
+        scenario = with_absolute(scenario, path)
     lines = mistakes(scenario)
     if lines:
         raise _error([f'{path.name}: {line}' for line in lines])
@@ -148,3 +149,16 @@ def _with_terrain(scenario: Scenario, path: Path) -> Scenario:
         raise ScenarioError(f'{path.name}: {line}; no such file')
     survey = scenario.survey.model_copy(update={'terrain_file': str(file)})
     return scenario.model_copy(update={'survey': survey})
+
+
+def _with_shielding_scene(scenario: Scenario, path: Path) -> Scenario:
+    """Return `scenario` with the absolute path of the scene whose things shield, if any."""
+    named = scenario.radiation.scene_file
+    if not named:
+        return scenario
+    file = (path.parent / named).resolve()
+    if not file.is_file():
+        line = f'radiation.scene_file = {named!r}: must be the path of a scene'
+        raise ScenarioError(f'{path.name}: {line}; no such file')
+    radiation = scenario.radiation.model_copy(update={'scene_file': str(file)})
+    return scenario.model_copy(update={'radiation': radiation})

@@ -73,17 +73,26 @@ def build(
     )
 
 
-def check(description: SceneDescription) -> tuple[SceneObject, ...]:
+def check(
+    description: SceneDescription, seed: int | None = None, origin: GeoPosition | None = None
+) -> tuple[SceneObject, ...]:
     """Make everything but the pictures of the ground, and return the objects.
+
+    Parameters
+    ----------
+    description : what is in the scene.
+    seed : in place of the description's.
+    origin : of the mission, in place of the description's.
 
     Raises
     ------
     SceneError: one line, if an entry cannot be made.
     """
-    works = ground_works(description, description.seed)
-    terrain = make_terrain(_relief(description, description.seed, works).heights)
-    frame = LocalFrame(_origin(description))
-    return tuple(Placer(description, description.seed, frame, terrain).objects())
+    seed = description.seed if seed is None else seed
+    works = ground_works(description, seed)
+    terrain = make_terrain(_relief(description, seed, works).heights)
+    frame = LocalFrame(origin or _origin(description))
+    return tuple(Placer(description, seed, frame, terrain).objects())
 
 
 def ground_works(description: SceneDescription, seed: int) -> tuple[GroundWork, ...]:

@@ -36,7 +36,7 @@ class Hits:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cluster:
+class Cluster:
     """Triangles close together, and the box around them."""
 
     low: Floats
@@ -51,11 +51,9 @@ class _Cluster:
 
     def reached(self, origins: Floats, directions: Floats, limits: Floats) -> Floats:
         """Return the indices of the rays that enter the box within their limits."""
-        safe = np.where(np.abs(directions) < _GRAZING, _GRAZING, directions)
-        first, second = (self.low - origins) / safe, (self.high - origins) / safe
-        enter = np.minimum(first, second).max(axis=1)
-        leave = np.maximum(first, second).min(axis=1)
-        return np.flatnonzero((leave >= np.maximum(enter, 0.0)) & (enter <= limits))
+        return np.flatnonzero(
+            boxes_reached(self.low[None], self.high[None], origins, directions, limits)[0]
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,8 +61,14 @@ class Solid:
     """A thing as triangles in the world: all of them, and in clusters."""
 
     thing: SceneObject
-    whole: _Cluster
-    clusters: list[_Cluster]
+    whole: Cluster
+    clusters: list[Cluster]
+    lows: Floats = field(init=False)
+    highs: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'lows', np.array([one.low for one in self.clusters]))
+        object.__setattr__(self, 'highs', np.array([one.high for one in self.clusters]))
 
 
 @dataclass(slots=True)
@@ -108,7 +112,7 @@ class RayScene:
         origins = np.broadcast_to(np.asarray(start, float), ways.shape)
         totals: dict[str, Floats] = {}
         for solid, rays in self._near(origins, directions, lengths.copy()):
-            inside = _inside_m(solid, origins[rays], directions[rays], lengths[rays])
+            inside = inside_m(solid, origins[rays], directions[rays], lengths[rays])
             if inside.any():
                 total = totals.setdefault(solid.thing.material, np.zeros(len(ways)))
                 total[rays] += solid.thing.fill * inside
@@ -161,6 +165,17 @@ class RayScene:
         return high
 
 
+def boxes_reached(
+    lows: Floats, highs: Floats, origins: Floats, directions: Floats, limits: Floats
+) -> Floats:
+    """Return which of n rays enter which of k boxes (k, 3) within their limits, (k, n)."""
+    safe = np.where(np.abs(directions) < _GRAZING, _GRAZING, directions)
+    first, second = (lows[:, None] - origins) / safe, (highs[:, None] - origins) / safe
+    enter = np.minimum(first, second).max(axis=2)
+    leave = np.maximum(first, second).min(axis=2)
+    return np.asarray((leave >= np.maximum(enter, 0.0)) & (enter <= limits))
+
+
 def solid_of(thing: SceneObject) -> Solid:
     """Return a thing as rays see it, where it is at the start of the mission."""
     corners = np.concatenate(
@@ -171,12 +186,12 @@ def solid_of(thing: SceneObject) -> Solid:
     return Solid(thing, _cluster(corners), list(_clusters(corners)))
 
 
-def _cluster(corners: Floats) -> _Cluster:
+def _cluster(corners: Floats) -> Cluster:
     flat = corners.reshape(-1, 3)
-    return _Cluster(flat.min(axis=0), flat.max(axis=0), corners)
+    return Cluster(flat.min(axis=0), flat.max(axis=0), corners)
 
 
-def _clusters(corners: Floats) -> Iterator[_Cluster]:
+def _clusters(corners: Floats) -> Iterator[Cluster]:
     """Yield the triangles in halves of halves, each cut across its longest side."""
     if len(corners) <= _CLUSTER_SIZE:
         yield _cluster(corners)
@@ -188,7 +203,7 @@ def _clusters(corners: Floats) -> Iterator[_Cluster]:
     yield from _clusters(corners[order[len(corners) // 2 :]])
 
 
-def _crossings(cluster: _Cluster, origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
+def _crossings(cluster: Cluster, origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
     """Return the distances (n, m) of rays to triangles, and the cosines of the crossings.
 
     By Möller and Trumbore (1997); distances are infinite where a ray misses, cosines are above 0
@@ -226,15 +241,17 @@ def _blocks(rays: Floats) -> Iterator[Floats]:
         yield rays[start : start + _BLOCK // _CLUSTER_SIZE]
 
 
-def _inside_m(solid: Solid, origins: Floats, directions: Floats, lengths: Floats) -> Floats:
+def inside_m(solid: Solid, origins: Floats, directions: Floats, lengths: Floats) -> Floats:
     """Return the length of each ray inside the union of the solid's closed parts."""
     who: list[Floats] = [np.zeros(0, int)]
     where: list[Floats] = [np.zeros(0)]
     which: list[Floats] = [np.zeros(0)]
-    for cluster in solid.clusters:
-        rays = cluster.reached(origins, directions, lengths)
-        for block in _blocks(rays):
-            distance, cosine = _crossings(cluster, origins[block], directions[block])
+    reached = boxes_reached(solid.lows, solid.highs, origins, directions, lengths)
+    for index in np.flatnonzero(reached.any(axis=1)):
+        for block in _blocks(np.flatnonzero(reached[index])):
+            distance, cosine = _crossings(
+                solid.clusters[index], origins[block], directions[block]
+            )
             row, column = np.nonzero(np.isfinite(distance))
             who.append(block[row])
             where.append(distance[row, column])
@@ -269,7 +286,7 @@ def touches(solid: Solid, place: Floats, radius_m: float) -> bool:
     return False
 
 
-def _gap_m(cluster: _Cluster, place: Floats) -> float:
+def _gap_m(cluster: Cluster, place: Floats) -> float:
     """Return the distance from `place` (3,) to the nearest triangle (Ericson 2005, 5.1.5)."""
     first, one, two = cluster.edges
     offset = np.asarray(place, float) - first
