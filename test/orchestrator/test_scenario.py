@@ -68,6 +68,7 @@ REFUSED_BLOCKS = [
     ('radiation.sources[0].activity_gbq', 5.0, 'radiation.sources[0]: must have sigma_usvps or'),
     ('radiation.sources[0].line', [[53.28, -9.06]], 'must have one of position, line, area'),
     ('radiation.shields', [WALL], "radiation.model = 'paper': must be shielded where there are"),
+    ('radiation.scene_file', 'gone.yaml', "radiation.scene_file = 'gone.yaml': must be the path"),
     (
         'radiation',
         {'model': 'shielded', 'shields': [{**WALL, 'wall_m': 0.5}]},

@@ -12,11 +12,11 @@ import numpy as np
 
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, SceneObject
 from rocsafe_sim.scene.mesh import Floats
+from rocsafe_sim.scene.ray_boxes import GRAZING, boxes_reached
 
 # Pairs of ray and triangle worked on at once.
 _BLOCK = 400_000
 _CLUSTER_SIZE = 64
-_GRAZING = 1e-12
 # The ground is sought in steps that grow with the distance, then halved to a hair.
 _FIRST_STEP_M, _STEP_GROWTH, _HALVINGS = 0.35, 1.015, 34
 
@@ -96,7 +96,7 @@ class RayScene:
         """Return whether nothing stands between two places, (3,) each."""
         way = np.asarray(end, float) - start
         length = float(np.linalg.norm(way))
-        if length < _GRAZING:
+        if length < GRAZING:
             return True
         hits = self.first_hits(np.asarray(start, float)[None], way[None] / length)
         return bool(hits.distances_m[0] >= length - 1e-6)
@@ -108,7 +108,7 @@ class RayScene:
         """
         ways = np.asarray(ends, float) - np.asarray(start, float)
         lengths = np.linalg.norm(ways, axis=1)
-        directions = ways / np.maximum(lengths, _GRAZING)[:, None]
+        directions = ways / np.maximum(lengths, GRAZING)[:, None]
         origins = np.broadcast_to(np.asarray(start, float), ways.shape)
         totals: dict[str, Floats] = {}
         for solid, rays in self._near(origins, directions, lengths.copy()):
@@ -165,17 +165,6 @@ class RayScene:
         return high
 
 
-def boxes_reached(
-    lows: Floats, highs: Floats, origins: Floats, directions: Floats, limits: Floats
-) -> Floats:
-    """Return which of n rays enter which of k boxes (k, 3) within their limits, (k, n)."""
-    safe = np.where(np.abs(directions) < _GRAZING, _GRAZING, directions)
-    first, second = (lows[:, None] - origins) / safe, (highs[:, None] - origins) / safe
-    enter = np.minimum(first, second).max(axis=2)
-    leave = np.maximum(first, second).min(axis=2)
-    return np.asarray((leave >= np.maximum(enter, 0.0)) & (enter <= limits))
-
-
 def solid_of(thing: SceneObject) -> Solid:
     """Return a thing as rays see it, where it is at the start of the mission."""
     corners = np.concatenate(
@@ -213,13 +202,13 @@ def _crossings(cluster: Cluster, origins: Floats, directions: Floats) -> tuple[F
     way = directions[:, None]
     across = np.cross(way, two[None])
     scale = np.einsum('rtk,tk->rt', across, one)
-    safe = np.where(np.abs(scale) < _GRAZING, np.inf, scale)
+    safe = np.where(np.abs(scale) < GRAZING, np.inf, scale)
     offset = origins[:, None] - first
     u = np.einsum('rtk,rtk->rt', offset, across) / safe
     other = np.cross(offset, one)
     v = np.einsum('rk,rtk->rt', directions, other) / safe
     distance = np.einsum('rtk,tk->rt', other, two) / safe
-    is_hit = (np.abs(scale) >= _GRAZING) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+    is_hit = (np.abs(scale) >= GRAZING) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
     return np.where(is_hit, distance, np.inf), directions @ np.cross(one, two).T
 
 
@@ -249,9 +238,7 @@ def inside_m(solid: Solid, origins: Floats, directions: Floats, lengths: Floats)
     reached = boxes_reached(solid.lows, solid.highs, origins, directions, lengths)
     for index in np.flatnonzero(reached.any(axis=1)):
         for block in _blocks(np.flatnonzero(reached[index])):
-            distance, cosine = _crossings(
-                solid.clusters[index], origins[block], directions[block]
-            )
+            distance, cosine = _crossings(solid.clusters[index], origins[block], directions[block])
             row, column = np.nonzero(np.isfinite(distance))
             who.append(block[row])
             where.append(distance[row, column])
@@ -292,7 +279,7 @@ def _gap_m(cluster: Cluster, place: Floats) -> float:
     offset = np.asarray(place, float) - first
     aa, ab, bb = (np.einsum('tk,tk->t', x, y) for x, y in ((one, one), (one, two), (two, two)))
     pa, pb = np.einsum('tk,tk->t', offset, one), np.einsum('tk,tk->t', offset, two)
-    area = np.maximum(aa * bb - ab * ab, _GRAZING)
+    area = np.maximum(aa * bb - ab * ab, GRAZING)
     u, v = (bb * pa - ab * pb) / area, (aa * pb - ab * pa) / area
     is_over = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
     plane = np.linalg.norm(offset - u[:, None] * one - v[:, None] * two, axis=1)
@@ -303,6 +290,6 @@ def _gap_m(cluster: Cluster, place: Floats) -> float:
 
 def _segment_gaps(start: Floats, way: Floats, place: Floats) -> Floats:
     offset = place - start
-    length = np.maximum(np.einsum('tk,tk->t', way, way), _GRAZING)
+    length = np.maximum(np.einsum('tk,tk->t', way, way), GRAZING)
     share = np.clip(np.einsum('tk,tk->t', offset, way) / length, 0.0, 1.0)
     return np.asarray(np.linalg.norm(offset - share[:, None] * way, axis=1))

@@ -18,7 +18,8 @@ from rocsafe_sim.scene.catalogue import maker_of
 from rocsafe_sim.scene.description import ObjectBlock
 from rocsafe_sim.scene.environment import SceneObject
 from rocsafe_sim.scene.mesh import Floats
-from rocsafe_sim.scene.rays import Solid, boxes_reached, inside_m, solid_of
+from rocsafe_sim.scene.ray_boxes import GRAZING, boxes_reached
+from rocsafe_sim.scene.rays import Solid, inside_m, solid_of
 from rocsafe_sim.scene.scene_file import read_scene
 
 Coordinates = tuple[Floats, Floats, Floats]
@@ -75,7 +76,7 @@ class SceneShielding:
     def _lengths(self, start: Floats, ends: Floats) -> Iterable[tuple[str, Floats]]:
         ways = ends - start
         lengths = np.linalg.norm(ways, axis=1)
-        directions = ways / np.maximum(lengths, 1e-12)[:, None]
+        directions = ways / np.maximum(lengths, GRAZING)[:, None]
         origins = np.broadcast_to(start, ways.shape)
         reached = boxes_reached(self._lows, self._highs, origins, directions, lengths)
         for index in np.flatnonzero(reached.any(axis=1)):
