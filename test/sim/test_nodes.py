@@ -3,6 +3,7 @@
 
 import hashlib
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -32,6 +33,7 @@ from rocsafe_interfaces.msg import (
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_sim.assembly import make_shared
 from rocsafe_sim.fleet_node import FleetNode
 from rocsafe_sim.rav_node import RavNode
 
@@ -103,6 +105,38 @@ def test_orders_by_service(operator: Operator, world: Any, rav: Any) -> None:
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.outcome == FlyRoute.Result.RETURNED_EARLY
     assert 'told to return home' in ended.result.error_msg
+
+
+class Mast:
+    """Surroundings with a mast on the way to the second viewpoint, as high as you like."""
+
+    def ground_up_m(self, _east_m: float, _north_m: float) -> float:
+        """Return level ground."""
+        return 0.0
+
+    def touched(self, place_enu: tuple[float, float, float], radius_m: float) -> str:
+        """Return whether the mast is touched."""
+        return 'mast' if math.dist(place_enu[:2], (4.0, 0.0)) < radius_m else ''
+
+
+def test_a_collision_ends_the_goal(
+    operator: Operator, world: Any, rav: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The result names what was hit; the vehicle says that it has crashed, and nothing hangs."""
+    monkeypatch.setattr(
+        'rocsafe_sim.rav_node.make_shared',
+        lambda options: replace(make_shared(options), surroundings=Mast()),
+    )
+    world('rav1', pause_when_idle=True)
+    rav()
+    states = operator.listen(topics.STATE)
+    ended = operator.fly(route())
+    assert ended.status == GoalStatus.STATUS_ABORTED
+    assert ended.result.outcome == FlyRoute.Result.COLLISION
+    assert ended.result.error_msg == 'collided: flew into mast after 1 viewpoints'
+    operator.ros.spin_until(
+        lambda: states and states[-1].state == VehicleState.CRASHED, DEADLINE_S
+    )
 
 
 def test_cancelled_goal_holds(operator: Operator, world: Any, rav: Any) -> None:
