@@ -138,7 +138,7 @@ def mapped(
         cpu_s=cpu,
         wall_s=wall,
         refused='; '.join(violations(alignment, maker.survey.state)),
-        stages=', '.join(f'{name} {cost["cpu_s"]:.1f}' for name, cost in watch.costs.items()),
+        stages=_stages(watch),
     )
 
 
@@ -332,10 +332,12 @@ def live(options: argparse.Namespace) -> list[Row]:
             time.sleep(0.005)
     busy = (time.process_time() - cpu) / (time.perf_counter() - start)
     wall = time.perf_counter()
+    watch = Stopwatch()
     growing.finish()
-    alignment = growing.maker.align()
+    watch.lap('finish')
+    alignment = growing.maker.align(watch.lap)
     wanted = Handover(geotiff=folder / 'm.tif', folder=folder)
-    hand_over(growing.maker, alignment, wanted)
+    hand_over(growing.maker, alignment, wanted, watch.lap)
     final = time.perf_counter() - wall
     growing.close()
     p95 = float(np.quantile(refined, 0.95))
@@ -346,6 +348,7 @@ def live(options: argparse.Namespace) -> list[Row]:
          f'largest {max(refined):.2f} s, {len(refined)} of {len(samples)}'), '<= 3 s'),
         ('live: share of one core used', f'{100 * busy:.0f} %', 'no growing queue'),
         ('live: final map after the last image', f'{final:.1f} s', '<= 10 s'),
+        ('live: CPU seconds of its stages', _stages(watch), ''),
     ]  # fmt: skip
 
 
@@ -527,6 +530,11 @@ def _internal(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
     a, b = a - a.mean(), b - b.mean()
     factor = np.vdot(a, b) / np.vdot(a, a)
     return float(np.sqrt(np.mean(np.abs(factor * a - b) ** 2)))
+
+
+def _stages(watch: Stopwatch) -> str:
+    """Return the processor seconds of each stage."""
+    return ', '.join(f'{name} {cost["cpu_s"]:.1f}' for name, cost in watch.costs.items())
 
 
 def _rms(off: NDArray[np.float64]) -> float:

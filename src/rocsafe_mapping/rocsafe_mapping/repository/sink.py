@@ -59,15 +59,34 @@ class S3Sink:
         self._url = url
 
     def put(self, record: ShotRecord, image: bytes) -> Answer:
-        """Keep a tagged image; its record is written last. Raises StoreError on any failure."""
+        """Keep a tagged image, unless the bucket has it; its record is written last.
+
+        Raises
+        ------
+        StoreError: on any failure.
+        """
         sha256 = hashlib.sha256(image).hexdigest()
         text = json.dumps(plain_of_record(record)).encode()
         try:
+            known = self._known_sha256(record.shot_id + SIDECAR_SUFFIX)
+            if known == sha256:
+                return Answer(status=Status.DUPLICATE, sha256=sha256)
+            if known:
+                reason = f'{record.shot_id} is stored already with another image'
+                return Answer(status=Status.REJECTED, sha256=sha256, reason=reason)
             self._module.put(self._bucket, record.shot_id + IMAGE_SUFFIX, image)
             self._module.put(self._bucket, record.shot_id + SIDECAR_SUFFIX, text)
         except Exception as error:
             raise StoreError(f'{self._url}: {error}') from error
         return Answer(status=Status.STORED, sha256=sha256)
+
+    def _known_sha256(self, key: str) -> str:
+        """Return the checksum in a record of the bucket, empty if there is no record."""
+        try:
+            content = bytes(self._module.get(self._bucket, key).bytes())
+        except FileNotFoundError:
+            return ''
+        return str(json.loads(content)['sha256'])
 
     def close(self) -> None:
         """Nothing is held open."""

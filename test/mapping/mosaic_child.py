@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Maps a store live and writes the map: a process that tests kill.
+
+``python mosaic_child.py STORE FOLDER``
+"""
+
+import sys
+from pathlib import Path
+
+from rocsafe_mapping.catalogue import read_store
+from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.mapmaker import MapOptions
+
+
+def main() -> None:
+    """Do what the mosaic node does, without ROS."""
+    store, folder = map(Path, sys.argv[1:])
+    sys.stdout.write('begin\n')
+    sys.stdout.flush()
+    growing = LiveMap(MapOptions(ground_resolution_m=0.1), folder / 'tiles', print)
+    for shot in read_store(store, print):
+        growing.receive(shot.record, shot.read_image)
+        while growing.work():
+            pass
+    growing.finish()
+    alignment = growing.maker.align()
+    hand_over(growing.maker, alignment, Handover(geotiff=folder / 'm.tif', folder=folder))
+    growing.close()
+
+
+if __name__ == '__main__':
+    main()
