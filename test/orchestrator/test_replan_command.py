@@ -37,6 +37,7 @@ def test_arguments_become_a_request(plan_file: Path, tmp_path: Path) -> None:
         'visited': [0, 1, 2, 3, 7],
         'new_places': [[53.281, -9.061]],
         'new_exclusions': [],
+        'terrain_file': '',
         'output_directory': str(tmp_path),
     }
 

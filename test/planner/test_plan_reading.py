@@ -44,7 +44,7 @@ def test_round_trip(tmp_path):
     ('changes', 'message'),
     [
         ({'format_version': 9}, 'has format 9, not 1'),
-        ({'terrain': {'name': 'x'}}, 'is a plan over a terrain'),
+        ({'terrain': {'name': 'x'}}, 'is a plan over x: must be given that file'),
         ({'vehicles': None}, 'plan.json: '),
         ({'seed': -1}, 'plan.json: seed is -1'),
     ],

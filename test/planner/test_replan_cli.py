@@ -5,6 +5,7 @@ import io
 import json
 import sys
 
+import numpy as np
 import pytest
 
 from rocsafe_planner.plan_files import write_plan
@@ -12,6 +13,7 @@ from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replan_cli import main
 
 from .fleets import request
+from .terrains import read_terrain, write_terrain
 
 
 @pytest.fixture(scope='module')
@@ -71,3 +73,26 @@ def test_a_wrong_request_gives_one_line(replan_file, folder, changes, message):
     assert (code, out) == (2, '')
     assert message in err
     assert err.count('\n') == 1
+
+
+def test_plan_over_a_terrain_needs_its_file(replan_file, tmp_path):
+    """With the same heights the rest is planned over them; without, or with others, refused."""
+    ridge, other = tmp_path / 'ridge.tif', tmp_path / 'other.tif'
+    slope = np.linspace(0.0, 30.0, 200) * np.ones((200, 1))
+    write_terrain(ridge, slope)
+    write_terrain(other, 2.0 * slope)
+    plan = plan_survey(request(terrain=read_terrain(ridge), method='strips'))
+    write_plan(plan, tmp_path / 'plan')
+    asked = {
+        'plan': str(tmp_path / 'plan' / 'plan.json'),
+        'alive': [{'name': 'rav1'}, {'name': 'rav3'}],
+        'visited': list(range(30)),
+    }
+    code, out, err = replan_file(**asked, terrain_file=str(ridge))
+    assert (code, err) == (0, '')
+    assert json.loads(out)['viewpoint_count'] == 59 - 30
+    for wrong, message in (('', 'must be given that file'), (str(other), 'has other heights')):
+        code, _, err = replan_file(**asked, terrain_file=wrong)
+        assert code == 2
+        assert message in err
+        assert err.count('\n') == 1

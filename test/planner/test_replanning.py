@@ -10,7 +10,7 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, replan, unreachable
+from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
 from rocsafe_planner.vehicle import Aloft
 
 from .fleets import FIELD, FLEET, request, vehicle
@@ -154,4 +154,37 @@ def test_whatever_happens_the_checker_accepts(data):
     situation = midway(PLAN, share, lost)
     rest = replan(PLAN, situation)
     assert sorted(ids(rest)) == sorted(set(ids(PLAN)) - situation.visited)
+    assert check_plan(rest) == []
+
+
+def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way():
+    """Closed around a vehicle in the air, a zone is left at its nearest side; that is told."""
+    situation = midway(PLAN, 0.5, 'rav2')
+    here = situation.alive['rav1'].position
+    ring = tuple(
+        offset(here, e, n) for e, n in ((-8.0, -20.0), (30.0, -20.0), (30.0, 20.0), (-8.0, 20.0))
+    )
+    rest = replan(
+        PLAN,
+        Situation(
+            alive=situation.alive,
+            visited=situation.visited,
+            new_exclusions=(SurveyArea(ring),),
+        ),
+    )
+    assert check_plan(rest) == []
+    # 8 m to the west, and the clearance
+    assert leaving_exclusions_m(rest) == pytest.approx({'rav1': 10.0}, abs=0.01)
+    way_out = rest.routes[0].sorties[0].bends[0][0]
+    assert way_out.longitude_deg < here.longitude_deg
+    assert way_out.latitude_deg == pytest.approx(here.latitude_deg, abs=1e-7)
+
+
+def test_battery_of_who_stands_at_home_counts():
+    """A vehicle that landed with 400 s in its battery takes as much as that lasts for."""
+    situation = midway(PLAN, 0.5, 'rav3')
+    rest = replan(
+        PLAN, Situation(alive={**situation.alive, 'rav1': 9_600.0}, visited=situation.visited)
+    )
+    assert 300.0 < rest.routes[0].duration_s <= 400.0
     assert check_plan(rest) == []

@@ -13,6 +13,7 @@ from rocsafe_interfaces.msg import (
     MissionState,
     RadiationReading,
     Region,
+    Route,
     SurveyPlan,
     VehicleSpec,
     VehicleState,
@@ -82,13 +83,34 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
 def further_goal(
     goal: PlanSurvey.Goal, viewpoints: list[GeoPoint], flown: list[SurveyPlan]
 ) -> PlanSurvey.Goal:
-    """Return `goal` for a further round to `viewpoints`, with what batteries still hold."""
+    """Return `goal` for a further round to `viewpoints`, with what batteries still hold.
+
+    Every vehicle begins where it has landed.
+    """
     goal.viewpoints = viewpoints
     for vehicle in goal.vehicles:
         routes = (r for plan in flown for r in plan.routes if r.vehicle == vehicle.name)
-        used_s = sum(route.duration_s for route in routes if route.viewpoints)
-        vehicle.endurance_s = max(1.0, vehicle.endurance_s - used_s)
+        for route in (route for route in routes if route.viewpoints):
+            # since the last change of its battery
+            used_s = route.flights[-1].duration_s if route.flights else route.duration_s
+            vehicle.endurance_s = max(1.0, vehicle.endurance_s - used_s)
+            vehicle.home = _landing(route, vehicle)
     return goal
+
+
+def _landing(route: Route, vehicle: VehicleSpec) -> GeoPoint:
+    """Return where a route ends, on the ground."""
+    if route.end:
+        return route.end[0]
+    if not route.is_open:
+        return vehicle.home
+    last = route.viewpoints[-1]
+    place: GeoPoint = last.position
+    return GeoPoint(
+        latitude=place.latitude,
+        longitude=place.longitude,
+        altitude=place.altitude - last.height_agl_m,
+    )
 
 
 def viewpoint_count(plan: SurveyPlan) -> int:

@@ -53,6 +53,7 @@ class Airspace:
     def __init__(self, zones: list[shapely.Polygon], clearance_m: float) -> None:
         union = shapely.union_all(zones)
         self.closed: shapely.Geometry = _widened(union, clearance_m)
+        self._outline = shapely.boundary(_widened(union, clearance_m + _MARGIN_M))
         self._corners = _vertices(_widened(union, clearance_m + _MARGIN_M))
         self._edges = _edges(self.closed)
 
@@ -60,6 +61,12 @@ class Airspace:
         """Return which of the places (n, 2) may be flown to, shape (n,)."""
         inside: BoolArray = shapely.intersects_xy(self.closed, places[:, 0], places[:, 1])
         return ~inside
+
+    def exit(self, place: FloatArray) -> FloatArray:
+        """Return the nearest place (2,) that may be flown to from one that may not."""
+        line = shapely.shortest_line(shapely.Point(place), self._outline)
+        nearest: FloatArray = shapely.get_coordinates(line)[-1]
+        return nearest
 
     def detours(self, sites: FloatArray) -> 'Detours':
         """Return the shortest paths among sites (s, 2), all of which may be flown to.

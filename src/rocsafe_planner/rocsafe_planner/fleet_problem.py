@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.motion.route_motion import RouteMotion
+from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.relief import Relief
 from rocsafe_geo.terrain import LocalGround
 from rocsafe_planner.airspace import Air, Detours
@@ -46,6 +47,9 @@ class FleetProblem:
         Shape (n, 2).
     height_m
         Above the ground, to climb to and to descend from.
+    insides
+        Where vehicles are that begin in an exclusion, which they leave to their start first,
+        shape (m, 2), NaN: in none.
     start_ups_m
         Height of each start above the frame's origin, shape (m,), NaN: that of the legs.
     layers_m
@@ -68,6 +72,7 @@ class FleetProblem:
     height_m: float
     ends: FloatArray | None = None
     starts: FloatArray | None = None
+    insides: FloatArray | None = None
     start_ups_m: FloatArray | None = None
     layers_m: tuple[float, ...] = ()
     ground: LocalGround | None = None
@@ -166,8 +171,34 @@ class FleetProblem:
         return self.vehicles[vehicle].vertical_s(self.flight_height_m(vehicle))
 
     def first_fixed_s(self, vehicle: int) -> float:
-        """Return the time of climb and descent of a vehicle's first flight."""
-        return self.vehicles[vehicle].first_vertical_s(self.flight_height_m(vehicle))
+        """Return the time of a vehicle's first flight besides its legs and stands.
+
+        It climbs, unless it is in the air, leaves the exclusion that it is in, and descends.
+        """
+        vertical_s = self.vehicles[vehicle].first_vertical_s(self.flight_height_m(vehicle))
+        return vertical_s + self._exit_s(vehicle)
+
+    def inside(self, vehicle: int) -> Enu | None:
+        """Return where a vehicle is that begins in an exclusion; None: it does not."""
+        if self.insides is None or np.isnan(self.insides[vehicle, 0]):
+            return None
+        east, north = self.insides[vehicle].tolist()
+        return east, north, float(self._air(vehicle).sites[self.start_site(vehicle), 2])
+
+    def exit_m(self, vehicle: int) -> float:
+        """Return the length of a vehicle's way out of the exclusion that it begins in."""
+        inside = self.inside(vehicle)
+        if inside is None:
+            return 0.0
+        return float(distances_m(self.sites[self.start_site(vehicle)], np.array(inside[:2])))
+
+    def _exit_s(self, vehicle: int) -> float:
+        inside = self.inside(vehicle)
+        if inside is None:
+            return 0.0
+        flight = self.flight(vehicle)
+        start = self._air(vehicle).sites[self.start_site(vehicle)]
+        return float(flight.straight(np.array(inside), start))
 
     def stops(self, vehicle: int, order: Sequence[int]) -> IndexArray:
         """Return the sites of a flight that visits points in order, from start to end."""
@@ -180,7 +211,7 @@ class FleetProblem:
         if not self.flies(vehicle, order):
             return 0.0
         stops = self.stops(vehicle, order)
-        return float(self.legs_m(stops[:-1], stops[1:]).sum())
+        return self.exit_m(vehicle) + float(self.legs_m(stops[:-1], stops[1:]).sum())
 
     def duration_s(self, vehicle: int, order: Sequence[int]) -> float:
         """Return the time from the start to touch-down; 0 for a vehicle on the ground."""
@@ -207,7 +238,9 @@ class FleetProblem:
         stops = [start, *order, *([] if end is None else [end])]
         ways = [self.way(vehicle, a, b) for a, b in pairwise(stops)]
         first = ways[0][0] if ways else self.way(vehicle, start, start)[0]
-        corners = [(enu(first), False)]
+        inside = self.inside(vehicle) if is_first else None
+        corners = [] if inside is None else [(inside, False)]
+        corners.append((enu(first), False))
         for site, way in zip(stops[1:], ways, strict=True):
             corners.extend((enu(bend), False) for bend in way[1:-1])
             corners.append((enu(way[-1]), site < len(self.points)))

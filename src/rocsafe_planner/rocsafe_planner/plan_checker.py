@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import shapely
 
-from rocsafe_geo.position import distance_m
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_planner.checked_track import frame_of, plane_of, way
 from rocsafe_planner.flight_checker import ABSOLUTE_M, Fault, route_faults
 from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
@@ -100,7 +100,10 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
     frame = frame_of(plan)
     zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
     for route, number in _flights(plan):
-        for a, b in pairwise(way(route, number)):
+        legs = list(pairwise(way(route, number)))
+        if number == 0 and route.vehicle.aloft is not None and _leaves(plan, zones, *legs[0]):
+            del legs[0]
+        for a, b in legs:
             line = shapely.LineString(plane_of(frame, (a, b)))
             if shapely.distance(line, zones) < plan.request.clearance_m - ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies nearer to an exclusion than the clearance'
@@ -109,6 +112,19 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
             if inside > ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies {inside:.1f} m over an exclusion'
                 return
+
+
+def _leaves(
+    plan: SurveyPlan, zones: shapely.Geometry, start: GeoPosition, first: GeoPosition
+) -> bool:
+    """Return whether a flight begins too near to exclusions and leaves them the shortest way."""
+    here, there = shapely.points(plane_of(frame_of(plan), (start, first)))
+    clearance_m = plan.request.clearance_m
+    if shapely.distance(here, zones) >= clearance_m - ABSOLUTE_M:
+        return False
+    closed = shapely.buffer(zones, clearance_m, join_style='mitre')
+    shortest_m = shapely.distance(here, shapely.boundary(closed))
+    return bool(shapely.distance(here, there) <= shortest_m + ABSOLUTE_M)
 
 
 def _flights(plan: SurveyPlan) -> Iterator[tuple[Route, int]]:

@@ -49,6 +49,9 @@ def plan_document(plan: SurveyPlan) -> Document:
         'other_regions': [region_document(region) for region in request.regions[1:]],
         'exclusions': [area_document(zone) for zone in request.exclusions],
         'camera': camera_document(request.camera),
+        'visited': [viewpoint_document(view) for view in request.visited],
+        'viewpoints': [viewpoint_document(view) for view in request.viewpoints],
+        'ground_reference': [position_document(place) for place in request.ground_reference],
         'vehicles': [vehicle_document(vehicle) for vehicle in request.vehicles],
         'routes': [_route(route) for route in plan.routes],
     }
@@ -88,6 +91,8 @@ def _route(route: Route) -> Document:
         'duration_s': route.duration_s,
         'delay_s': route.delay_s,
         'flight_height_m': route.flight_height_m,
+        'ground_altitude_m': number(route.ground_altitude_m),
+        'landing_height_m': number(route.landing_height_m),
         'viewpoints': [viewpoint_document(viewpoint) for viewpoint in route.viewpoints],
         'sorties': [_sortie(sortie) for sortie in route.sorties],
     }

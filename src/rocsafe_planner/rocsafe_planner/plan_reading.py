@@ -10,6 +10,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.terrain import Terrain
 from rocsafe_planner.document import Document
 from rocsafe_planner.plan import Route, Sortie, SurveyPlan
 from rocsafe_planner.plan_json import FORMAT_VERSION
@@ -25,18 +26,20 @@ _SAME = (
 )  # fmt: skip
 
 
-def read_plan(path: str | Path) -> SurveyPlan:
+def read_plan(path: str | Path, terrain: Terrain | None = None) -> SurveyPlan:
     """Return the plan in a file.
+
+    `terrain` is that of a plan over one, which holds no heights itself.
 
     Raises
     ------
     ValueError
-        In one line, if it is no plan, or one over a terrain, whose heights it does not hold.
+        In one line, if it is no plan, or one over another terrain.
     """
     try:
         document = json.loads(Path(path).read_text(encoding='utf-8'))
-        _check(document)
-        return _plan(document)
+        _check(document, terrain)
+        return _plan(document, terrain)
     except OSError as error:
         raise ValueError(f'{path}: {error.strerror}') from error
     except KeyError as error:
@@ -45,14 +48,19 @@ def read_plan(path: str | Path) -> SurveyPlan:
         raise ValueError(f'{path}: {error}') from error
 
 
-def _check(document: Document) -> None:
+def _check(document: Document, terrain: Terrain | None) -> None:
     if document['format_version'] != FORMAT_VERSION:
         raise ValueError(f'has format {document["format_version"]}, not {FORMAT_VERSION}')
-    if document['terrain'] is not None:
-        raise ValueError('is a plan over a terrain: plan it anew from Python')
+    wanted = document['terrain']
+    if wanted is None and terrain is not None:
+        raise ValueError('is a plan over level ground: must be given no terrain')
+    if wanted is not None and terrain is None:
+        raise ValueError(f'is a plan over {wanted["name"]}: must be given that file')
+    if wanted is not None and terrain is not None and wanted['sha256'] != terrain.digest:
+        raise ValueError(f'is a plan over {wanted["name"]}: {terrain.name} has other heights')
 
 
-def _plan(document: Document) -> SurveyPlan:
+def _plan(document: Document, terrain: Terrain | None) -> SurveyPlan:
     camera = PinholeCamera(**document['camera'])
     regions = (document['region'], *document['other_regions'])
     request = SurveyRequest(
@@ -64,6 +72,10 @@ def _plan(document: Document) -> SurveyPlan:
         camera=camera,
         vehicles=tuple(map(_vehicle, document['vehicles'])),
         wind_mps=tuple(document['wind_mps']),
+        terrain=terrain,
+        viewpoints=_viewpoints(document, 'viewpoints', camera),
+        visited=_viewpoints(document, 'visited', camera),
+        ground_reference=tuple(map(_position, document.get('ground_reference', ()))),
         **{key: document[key] for key in _SAME},
     )
     vehicles = zip(request.vehicles, document['routes'], strict=True)
@@ -81,6 +93,10 @@ def _plan(document: Document) -> SurveyPlan:
             )
         },
     )  # fmt: skip
+
+
+def _viewpoints(document: Document, key: str, camera: PinholeCamera) -> tuple[Viewpoint, ...]:
+    return tuple(_viewpoint(view, camera) for view in document.get(key, ()))
 
 
 def _known(value: float | None, otherwise: float) -> float:
@@ -120,6 +136,8 @@ def _route(vehicle: Vehicle, route: Document, camera: PinholeCamera) -> Route:
         vehicle=vehicle,
         delay_s=route['delay_s'],
         flight_height_m=route['flight_height_m'],
+        ground_altitude_m=_known(route.get('ground_altitude_m'), math.nan),
+        landing_height_m=_known(route.get('landing_height_m'), math.nan),
         sorties=tuple(
             Sortie(
                 viewpoints=tuple(views[number] for number in sortie['viewpoint_ids']),

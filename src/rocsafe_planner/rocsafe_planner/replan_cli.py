@@ -8,7 +8,8 @@ Example::
      "new_places": [[53.2801, -9.063]], "new_exclusions": [{"polygon": [[53.2796, -9.0617], ...]}],
      "output_directory": "out/rest"}
 
-A vehicle without a position stands at home with a full battery; one that is not named is lost.
+A vehicle without a position stands at home; one that is not named is lost. `terrain_file` is that
+of a plan over terrain.
 Exit code 0; 2 with one line on standard error if the request is wrong or has no plan.
 """
 
@@ -19,10 +20,11 @@ from collections.abc import Sequence
 
 from pydantic import Field, ValidationError
 
+from rocsafe_geo.terrain_file import read_terrain
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.plan_cli import EXIT_OK, EXIT_REFUSED, summary
 from rocsafe_planner.plan_reading import read_plan
-from rocsafe_planner.replanning import Situation, replan, unreachable
+from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
 from rocsafe_planner.request_json import (
     Place,
     StrictJson,
@@ -50,6 +52,7 @@ class ReplanJson(StrictJson):
     visited: list[int] = Field(default_factory=list)
     new_places: list[Place] = Field(default_factory=list)
     new_exclusions: list[ZoneJson] = Field(default_factory=list)
+    terrain_file: str = ''
     output_directory: str = ''
 
     def situation(self) -> Situation:
@@ -90,14 +93,19 @@ def _replanned(text: str) -> str:
         request = ReplanJson.model_validate_json(text)
     except ValidationError as error:
         raise ValueError(one_line(error)) from error
-    plan = replan(read_plan(request.plan), request.situation())
-    document = summary(plan, request.output_directory)
-    return json.dumps({**document, 'unreachable': list(unreachable(plan))}, indent=1)
+    terrain = read_terrain(request.terrain_file) if request.terrain_file else None
+    plan = replan(read_plan(request.plan, terrain), request.situation())
+    document = {
+        **summary(plan, request.output_directory),
+        'unreachable': list(unreachable(plan)),
+        'leaving_exclusions_m': leaving_exclusions_m(plan),
+    }
+    return json.dumps(document, indent=1)
 
 
-def _aloft(vehicle: AliveJson) -> Aloft | None:
+def _aloft(vehicle: AliveJson) -> Aloft | float:
     if vehicle.position is None:
-        return None
+        return vehicle.used_s
     place = position_of(f'{vehicle.name} position', vehicle.position)
     return Aloft(position=place, used_s=vehicle.used_s)
 

@@ -11,11 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_planner.airspace import Airspace
 from rocsafe_planner.errors import NothingLeftError, PlannerError
+from rocsafe_planner.given_viewpoints import places_of
 from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.planning import Progress, plan_survey
 from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.survey_site import frame_of
 from rocsafe_planner.vehicle import Aloft, Vehicle
 from rocsafe_planner.viewpoint import Viewpoint, viewpoints_over
 
@@ -32,7 +35,8 @@ class Situation:
     ----------
     alive
         Names of the vehicles that can go on: in the air with their places and the time used on
-        their batteries, None for those that stand at home with full ones.
+        their batteries; a number of seconds for those that stand at home with batteries used so
+        long; None for those with full ones.
     visited
         Ids of the viewpoints that are photographed.
     new_places
@@ -42,7 +46,7 @@ class Situation:
         More zones that no leg crosses. Viewpoints inside cannot be visited any more.
     """
 
-    alive: Mapping[str, Aloft | None]
+    alive: Mapping[str, Aloft | float | None]
     visited: frozenset[int] = frozenset()
     new_places: tuple[GeoPosition, ...] = ()
     new_exclusions: tuple[SurveyArea, ...] = field(default=())
@@ -109,6 +113,23 @@ def unreachable(plan: SurveyPlan) -> tuple[int, ...]:
     return tuple(view.id for view in plan.request.viewpoints if view.id not in flown)
 
 
+def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
+    """Return how far vehicles fly that begin in an exclusion until they are out of it, by name."""
+    request = plan.request
+    aloft = [route for route in plan.routes if route.vehicle.aloft is not None]
+    if not request.exclusions or not aloft:
+        return {}
+    frame = frame_of(request)
+    zones = [zone.polygon(frame) for zone in request.exclusions]
+    starts = places_of(frame, [route.vehicle.start for route in aloft])
+    free = Airspace(zones, request.clearance_m).holds(starts).tolist()
+    return {
+        route.vehicle.name: distance_m(route.vehicle.start, route.sorties[0].bends[0][0])
+        for route, is_free in zip(aloft, free, strict=True)
+        if not is_free
+    }
+
+
 def _all_viewpoints(plan: SurveyPlan) -> dict[int, Viewpoint]:
     """Return the viewpoints of the routes, and those that a new plan may reach again."""
     flown = {view.id: view for route in plan.routes for view in route.viewpoints}
@@ -128,5 +149,7 @@ def _check(situation: Situation, known: Mapping[int, Viewpoint], request: Survey
         raise PlannerError('no vehicle is left to go on with the survey')
 
 
-def _now(vehicle: Vehicle, aloft: Aloft | None) -> Vehicle:
-    return dataclasses.replace(vehicle, aloft=aloft)
+def _now(vehicle: Vehicle, now: Aloft | float | None) -> Vehicle:
+    if isinstance(now, Aloft):
+        return dataclasses.replace(vehicle, aloft=now, used_s=0.0)
+    return dataclasses.replace(vehicle, aloft=None, used_s=now or 0.0)

@@ -59,15 +59,19 @@ def _sortie(site: SurveySite, vehicle: int, flight: Order, stops: list[int]) -> 
         is_last = stops[-1] != problem.home_site(vehicle)
         motion = problem.motion(vehicle, flight, is_first=is_first, is_last=is_last)
         moving = motion.duration_s
+    exit_m = problem.exit_m(vehicle) if is_first else 0.0
     energy = moving * spec.cruise_power_w + hovering * spec.hover_power_w
     return Sortie(
         viewpoints=tuple(site.viewpoint(vehicle, point) for point in flight),
         bends=tuple(_bends(site, vehicle, a, b) for a, b in pairwise(stops)),
-        length_m=float(problem.legs_m(origins, targets).sum()),
+        length_m=exit_m + float(problem.legs_m(origins, targets).sum()),
         duration_s=moving + hovering,
         energy_wh=energy / SECONDS_PER_HOUR,
     )
 
 
 def _bends(site: SurveySite, vehicle: int, origin: int, target: int) -> Bends:
-    return site.positions(site.problem.way(vehicle, origin, target)[1:-1])
+    problem = site.problem
+    way = problem.way(vehicle, origin, target)
+    is_way_out = origin == problem.start_site(vehicle) and problem.inside(vehicle) is not None
+    return site.positions(way[:-1] if is_way_out else way[1:-1])

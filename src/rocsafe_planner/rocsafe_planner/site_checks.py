@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where vehicles may stand: not far from the regions, and in no exclusion."""
 
+import numpy as np
+
 from rocsafe_geo.position import distance_m
 from rocsafe_planner.airspace import Airspace, FloatArray
 from rocsafe_planner.request import SurveyRequest
@@ -35,12 +37,39 @@ def check_stands(
     airspace: Airspace,
     places: tuple[FloatArray, FloatArray, FloatArray],
 ) -> None:
-    """Raise ValueError if a start, home or end, (m, 2) each, lies in an exclusion."""
+    """Raise ValueError if a start, home or end, (m, 2) each, lies in an exclusion.
+
+    A vehicle in the air may be in one that is new: see `exits`.
+    """
     for what, stands in zip(('start', 'home', 'end'), places, strict=True):
         for vehicle, is_free in zip(vehicles, airspace.holds(stands).tolist(), strict=True):
-            if not is_free:
+            if not is_free and not (what == 'start' and _may_leave(vehicle)):
                 where = 'home' if what == 'start' and vehicle.aloft is None else what
                 raise ValueError(
                     f'{vehicle.name} {where} lies in an exclusion, or nearer to it than '
                     'clearance_m: must be outside'
                 )
+
+
+def exits(
+    vehicles: tuple[Vehicle, ...], airspace: Airspace, starts: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where vehicles in the air leave the exclusions that they are in, and from where.
+
+    Returns
+    -------
+    starts
+        (m, 2), those in an exclusion moved to the nearest place outside.
+    insides
+        (m, 2), where those are that were moved; NaN for the others.
+    """
+    moved, insides = starts.copy(), np.full(starts.shape, np.nan)
+    for k in np.flatnonzero(~airspace.holds(starts)).tolist():
+        if _may_leave(vehicles[k]):
+            moved[k], insides[k] = airspace.exit(starts[k]), starts[k]
+    return moved, insides
+
+
+def _may_leave(vehicle: Vehicle) -> bool:
+    """Return whether a vehicle is in the air and flies on from there in any case."""
+    return vehicle.aloft is not None and not vehicle.is_open

@@ -19,7 +19,7 @@ from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.given_viewpoints import given_coverage, places_of
 from rocsafe_planner.plan import Viewpoint
 from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.site_checks import check_distances, check_stands
+from rocsafe_planner.site_checks import check_distances, check_stands, exits
 
 FloatArray = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def survey_site(request: SurveyRequest) -> SurveySite:
         terrain lacks their ground.
     """
     check_distances(request)
-    frame = _frame_of(request)
+    frame = frame_of(request)
     polygons = tuple(region.area.polygon(frame) for region in request.regions)
     zones = [zone.polygon(frame) for zone in request.exclusions]
     airspace = Airspace(zones, request.clearance_m) if zones else None
@@ -109,7 +109,7 @@ def survey_site(request: SurveyRequest) -> SurveySite:
     )
 
 
-def _frame_of(request: SurveyRequest) -> LocalFrame:
+def frame_of(request: SurveyRequest) -> LocalFrame:
     """Return the frame about the first region's centre; level ground as high as the homes."""
     centre = request.regions[0].area.centroid()
     ground = _ground_altitude_m(request)
@@ -147,9 +147,11 @@ def _problem_of(
     homes = places_of(frame, [vehicle.home for vehicle in vehicles])
     ends = places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles])
     sites = np.vstack([coverage.centres, starts, ends, homes])
-    detours = None
+    detours = insides = None
     if airspace is not None:
         check_stands(vehicles, airspace, (starts, homes, ends))
+        starts, insides = exits(vehicles, airspace, starts)
+        sites = np.vstack([coverage.centres, starts, ends, homes])
         detours = airspace.detours(sites)
     ground = relief = None
     if request.terrain is not None:
@@ -166,6 +168,7 @@ def _problem_of(
         homes=homes,
         ends=ends,
         starts=starts,
+        insides=insides,
         start_ups_m=_start_ups_m(request, frame),
         points=coverage.centres,
         height_m=request.height_agl_m,

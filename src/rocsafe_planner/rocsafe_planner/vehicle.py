@@ -51,6 +51,8 @@ class Vehicle:
         Electric power on legs, climb and descent, and at viewpoints: for the objective `energy`.
     aloft
         Where it is in the air and begins its route; None: it takes off at home.
+    used_s
+        Flight time used of the battery with which it takes off at home.
     autopilot
         How it speeds up, turns, climbs and lands.
     """
@@ -70,6 +72,7 @@ class Vehicle:
     cruise_power_w: float = 200.0
     hover_power_w: float = 220.0
     aloft: Aloft | None = None
+    used_s: float = 0.0
     autopilot: Autopilot = ARDUCOPTER
 
     def __post_init__(self) -> None:
@@ -84,6 +87,8 @@ class Vehicle:
             object.__setattr__(self, field, value)
         hover = require_not_negative(f'{self.name} hover_s', self.hover_s)
         object.__setattr__(self, 'hover_s', hover)
+        used = require_not_negative(f'{self.name} used_s', self.used_s)
+        object.__setattr__(self, 'used_s', used)
         if self.battery_swap_s is not None:
             swap = require_not_negative(f'{self.name} battery_swap_s', self.battery_swap_s)
             object.__setattr__(self, 'battery_swap_s', swap)
@@ -116,7 +121,7 @@ class Vehicle:
     @property
     def first_endurance_s(self) -> float:
         """Flight time that is left on the battery that it has."""
-        return self.endurance_s - (0.0 if self.aloft is None else self.aloft.used_s)
+        return self.endurance_s - (self.used_s if self.aloft is None else self.aloft.used_s)
 
     def vertical_s(self, height_m: float) -> float:
         """Return the time to climb to `height_m` above home and to descend from it."""

@@ -139,7 +139,9 @@ def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, 
 
 
 # Of a vehicle, in the planner's own words.
-KEYS_SAID_OTHERWISE = frozenset({'home', 'end', 'endurance_s', 'reserve_fraction'})
+KEYS_SAID_OTHERWISE = frozenset(
+    {'home', 'end', 'endurance_s', 'reserve_fraction', 'fails_after_s'}
+)
 
 
 def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:

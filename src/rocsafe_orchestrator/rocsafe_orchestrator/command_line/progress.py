@@ -27,6 +27,7 @@ _STATE_STYLES = {
     FlightState.HOLDING: 'yellow',
     FlightState.LOST: 'bold red',
     FlightState.CRASHED: 'bold red',
+    FlightState.WAITING: 'magenta',
 }
 _PHASE_STYLES = {
     Phase.COMPLETE: 'bold green',

@@ -54,6 +54,12 @@ def add_to(commands: Commands) -> None:
         help='region file that no leg crosses any more; may be repeated',
     )
     parser.add_argument(
+        '--terrain',
+        type=Path,
+        metavar='DEM.tif',
+        help='heights of the ground, of a plan that follows them',
+    )
+    parser.add_argument(
         '--out', type=Path, metavar='DIR', help="also write the plan's files there"
     )
     parser.set_defaults(command=_replan)
@@ -72,5 +78,6 @@ def _replan(arguments: argparse.Namespace) -> int:
         new_places=tuple(tuple(place) for place in arguments.add),
         exclusions=tuple(arguments.exclude),
         folder=arguments.out,
+        terrain=arguments.terrain,
     )
     return replan(request, Console())

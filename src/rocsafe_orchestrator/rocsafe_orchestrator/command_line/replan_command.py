@@ -29,6 +29,7 @@ class ReplanRequest:
     new_places: latitude and longitude of more places to photograph.
     exclusions: region files that no leg crosses any more.
     folder: where the plan's files are written; None: nowhere.
+    terrain: file of heights of a plan that follows them.
     """
 
     plan: Path
@@ -38,6 +39,7 @@ class ReplanRequest:
     new_places: tuple[tuple[float, ...], ...] = ()
     exclusions: tuple[Path, ...] = ()
     folder: Path | None = None
+    terrain: Path | None = None
 
 
 def replan(request: ReplanRequest, console: Console) -> int:
@@ -57,6 +59,9 @@ def replan(request: ReplanRequest, console: Console) -> int:
     if summary['unreachable']:
         ids = ', '.join(map(str, summary['unreachable']))
         console.print(f'in exclusions, and left out: viewpoints {ids}', soft_wrap=True)
+    for name, way_m in summary['leaving_exclusions_m'].items():
+        text = f'{name} is in an exclusion: leaves it the shortest way, {way_m:.1f} m'
+        console.print(text, soft_wrap=True, highlight=False)
     if request.folder is not None:
         console.print(f'written to {request.folder}', highlight=False, soft_wrap=True)
     return EXIT_COMPLETE
@@ -70,6 +75,7 @@ def planner_request(request: ReplanRequest, folder: Path) -> dict[str, Any]:
         'visited': _ids(request.visited),
         'new_places': [list(place) for place in request.new_places],
         'new_exclusions': [_zone(path) for path in request.exclusions],
+        'terrain_file': '' if request.terrain is None else str(request.terrain),
         'output_directory': str(folder),
     }
 

@@ -23,6 +23,7 @@ class FlightState(IntEnum):
     LANDED = 8
     LOST = 9
     CRASHED = 10
+    WAITING = 11
 
     @property
     def has_left(self) -> bool:

@@ -46,7 +46,7 @@ def _plan(document: dict[str, Any]) -> Plan:
         spacing_rule=document['spacing_rule'],
         overlap_fraction=document['overlap_fraction'],
         spacing_m=document['spacing_m'],
-        routes=tuple(map(_route, document['routes'])),
+        routes=_routes(document),
         makespan_s=document['makespan_s'],
         lower_bound_s=document['lower_bound_s'],
         lower_bound_method=document['lower_bound_method'],
@@ -84,32 +84,42 @@ def _ring(corners: list[dict[str, Any]]) -> tuple[GeoPosition, ...]:
     return tuple(map(_position, corners))
 
 
-def _route(route: dict[str, Any]) -> PlannedRoute:
+def _routes(document: dict[str, Any]) -> tuple[PlannedRoute, ...]:
+    vehicles = {vehicle['name']: vehicle for vehicle in document.get('vehicles', ())}
+    return tuple(_route(route, vehicles.get(route['vehicle'], {})) for route in document['routes'])
+
+
+def _route(route: dict[str, Any], vehicle: dict[str, Any]) -> PlannedRoute:
     return PlannedRoute(
         vehicle=route['vehicle'],
         home=_position(route['home']),
         viewpoints=tuple(map(_viewpoint, route['viewpoints'])),
         length_m=route['length_m'],
         duration_s=route['duration_s'],
-        way=_way(route),
+        way=_way(route, vehicle.get('end')),
         delay_s=route.get('delay_s', 0.0),
+        flights=len(route.get('sorties', (route,))),
     )
 
 
-def _way(route: dict[str, Any]) -> tuple[GeoPosition, ...]:
-    """Return the places of all flights, or of one straight flight if no flights are told."""
+def _way(route: dict[str, Any], end: dict[str, Any] | None) -> tuple[GeoPosition, ...]:
+    """Return the places of all flights, or of one straight flight if no flights are told.
+
+    All but the last land at home; that lands at `end`, if there is one.
+    """
     places = {view['id']: _position(view) for view in route['viewpoints']}
     home = _position(route['home'])
     if 'sorties' not in route:
         return (home, *places.values(), home)
     way = []
-    for sortie in route['sorties']:
+    landings = [home] * (len(route['sorties']) - 1) + [_position(end) if end else home]
+    for sortie, landing in zip(route['sorties'], landings, strict=False):
         way.append(home)
         bends = [list(map(_position, leg)) for leg in sortie['bends']]
         for number, viewpoint in enumerate(sortie['viewpoint_ids']):
             way += [*bends[number], places[viewpoint]]
         if len(bends) > len(sortie['viewpoint_ids']):
-            way += [*bends[-1], home]
+            way += [*bends[-1], landing]
     return tuple(way)
 
 

@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 AIRBORNE_STATES = frozenset({3, 4, 5, 6, 7})
 STATE_NAMES = (
     'unknown', 'disarmed', 'armed', 'taking off', 'flying', 'holding', 'returning', 'landing',
-    'landed', 'lost',
+    'landed', 'lost', 'crashed', 'waiting',
 )  # fmt: skip
 
 
@@ -47,6 +47,7 @@ class PlannedRoute:
     duration_s: float
     way: tuple[GeoPosition, ...] = ()
     delay_s: float = 0.0
+    flights: int = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

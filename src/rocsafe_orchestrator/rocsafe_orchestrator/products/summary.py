@@ -20,6 +20,11 @@ from rocsafe_orchestrator.products.run_record import (
     RunRecord,
     VehicleSample,
 )
+from rocsafe_orchestrator.products.separation import (
+    Nearest,
+    airborne_spans_ns,
+    nearest_in_the_air,
+)
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 
 NS_PER_S = 1_000_000_000
@@ -41,6 +46,8 @@ class PlanFigures:
     viewpoint_count: int
     spacing_m: float
     height_agl_m: float
+    separation_m: float
+    minimum_separation_m: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,6 +101,7 @@ class RunSummary:
     real_time_factor: simulated seconds a second of wall time while flying.
     processes_restarted: process to number of restarts.
     estimates: sources that the readings support.
+    nearest: the least distance of any two vehicles in the air.
     missing: one line for each thing that is not there.
     """
 
@@ -116,6 +124,7 @@ class RunSummary:
     start_up_s: float | None
     real_time_factor: float | None
     message_count: int | None
+    nearest: Nearest | None
     processes_restarted: Mapping[str, int]
     versions: Mapping[str, str]
     missing: tuple[str, ...]
@@ -154,6 +163,7 @@ def summarise(record: RunRecord) -> RunSummary:
         start_up_s=_start_up_s(mission),
         real_time_factor=_real_time_factor(mission),
         message_count=log.facts.message_count if log else None,
+        nearest=nearest_in_the_air(log) if log else None,
         processes_restarted=_restarts(record.info),
         versions=_versions(record.info),
         missing=record.missing,
@@ -190,11 +200,8 @@ def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
 
     A vehicle that was never seen to land flies until the last word heard of it.
     """
-    airborne = [number for number, sample in enumerate(samples) if sample.is_airborne]
-    if not airborne:
-        return None
-    end = min(airborne[-1] + 1, len(samples) - 1)
-    return samples[airborne[0]].time_ns, samples[end].time_ns
+    spans = airborne_spans_ns(samples)
+    return (spans[0][0], spans[-1][1]) if spans else None
 
 
 def utc_text(time_ns: int) -> str:
@@ -227,6 +234,8 @@ def _plan_figures(plan: Plan) -> PlanFigures:
         viewpoint_count=_viewpoint_count(plan),
         spacing_m=plan.spacing_m,
         height_agl_m=plan.height_agl_m,
+        separation_m=plan.separation_m,
+        minimum_separation_m=plan.minimum_separation_m,
     )
 
 

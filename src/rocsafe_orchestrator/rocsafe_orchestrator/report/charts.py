@@ -24,12 +24,20 @@ _DASHES = ('', '7 3', '2 3', '9 3 2 3')
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flight:
-    """When a vehicle was in the air, and how long it was planned to be; s since first take-off."""
+    """When a vehicle flew, and how long it was planned to; seconds since the first take-off.
+
+    Attributes
+    ----------
+    start_s, end_s: its first take-off and its last touch-down.
+    planned_s: time planned between them; None if nothing was.
+    aloft_s: begin and end of each while in the air.
+    """
 
     vehicle: str
     start_s: float
     end_s: float
     planned_s: float | None
+    aloft_s: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,10 +124,13 @@ def flight_chart(
         rows += [
             element('text', flight.vehicle, class_='axis axis-y', x=frame.left - 8, y=y + 11),
             _planned_bar(flight, frame, y),
-            element(
-                'rect', x=frame.x(flight.start_s), y=y + 5, rx=3, height=12,
-                width=max(frame.x(flight.end_s) - frame.x(flight.start_s), 1.0),
-                fill=colours[flight.vehicle], class_='flight',
+            *(
+                element(
+                    'rect', x=frame.x(start_s), y=y + 5, rx=3, height=12,
+                    width=max(frame.x(end_s) - frame.x(start_s), 1.0),
+                    fill=colours[flight.vehicle], class_='flight',
+                )
+                for start_s, end_s in flight.aloft_s
             ),
             element('path', class_='shots', d=shots) if shots else None,
         ]  # fmt: skip

@@ -3,8 +3,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.products.separation import Span, airborne_spans_ns
 from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import Flight
@@ -38,16 +40,22 @@ def flights(record: RunRecord, zero_ns: int) -> tuple[Flight, ...]:
     samples = record.log.samples if record.log else {}
     routes = record.plan.routes if record.plan else ()
     planned = {route.vehicle: route.duration_s for route in routes}
-    found = ((name, flight_ns(samples.get(name, ()))) for name in record.vehicles)
+    found = ((name, airborne_spans_ns(samples.get(name, ()))) for name in record.vehicles)
     return tuple(
-        Flight(
-            vehicle=name,
-            start_s=(flight[0] - zero_ns) / _NS_PER_S,
-            end_s=(flight[1] - zero_ns) / _NS_PER_S,
-            planned_s=planned.get(name),
-        )
-        for name, flight in found
-        if flight is not None
+        _flight(name, spans, planned.get(name), zero_ns) for name, spans in found if spans
+    )
+
+
+def _flight(name: str, spans: tuple[Span, ...], planned_s: float | None, zero_ns: int) -> Flight:
+    aloft = tuple(
+        ((begin - zero_ns) / _NS_PER_S, (end - zero_ns) / _NS_PER_S) for begin, end in spans
+    )
+    return Flight(
+        vehicle=name,
+        start_s=aloft[0][0],
+        end_s=aloft[-1][1],
+        planned_s=planned_s,
+        aloft_s=aloft,
     )
 
 
@@ -79,6 +87,9 @@ def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:
         names = [flight.vehicle for flight in flown if flight.start_s == start_s]
         yield Event(start_s, _take_off_text(names))
     for flight in flown:
+        for (_, landed_s), (again_s, _) in pairwise(flight.aloft_s):
+            yield Event(landed_s, f'{flight.vehicle} lands between two flights')
+            yield Event(again_s, f'{flight.vehicle} takes off again')
         last = samples[flight.vehicle][-1]
         if last.is_airborne:
             yield Event(flight.end_s, f'{flight.vehicle} is heard for the last time, in the air')

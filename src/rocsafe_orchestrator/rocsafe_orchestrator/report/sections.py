@@ -2,7 +2,7 @@
 """The sections of the report that are words and facts."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -162,7 +162,7 @@ def gallery(record: RunRecord, pictures: Mapping[str, str], zero_ns: int) -> Mar
 def details(record: RunRecord, summary: RunSummary) -> Markup:
     """Return how the survey was planned, what was simulated, and with which software."""
     columns = (
-        ('Survey', facts(_survey_facts(record.plan)) if record.plan else None),
+        ('Survey', facts(_survey_facts(record.plan, summary)) if record.plan else None),
         (
             'Radiation, as simulated',
             facts(_field_facts(record.scenario)) if record.scenario else None,
@@ -221,7 +221,7 @@ def _stamps(summary: RunSummary, time: str) -> list[Content]:
     return [*shown, element('code', summary.run)]
 
 
-def _survey_facts(plan: Plan) -> list[tuple[str, Content]]:
+def _survey_facts(plan: Plan, summary: RunSummary) -> list[tuple[str, Content]]:
     fov = f'{math.degrees(plan.horizontal_fov_rad):.1f}°'
     image = f'{plan.image_width_px} × {plan.image_height_px} px, {fov} across'
     bound = f'{formats.duration(plan.lower_bound_s)} ({plan.lower_bound_method})'
@@ -237,19 +237,35 @@ def _survey_facts(plan: Plan) -> list[tuple[str, Content]]:
         ('Lower bound', bound),
         ('Gap', f'at most {formats.upper_percent(plan.gap_fraction)} above optimal'),
         ('Objective', plan.objective.replace('_', ' ')),
-        ('Nearest two vehicles', _nearest(plan)),
+        ('Nearest two vehicles', _nearest(plan, summary)),
+        *_flight_facts(plan),
         ('Largest hole', _hole(plan)),
         *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
         ('Plan', element('code', plan.plan_id)),
     ]
 
 
-def _nearest(plan: Plan) -> str:
-    """Return the least distance of two vehicles in the air by plan, and what was asked for."""
-    if math.isnan(plan.minimum_separation_m):
-        return 'never two in the air' if len(plan.routes) < 2 else formats.UNKNOWN
-    asked = f', {formats.length(plan.separation_m)} asked for' if plan.separation_m else ''
-    return f'{formats.length(plan.minimum_separation_m)} by plan{asked}'
+def _flight_facts(plan: Plan) -> Iterator[tuple[str, Content]]:
+    """Yield what is special of the flights: late take-offs, battery changes."""
+    late = [f'{r.vehicle} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
+    if late:
+        yield 'Take-off delayed', ', '.join(late)
+    swaps = [f'{r.vehicle} {r.flights - 1} ×' for r in plan.routes if r.flights > 1]
+    if swaps:
+        yield 'Battery changes', ', '.join(swaps)
+
+
+def _nearest(plan: Plan, summary: RunSummary) -> str:
+    """Return the least distance of two vehicles in the air: planned, asked for and flown."""
+    words = []
+    if not math.isnan(plan.minimum_separation_m):
+        words.append(f'{formats.length(plan.minimum_separation_m)} by plan')
+    if plan.separation_m:
+        words.append(f'{formats.length(plan.separation_m)} asked for')
+    if summary.nearest is not None:
+        a, b = summary.nearest.vehicles
+        words.append(f'{formats.length(summary.nearest.distance_m)} flown ({a} and {b})')
+    return ', '.join(words) or 'never two in the air'
 
 
 def _hole(plan: Plan) -> str:

@@ -187,6 +187,7 @@ class VehicleBlock(Block):
     battery_swap_s: float | None = Field(default=None, ge=0.0, le=86_400.0)
     end: LatLon | None = None
     is_open: bool = False
+    fails_after_s: float = Field(default=0.0, ge=0.0, le=1e6)
     sensors: tuple[SensorName, ...] = ()
     cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
     hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)

@@ -226,19 +226,19 @@ def _too_large(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
 
 
 def flight_mistakes(scenario: Scenario) -> list[str]:
-    """Return one line for each thing that can be planned, but that no mission flies yet."""
+    """Return one line for each thing that can be planned, but that real vehicles do not fly."""
     lines = []
     for index, vehicle in enumerate(scenario.vehicles):
-        for key in ('battery_swap_s', 'end', 'is_open'):
+        for key in ('battery_swap_s', 'end', 'is_open', 'fails_after_s') if vehicle.link else ():
             value = getattr(vehicle, key)
-            if value is not None and value is not False:
+            if value is not None and value is not False and value != 0.0:
                 lines.append(
-                    f'vehicles[{index}].{key} = {value}: is for plans only (rocsafe plan); in a '
-                    'mission each vehicle flies once, from home to home'
+                    f'vehicles[{index}].{key} = {value}: is for plans and simulated vehicles; '
+                    f'{vehicle.name} is real and flies once, from home to home'
                 )
-    if scenario.survey.separation_m > 0.0:
+    if scenario.survey.separation_m > 0.0 and scenario.linked:
         lines.append(
-            f'survey.separation_m = {scenario.survey.separation_m:g}: is for plans only (rocsafe '
-            'plan); in a mission all vehicles take off at once'
+            f'survey.separation_m = {scenario.survey.separation_m:g}: is for plans and simulated '
+            f'vehicles; {scenario.linked[0].name} is real and takes off when it is ready'
         )
     return lines

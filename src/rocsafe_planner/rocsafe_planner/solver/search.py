@@ -20,6 +20,10 @@ THRESHOLDS = acceptance_thresholds()
 STEP = 256
 """Proposals between two changes of temperature (as in `anneal`)."""
 
+STRICTNESS = 100.0
+"""Penalty for each unit of consumption above a limit: dearer than what it saves the longest route,
+or a search over small batteries settles on plans that no battery lasts for."""
+
 
 def power_of_two(exponent: float) -> float:
     """Return 2**exponent from sums and products alone, so that it is the same everywhere.
@@ -89,7 +93,12 @@ class Lane:
         """Return what to minimise: routes above the mean weigh more, up to twice at `width`."""
         if self.peak == 0:
             return Goal(
-                target=0.0, floor=1.0, steepness=0.0, curvature=0.0, vacancy=0.0, strictness=8.0
+                target=0.0,
+                floor=1.0,
+                steepness=0.0,
+                curvature=0.0,
+                vacancy=0.0,
+                strictness=STRICTNESS,
             )
         target = max(float(self.state.cost.mean()), self.far)
         spare = len(self.tables.needs) < len(self.tables.first)
@@ -100,7 +109,7 @@ class Lane:
             steepness=0.0,
             curvature=(1 - manner.floor) / (2 * manner.width * max(target, 1e-12)),
             vacancy=vacancy,
-            strictness=8.0,
+            strictness=STRICTNESS,
         )
 
     def cross(self, one: Plan, other: Plan, chosen: list[int], manner: Manner) -> None:
