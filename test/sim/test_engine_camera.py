@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the engine's camera adds to a vehicle: depth, labels, their table, and its refusals."""
 
+import io
 import json
 import math
 
 import numpy as np
 import pytest
+from PIL import Image
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
@@ -32,6 +34,7 @@ class KnowingCamera:
 
     lens = PinholeCamera(math.radians(60.0), 16, 16)
     truth = Truth(depth_m=DEPTH, numbers=NUMBERS)
+    remark = 'drawn for a test'
 
     def __init__(self) -> None:
         self.times_ns: list[int] = []
@@ -72,6 +75,14 @@ def test_a_photograph_is_taken_at_its_time_and_its_truth_kept_for_the_step():
     assert [(p.time_ns, p.truth) for p in rav.pictures] == [(shot.time_ns, camera.truth)]
     rav.step(time_ns + 1)
     assert rav.pictures == []
+
+
+def test_a_photograph_says_what_drew_it():
+    """In a comment of the JPEG file, where that is less than it should be."""
+    _, shot, _, _ = photographed()
+    with Image.open(io.BytesIO(shot.jpeg)) as image:
+        image.load()
+        assert image.info['comment'] == b'drawn for a test'
 
 
 def test_depth_and_labels_as_messages():

@@ -15,6 +15,8 @@ from rocsafe_dataset.places import divided
 from rocsafe_dataset.takes import Site, take
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.engine.pipe import EGL_PACKAGES
+from rocsafe_sim.engine.renderer import Renderer
 from rocsafe_sim.engine.silhouettes import Silhouettes
 from rocsafe_sim.engine.studio import Studio, open_renderer
 from rocsafe_sim.scene.building import build
@@ -48,7 +50,11 @@ class Photographer:
             )
         self._environment, self._folder = environment, folder
         options = folder.options
-        self._renderer = open_renderer(environment, environment.description)
+        renderer = open_renderer(environment, environment.description)
+        if not isinstance(renderer, Renderer):
+            raise DatasetError(f'data sets need EGL (apt: {EGL_PACKAGES}); here is only: '
+                               f'{renderer.pipe.renderer}')  # fmt: skip
+        self._renderer = renderer
         self._studio = Studio(self._renderer, options.lens, options.oversampling)
         self._silhouettes = Silhouettes(self._renderer, options.lens)
         self._site = site_of(environment, options)

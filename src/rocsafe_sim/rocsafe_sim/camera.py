@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A pinhole camera over flat ground."""
 
+import struct
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,6 +17,7 @@ from rocsafe_sim.scenery.canvas import Image
 
 # Interpolation reads one texel beyond; one more for rounding.
 _MARGIN_TEXELS = 2.0
+_COMMENT = b'\xff\xfe'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,6 +44,10 @@ class Camera(Protocol):
     @property
     def truth(self) -> Truth | None:
         """What is true of the last photograph; None if the camera does not know."""
+
+    @property
+    def remark(self) -> str:
+        """What must be said in every photograph; empty if nothing."""
 
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON; empty without labels."""
@@ -71,6 +77,11 @@ class GroundCamera:
     def truth(self) -> Truth | None:
         """Nothing: a flat picture has neither depth nor labels."""
         return None
+
+    @property
+    def remark(self) -> str:
+        """Nothing."""
+        return ''
 
     def label_table(self) -> str:
         """Return nothing: there are no labels."""
@@ -117,12 +128,19 @@ def _around(corners: NDArray[np.float64], resolution_m: float) -> GroundBounds:
     return GroundBounds(west_m=west, south_m=south, east_m=east, north_m=north)
 
 
-def jpeg_of(image: Image, quality: int) -> bytes:
-    """Return `image` (blue, green, red) as a JPEG file of `quality` 1 to 100."""
+def jpeg_of(image: Image, quality: int, remark: str = '') -> bytes:
+    """Return `image` (blue, green, red) as a JPEG file of `quality` 1 to 100.
+
+    A `remark` becomes a comment in the file, which the image store keeps.
+    """
     is_done, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not is_done:
         raise GroundError(f'no JPEG of an image of shape {image.shape}')
-    return data.tobytes()
+    jpeg: bytes = data.tobytes()
+    if not remark:
+        return jpeg
+    text = remark.encode()
+    return jpeg[:2] + _COMMENT + struct.pack('>H', len(text) + 2) + text + jpeg[2:]
 
 
 def image_of(jpeg: bytes) -> Image:

@@ -209,7 +209,7 @@ class Rav:
             quaternion_xyzw=(x, y, z, w),
             width_px=first.settings.image_width_px,
             height_px=first.settings.image_height_px,
-            jpeg=jpeg_of(picture.image, first.settings.jpeg_quality),
+            jpeg=jpeg_of(picture.image, first.settings.jpeg_quality, first.model.camera.remark),
         )
 
     def _height_m(self, place_enu: Enu) -> float:

@@ -83,6 +83,12 @@ class EngineCamera:
         self._scene = scene
         self._studio = Studio(scene.renderer, lens, oversampling)
 
+    @property
+    def remark(self) -> str:
+        """What drew the pictures, where that is less than it should be."""
+        pipe = self._scene.renderer.pipe
+        return f'drawn by {pipe.renderer}' if pipe.is_degraded else ''
+
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON."""
         return self._scene.label_table

@@ -10,7 +10,9 @@ import numpy as np
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.engine.outputs import Frame
+from rocsafe_sim.engine.pipe import open_pipe
 from rocsafe_sim.engine.renderer import Eye, Renderer
+from rocsafe_sim.engine.software_renderer import SoftwareEye, SoftwareRenderer
 from rocsafe_sim.errors import SceneError
 from rocsafe_sim.scene.building import build
 from rocsafe_sim.scene.description import SceneDescription
@@ -19,11 +21,12 @@ from rocsafe_sim.scene.light import lighting, sun_direction
 from rocsafe_sim.scene.mesh import Floats
 
 LARGEST_SIDE_PX = 8192
+AnyRenderer = Renderer | SoftwareRenderer
 
 
 def open_renderer(
     environment: Environment, description: SceneDescription, time: datetime | None = None
-) -> Renderer:
+) -> AnyRenderer:
     """Return a renderer of `environment`, lit as `description` says; `time` in place of its own.
 
     Raises
@@ -32,7 +35,10 @@ def open_renderer(
     """
     light, place = description.light, description.place
     direction = sun_direction(time or light.time, place.latitude_deg, place.longitude_deg)
-    return Renderer(environment, lighting(direction, light.weather), light.weather)
+    sunlight = lighting(direction, light.weather)
+    if open_pipe().is_degraded:
+        return SoftwareRenderer(environment, sunlight)
+    return Renderer(environment, sunlight, light.weather)
 
 
 def open_scene(
@@ -40,7 +46,7 @@ def open_scene(
     seed: int | None = None,
     origin: GeoPosition | None = None,
     cache: Path | None = None,
-) -> Renderer:
+) -> AnyRenderer:
     """Return a renderer of a scene, see `build`.
 
     Raises
@@ -66,7 +72,7 @@ class Studio:
     SceneError: if the oversampled picture would be too large.
     """
 
-    def __init__(self, renderer: Renderer, lens: PinholeCamera, oversampling: int = 2) -> None:
+    def __init__(self, renderer: AnyRenderer, lens: PinholeCamera, oversampling: int = 2) -> None:
         side = oversampling * max(lens.image_width_px, lens.image_height_px)
         if not 1 <= oversampling <= 4 or side > LARGEST_SIDE_PX:
             raise SceneError(
@@ -75,7 +81,7 @@ class Studio:
             )
         self.lens = lens
         self._plain = renderer.camera(lens)
-        self._large: Eye | None = None
+        self._large: Eye | SoftwareEye | None = None
         if oversampling > 1:
             large = PinholeCamera(
                 lens.horizontal_fov_rad,

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a scene without a graphics library: plain light, exact labels and depth.
+
+Two passes: the picture, and the number of the triangle in each pixel. Depth is where the pixel's
+ray meets that triangle's plane, so it is exact where the label is.
+"""
+
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from panda3d import core
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_sim.engine.lens import NEAR_M, node_matrix, pinhole_lens
+from rocsafe_sim.engine.outputs import Frame
+from rocsafe_sim.engine.pipe import Pipe, open_pipe
+from rocsafe_sim.engine.software_stage import KNOW, LOOK, SoftwareStage
+from rocsafe_sim.errors import EngineError
+from rocsafe_sim.scene.environment import Environment
+from rocsafe_sim.scene.light import Lighting
+from rocsafe_sim.scene.mesh import Floats, unit
+
+# Leans on the drawn numbers over colours of the nodes.
+_OVER = 1000
+
+
+class SoftwareRenderer:
+    """One scene on the software pipe; all its calls must come from the thread that made it.
+
+    Parameters
+    ----------
+    environment : what there is.
+    lighting : its light.
+    """
+
+    def __init__(self, environment: Environment, lighting: Lighting) -> None:
+        self._thread = threading.get_ident()
+        self.pipe: Pipe = open_pipe()
+        self.stage = SoftwareStage(environment, lighting)
+        self.stage.move(0.0)
+        self.sky = np.clip(np.sqrt(0.6 * np.array(lighting.horizon)), 0.0, 1.0)
+
+    def set_time(self, time_s: float) -> None:
+        """Put what moves where it is at a time, seconds after the start."""
+        self._require_thread()
+        self.stage.move(time_s)
+
+    def camera(self, lens: PinholeCamera) -> 'SoftwareEye':
+        """Return a camera of this scene."""
+        self._require_thread()
+        return SoftwareEye(self, lens)
+
+    def _require_thread(self) -> None:
+        if threading.get_ident() != self._thread:
+            raise EngineError(
+                'the engine was asked from another thread than the one it started in'
+            )
+
+
+class SoftwareEye:
+    """A camera with its buffers; make it once and use it again."""
+
+    def __init__(self, renderer: SoftwareRenderer, lens: PinholeCamera) -> None:
+        self.lens = lens
+        self._renderer = renderer
+        self._node = renderer.stage.root.attachNewNode('eye')
+        matrix = lens.matrix
+        # Of the rays (x, y, 1) through the pixels: x by column, y by row.
+        self._x = ((np.arange(lens.image_width_px) - matrix[0, 2]) / matrix[0, 0])[None]
+        self._y = ((np.arange(lens.image_height_px) - matrix[1, 2]) / matrix[1, 1])[:, None]
+        self._passes = [
+            self._pass('picture', LOOK, None),
+            self._pass('triangles', KNOW, _numbering()),
+        ]
+
+    def _pass(self, name: str, mask: Any, state: Any) -> tuple[Any, Any]:
+        pipe = self._renderer.pipe
+        properties = core.FrameBufferProperties()
+        properties.setRgbaBits(8, 8, 8, 8)
+        properties.setDepthBits(24)
+        size = core.WindowProperties.size(self.lens.image_width_px, self.lens.image_height_px)
+        buffer = pipe.engine.makeOutput(
+            pipe.host.getPipe(), name, 0, properties, size, core.GraphicsPipe.BFRefuseWindow,
+            pipe.host.getGsg(), pipe.host,
+        )  # fmt: skip
+        if buffer is None:
+            raise EngineError(
+                f'no picture of {self.lens.image_width_px} x {self.lens.image_height_px} px: '
+                f'{pipe.renderer} refuses it'
+            )
+        texture = core.Texture(name)
+        buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam)
+        sky = (*self._renderer.sky.tolist(), 1.0) if state is None else (0.0, 0.0, 0.0, 0.0)
+        buffer.setClearColor(core.LVecBase4f(*sky))
+        camera = core.Camera(name, pinhole_lens(self.lens))
+        camera.setScene(self._renderer.stage.root)
+        camera.setCameraMask(mask)
+        if state is not None:
+            camera.setInitialState(state)
+        buffer.makeDisplayRegion().setCamera(self._node.attachNewNode(camera))
+        buffer.setActive(False)
+        return buffer, texture
+
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+        """Return what is seen from a pose.
+
+        Parameters
+        ----------
+        position_enu : of the camera, metres, (3,).
+        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        """
+        self._renderer._require_thread()
+        self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
+        for buffer, _ in self._passes:
+            buffer.setActive(True)
+        self._renderer.pipe.engine.renderFrame()
+        for buffer, _ in self._passes:
+            buffer.setActive(False)
+        pose = np.asarray(position_enu, float), np.asarray(rotation_enu_from_optical, float)
+        return self._frame(*pose)
+
+    def close(self) -> None:
+        """Give the buffers back."""
+        for buffer, _ in self._passes:
+            self._renderer.pipe.engine.removeWindow(buffer)
+        self._node.removeNode()
+
+    def _plane(self, number: int) -> NDArray[np.uint8]:
+        """Return the pixels of a pass: blue, green, red, alpha; the lowest row first."""
+        texture = self._passes[number][1]
+        data = texture.getRamImage()
+        if not data:
+            raise EngineError('the engine returned no picture')
+        raw = np.frombuffer(memoryview(data).cast('B'), np.uint8)
+        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, -1)
+
+    def _frame(self, position: Floats, rotation: Floats) -> Frame:
+        triangles = self._renderer.stage.triangles
+        packed = np.ascontiguousarray(self._plane(1)[::-1]).view(np.uint32)[..., 0]
+        drawn = packed & np.uint32(0xFFFFFF)
+        # What cannot be is an edge that the pipe blended: sky.
+        drawn[drawn >= len(triangles.owners)] = 0
+        chosen, row = _ranked(drawn, len(triangles.owners))
+        placed = triangles.placed(chosen)
+        owner = triangles.owners[chosen]
+        normal = unit(np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0]))
+        depth = self._depth(placed, normal, (position, rotation), row)
+        depth[drawn == 0] = np.inf
+        return Frame(
+            image=np.ascontiguousarray(self._plane(0)[::-1, :, :3]),
+            depth_m=depth,
+            numbers=_taken(triangles.numbers[owner], row),
+            classes=self._classes(_taken(triangles.kinds[owner], row), depth, position, rotation),
+            normals=np.take(np.rint(127.5 + 127.5 * normal).astype(np.uint8), row, 0, mode='clip'),
+        )
+
+    def _depth(
+        self, placed: Floats, normal: Floats, pose: tuple[Floats, Floats], row: NDArray[Any]
+    ) -> NDArray[np.float32]:
+        """Return where the rays meet the planes of the triangles that `row` names, in metres.
+
+        A plane n x = b is met by the ray r at depth b / (n r); within the depths of the corners,
+        as a pixel on an edge may just miss its triangle.
+        """
+        position, rotation = pose
+        away = placed - position
+        height = np.einsum('ij,ij->i', normal, away[:, 0])
+        plane = normal @ rotation / np.where(np.abs(height) > 1e-9, height, 1e-9)[:, None]
+        a, b, c = (_taken(part, row) for part in plane.astype(np.float32).T)
+        a *= self._x.astype(np.float32)
+        b *= self._y.astype(np.float32)
+        a += b
+        a += c
+        corner = (away @ rotation[:, 2]).astype(np.float32)
+        low = np.maximum(corner.min(axis=1), np.float32(NEAR_M))
+        high = np.maximum(corner.max(axis=1), low)
+        with np.errstate(divide='ignore'):
+            np.divide(np.float32(1.0), a, out=a)
+        return np.clip(a, _taken(low, row), _taken(high, row), out=a)
+
+    def _classes(
+        self,
+        kinds: NDArray[np.int16],
+        depth: NDArray[np.float32],
+        position: Floats,
+        rotation: Floats,
+    ) -> NDArray[np.uint8]:
+        """Return the class of each pixel; the ground's is read from its maps."""
+        classes = np.maximum(kinds, 0).astype(np.uint8)
+        rows, columns = np.nonzero(kinds < 0)
+        rays = np.stack([self._x[0, columns], self._y[rows, 0], np.ones(len(rows))], axis=1)
+        places = position[:2] + depth[rows, columns][:, None] * (rays @ rotation[:2].T)
+        inner, outer = self._renderer.stage.ground_maps
+        is_inner = np.all(
+            np.abs(places - [inner.west_m, inner.south_m] - 0.5 * np.array(inner.size_m))
+            < 0.5 * np.array(inner.size_m),
+            axis=1,
+        )
+        found = inner.classes_at(places)
+        found[~is_inner] = outer.classes_at(places[~is_inner])
+        classes[rows, columns] = found
+        return classes
+
+
+def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the different values of `drawn`, below `count`, and each pixel's place in them."""
+    is_drawn = np.zeros(count, bool)
+    is_drawn[drawn] = True
+    chosen = np.flatnonzero(is_drawn)
+    rank = np.empty(count, np.intp)
+    rank[chosen] = np.arange(len(chosen))
+    return chosen, _taken(rank, drawn.astype(np.intp))
+
+
+def _taken(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
+    """Return the values of each pixel's row; without checks, which cost as much as the reading."""
+    return np.take(values, row, mode='clip')
+
+
+def _numbering() -> Any:
+    """Return the state that draws numbers: no light, no texture, one colour a triangle."""
+    node = core.NodePath('numbering')
+    node.setLightOff(_OVER)
+    node.setTextureOff(_OVER)
+    node.setAttrib(core.ShadeModelAttrib.make(core.ShadeModelAttrib.MFlat), _OVER)
+    node.setAttrib(core.ColorAttrib.makeVertex(), _OVER)
+    return node.getState()
