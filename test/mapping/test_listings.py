@@ -3,6 +3,7 @@
 
 import csv
 import dataclasses
+import hashlib
 import itertools
 import json
 import math
@@ -105,6 +106,11 @@ def test_stac_links_hold(folder):
         assert south < 53.2838 < north
         for asset in item['assets'].values():
             assert (path.parent / asset['href']).resolve().exists()
+        image = item['assets']['image']
+        content = (path.parent / image['href']).read_bytes()
+        assert image['file:size'] == len(content)
+        # A multihash: code and length of SHA-256 before its digest.
+        assert image['file:checksum'] == '1220' + hashlib.sha256(content).hexdigest()
 
 
 def test_index_can_be_asked_and_made_again(folder):

@@ -55,10 +55,18 @@ class ManifestEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoredShot:
-    """A photograph of the store: its record and where its image is."""
+    """A photograph of the store: its record and where its image is.
+
+    Attributes
+    ----------
+    record, path: of the photograph.
+    sha256, size_bytes: of the stored file; empty and 0 where only the file tells.
+    """
 
     record: ShotRecord
     path: Path
+    sha256: str = ''
+    size_bytes: int = 0
 
     def read_image(self) -> bytes:
         """Return the JPEG file.
@@ -109,10 +117,16 @@ def read_shot(directory: Path, shot_id: str) -> StoredShot:
     """
     sidecar = directory.absolute() / (shot_id + SIDECAR_SUFFIX)
     try:
-        record = record_of_plain(json.loads(sidecar.read_bytes()))
+        plain = json.loads(sidecar.read_bytes())
+        record = record_of_plain(plain)
     except (OSError, ValueError) as error:
         raise StoreError(f'cannot read record {sidecar}: {error}') from error
-    return StoredShot(record=record, path=sidecar.with_suffix(IMAGE_SUFFIX))
+    return StoredShot(
+        record=record,
+        path=sidecar.with_suffix(IMAGE_SUFFIX),
+        sha256=str(plain.get('stored_sha256', '')),
+        size_bytes=int(plain.get('stored_bytes', 0)),
+    )
 
 
 def entry_of_line(line: bytes) -> ManifestEntry | None:

@@ -24,6 +24,8 @@ from rocsafe_mapping.xmp import attitude_rad
 
 IMAGES_CSV, GEO_TXT, CAMERAS_JSON = 'images.csv', 'geo.txt', 'cameras.json'
 FOOTPRINTS, COLLECTION, ITEMS = 'footprints.geojson', 'collection.json', 'items'
+# Function code 0x12 (sha2-256) and length 0x20 before the digest.
+SHA256_MULTIHASH = '1220'
 STAC_VERSION = '1.0.0'
 NS_PER_S = 1_000_000_000
 MAKE, MODEL = 'ROCSAFE', 'ROCSAFE nadir camera'
@@ -162,6 +164,7 @@ def item(shot: StoredShot) -> dict[str, Any]:
                 'href': f'../{shot.path.name}',
                 'type': 'image/jpeg',
                 'roles': ['data'],
+                **_file_facts(shot),
             },
             'record': {
                 'href': f'../{shot.path.with_suffix(SIDECAR_SUFFIX).name}',
@@ -174,6 +177,13 @@ def item(shot: StoredShot) -> dict[str, Any]:
             {'rel': 'root', 'href': f'../{COLLECTION}', 'type': 'application/json'},
         ],
     }
+
+
+def _file_facts(shot: StoredShot) -> dict[str, Any]:
+    """Return size and checksum as the file extension of STAC wants them: a multihash."""
+    if not shot.sha256:
+        return {}
+    return {'file:size': shot.size_bytes, 'file:checksum': SHA256_MULTIHASH + shot.sha256}
 
 
 def collection(name: str, shots: Sequence[StoredShot]) -> dict[str, Any]:

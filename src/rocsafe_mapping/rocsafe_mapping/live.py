@@ -11,7 +11,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from rocsafe_mapping.alignment.photo import FloatArray
-from rocsafe_mapping.alignment.survey import BY_FEATURES, Solution
+from rocsafe_mapping.alignment.solution import Solution
+from rocsafe_mapping.alignment.survey import BY_FEATURES
 from rocsafe_mapping.drawing.picture import ReadImage
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions, Notice

@@ -9,19 +9,19 @@ pitch 0 straight down, roll). Strings may be padded with NUL, numbers may carry 
 import hashlib
 import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
-from PIL.ExifTags import GPS, IFD, Base
+from PIL.ExifTags import GPS, Base
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
 from rocsafe_mapping.catalogue import Notice, StoredShot
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photograph_tags import Tags, read_tags
 from rocsafe_mapping.shot import Intrinsics, ShotRecord
 
 SUFFIXES = ('.jpg', '.jpeg')
@@ -44,42 +44,7 @@ FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
 HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
 GUESSED_HEIGHT_STD_SHARE = 0.5
 NS_PER_S = 1_000_000_000
-_XMP = re.compile(rb'<x:xmpmeta.*?</x:xmpmeta>', re.DOTALL)
-_XMP_VALUE = re.compile(r'(drone-dji|Camera|FLIR|rocsafe):(\w+)(?:="([^"]*)"|>([^<]*)<)')
 _NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Tags:
-    """The tags of a photograph.
-
-    Attributes
-    ----------
-    image, camera, gps: Exif by tag.
-    xmp: by prefix and name, e.g. ``drone-dji:GimbalYawDegree``.
-    width_px, height_px: size of the picture.
-    """
-
-    image: Mapping[int, Any]
-    camera: Mapping[int, Any]
-    gps: Mapping[int, Any]
-    xmp: Mapping[str, str]
-    width_px: int
-    height_px: int
-
-    def text(self, tag: int) -> str:
-        """Return a text of the image's Exif, without padding."""
-        value = self.image.get(tag, '')
-        return str(value).replace('\x00', ' ').strip()
-
-    def number(self, *names: str) -> float:
-        """Return the first of some XMP values that is a number, NaN if none is."""
-        for name in names:
-            try:
-                return float(self.xmp[name].replace('\x00', '').strip())
-            except (KeyError, ValueError):
-                continue
-        return math.nan
 
 
 def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
@@ -111,30 +76,6 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
             continue
         shots.append(StoredShot(record=record, path=path))
     return _with_heights(shots)
-
-
-def read_tags(path: Path) -> tuple[Tags, bytes]:
-    """Return the tags of a photograph, and the file.
-
-    Raises
-    ------
-    StoreError: if it is no picture.
-    """
-    try:
-        data = path.read_bytes()
-        with Image.open(path) as image:
-            exif = image.getexif()
-            size = image.size
-            camera, gps = dict(exif.get_ifd(IFD.Exif)), dict(exif.get_ifd(IFD.GPSInfo))
-    except (OSError, SyntaxError, ValueError, UnidentifiedImageError) as error:
-        raise StoreError(f'cannot read photograph {path}: {error}') from error
-    found = _XMP.search(data)
-    text = found.group(0).decode('utf-8', 'replace') if found else ''
-    xmp = {f'{p}:{name}': a or b for p, name, a, b in _XMP_VALUE.findall(text)}
-    tags = Tags(
-        image=dict(exif), camera=camera, gps=gps, xmp=xmp, width_px=size[0], height_px=size[1]
-    )
-    return tags, data
 
 
 def vehicle_of(tags: Tags) -> str:

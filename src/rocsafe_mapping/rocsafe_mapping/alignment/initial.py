@@ -9,32 +9,33 @@ not solved together with the places: against robust fixes that system shrinks to
 """
 
 import math
-from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import spsolve
 
 from rocsafe_mapping.alignment.matching import Pair
+from rocsafe_mapping.alignment.pair_graph import (
+    ROUNDS,
+    BoolArray,
+    ComplexArray,
+    Edge,
+    averaged,
+    chained,
+    groups_of,
+    spanned,
+)
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose, rays_of_pixels
 
-ComplexArray = NDArray[np.complex128]
-BoolArray = NDArray[np.bool_]
-ROUNDS = 12
 ANGLE_SCALE_RAD = math.radians(2.0)
 LOG_SCALE = 0.03
 # What a loop of pairs may be off before one of them is disbelieved.
 LARGEST_TURN_RAD = math.radians(9.0)
 LARGEST_LOG_SCALE = 0.16
-# The same of shifts, over the flying height; tilts alone move them by a tenth of it.
-SHIFT_SHARE, LARGEST_SHIFT_SHARE = 0.03, 0.25
 MOST_PASSES = 4
-# Yaws of a group that are this far from what the fixes say are not believed.
 # A height less certain than this is taken from the fixes.
 GUESSED_HEIGHT_SHARE = 0.2
+# Yaws of a group that are this far from what the fixes say are not believed.
 YAW_DISBELIEF_RAD = math.radians(20.0)
 
 
@@ -56,18 +57,6 @@ class Start:
     is_yaw_believed: tuple[bool, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Edge:
-    """A pair as a similarity: a_second = m a_first + b, with middles of its ties on both sides."""
-
-    pair: Pair
-    first: int
-    second: int
-    factor: complex
-    first_middle: complex
-    second_middle: complex
-
-
 def start(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Start:
     """Return first poses for all photographs that agreeing `pairs` tie to another."""
     found = _start(photos, pairs)
@@ -84,7 +73,7 @@ def _start(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Start:
     poses: dict[str, Pose] = {}
     kept: list[Pair] = []
     groups, believed = [], []
-    for names in _groups(pairs):
+    for names in groups_of(pairs):
         index = {name: number for number, name in enumerate(names)}
         edges = [_edge(photos, pair, index) for pair in pairs if pair.first in index]
         turns, heights, is_turned = _turned(photos, names, edges)
@@ -100,38 +89,14 @@ def _start(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Start:
     )
 
 
-def groups_of(pairs: Sequence[Pair]) -> tuple[tuple[str, ...], ...]:
-    """Return the names that pairs tie together, largest group first."""
-    return tuple(_groups(pairs))
-
-
-def _groups(pairs: Sequence[Pair]) -> list[tuple[str, ...]]:
-    near: dict[str, list[str]] = {}
-    for pair in pairs:
-        near.setdefault(pair.first, []).append(pair.second)
-        near.setdefault(pair.second, []).append(pair.first)
-    groups, seen = [], set()
-    for name in sorted(near):
-        if name in seen:
-            continue
-        group, waiting = {name}, deque([name])
-        while waiting:
-            fresh = set(near[waiting.popleft()]) - group
-            group |= fresh
-            waiting += sorted(fresh)
-        seen |= group
-        groups.append(tuple(sorted(group)))
-    return sorted(groups, key=lambda group: (-len(group), group))
-
-
-def _edge(photos: Mapping[str, Photo], pair: Pair, index: Mapping[str, int]) -> _Edge:
+def _edge(photos: Mapping[str, Photo], pair: Pair, index: Mapping[str, int]) -> Edge:
     used = ~pair.is_held_out
     first = _slopes(photos[pair.first], pair.first_px[used])
     second = _slopes(photos[pair.second], pair.second_px[used])
     first_middle, second_middle = complex(first.mean()), complex(second.mean())
     spread = first - first_middle
     factor = complex(np.vdot(spread, second - second_middle) / np.vdot(spread, spread).real)
-    return _Edge(
+    return Edge(
         pair=pair,
         first=index[pair.first],
         second=index[pair.second],
@@ -150,13 +115,13 @@ def _slopes(photo: Photo, pixels: FloatArray) -> ComplexArray:
 
 
 def _turned(
-    photos: Mapping[str, Photo], names: Sequence[str], edges: list[_Edge]
+    photos: Mapping[str, Photo], names: Sequence[str], edges: list[Edge]
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return each photograph's turn and height, and which pairs agree with them."""
-    guess = _spanned(len(names), edges)
+    guess = spanned(len(names), edges)
     log_prior = np.log([photos[name].prior.centre[2] for name in names])
-    turns = _averaged(len(names), edges, guess.imag, ANGLE_SCALE_RAD, wrapped=True)
-    logs = _averaged(len(names), edges, guess.real, LOG_SCALE, wrapped=False)
+    turns = averaged(len(names), edges, guess.imag, ANGLE_SCALE_RAD, wrapped=True)
+    logs = averaged(len(names), edges, guess.real, LOG_SCALE, wrapped=False)
     off = np.array([_misfit(edge, turns, logs) for edge in edges])
     agrees = np.all(np.abs(off) < (LARGEST_TURN_RAD, LARGEST_LOG_SCALE), axis=1)
     turns -= _common_turn(turns, photos, names)
@@ -164,7 +129,7 @@ def _turned(
     return turns, np.exp(logs), agrees
 
 
-def _misfit(edge: _Edge, turns: FloatArray, logs: FloatArray) -> tuple[float, float]:
+def _misfit(edge: Edge, turns: FloatArray, logs: FloatArray) -> tuple[float, float]:
     log = np.log(edge.factor)
     turn = turns[edge.first] - turns[edge.second] - log.imag
     scale = logs[edge.first] - logs[edge.second] - log.real
@@ -173,59 +138,6 @@ def _misfit(edge: _Edge, turns: FloatArray, logs: FloatArray) -> tuple[float, fl
 
 def _wrap(angle: float) -> float:
     return math.remainder(angle, 2.0 * math.pi)
-
-
-def _spanned(count: int, edges: Sequence[_Edge]) -> ComplexArray:
-    """Return log height + i turn of each photograph along the strongest pairs from the first."""
-    near: dict[int, list[tuple[int, int, complex]]] = {}
-    for edge in edges:
-        log = complex(np.log(edge.factor))
-        near.setdefault(edge.first, []).append((len(edge.pair), edge.second, -log))
-        near.setdefault(edge.second, []).append((len(edge.pair), edge.first, log))
-    found = np.zeros(count, complex)
-    reached = {0}
-    rim = [(-strength, 0, other, log) for strength, other, log in near[0]]
-    while rim:
-        rim.sort(reverse=True)
-        _, start_at, other, log = rim.pop()
-        if other in reached:
-            continue
-        reached.add(other)
-        found[other] = found[start_at] + log
-        rim += [(-strength, other, further, log) for strength, further, log in near[other]]
-    return found
-
-
-def _averaged(
-    count: int, edges: Sequence[_Edge], guess: FloatArray, scale: float, *, wrapped: bool
-) -> FloatArray:
-    """Return the values whose differences over `edges` fit best, robustly; the first stays."""
-    first = np.array([edge.first for edge in edges])
-    second = np.array([edge.second for edge in edges])
-    logs = np.log(np.array([edge.factor for edge in edges]))
-    wanted = logs.imag if wrapped else logs.real
-    strength = np.sqrt([len(edge.pair) for edge in edges])
-    values = guess.copy()
-    rows = np.arange(len(edges))
-    for _ in range(ROUNDS):
-        off = wanted - (values[first] - values[second])
-        off = np.angle(np.exp(1j * off)) if wrapped else off
-        weight = strength / (1.0 + (off / scale) ** 2)
-        design = coo_matrix(
-            (
-                np.concatenate([weight, -weight]),
-                (np.tile(rows, 2), np.concatenate([first, second])),
-            ),
-            shape=(len(edges), count),
-        ).tocsr()[:, 1:]
-        if count == 1:
-            break
-        normal = (design.T @ design).tocsc()
-        step = spsolve(normal, design.T @ (weight * off))
-        values[1:] += step
-        if np.max(np.abs(step)) < 1e-6:
-            break
-    return values
 
 
 def _common_turn(turns: FloatArray, photos: Mapping[str, Photo], names: Sequence[str]) -> float:
@@ -239,7 +151,7 @@ def _common_turn(turns: FloatArray, photos: Mapping[str, Photo], names: Sequence
 def _placed(
     photos: Mapping[str, Photo],
     names: Sequence[str],
-    edges: Sequence[_Edge],
+    edges: Sequence[Edge],
     turns: FloatArray,
     heights: FloatArray,
 ) -> tuple[ComplexArray, bool, BoolArray]:
@@ -256,7 +168,7 @@ def _placed(
             for edge in edges
         ]
     )
-    free, agrees = _chained(len(names), edges, shifts, float(np.median(heights)))
+    free, agrees = chained(len(names), edges, shifts, float(np.median(heights)))
     turn, scale = _laid_on_fixes(free, fixes, std_m)
     guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
     if np.median(guesses) > GUESSED_HEIGHT_SHARE and len(names) > 2:
@@ -270,34 +182,6 @@ def _placed(
         turns += turn
         free = free * np.exp(1j * turn)
     return free + _robust_middle(fixes - free, std_m), is_believed, agrees
-
-
-def _chained(
-    count: int, edges: Sequence[_Edge], shifts: ComplexArray, height_m: float
-) -> tuple[ComplexArray, BoolArray]:
-    """Return places whose differences, second less first, are `shifts`, the first at 0, robustly.
-
-    With them which pairs agree: one that ties look-alikes contradicts the loops that it closes.
-    """
-    first = np.array([edge.first for edge in edges])
-    second = np.array([edge.second for edge in edges])
-    strength = np.sqrt([len(edge.pair) for edge in edges])
-    rows = np.arange(len(edges))
-    places = np.zeros(count, complex)
-    off = np.zeros(len(edges))
-    for _ in range(ROUNDS):
-        weight = strength / np.sqrt(1.0 + (off / (SHIFT_SHARE * height_m)) ** 2)
-        entries = np.concatenate([weight, -weight])
-        design = coo_matrix(
-            (entries, (np.tile(rows, 2), np.concatenate([second, first]))),
-            shape=(len(edges), count),
-        ).tocsr()[:, 1:]
-        wanted = np.column_stack([(weight * shifts).real, (weight * shifts).imag])
-        solved = spsolve((design.T @ design).tocsc(), design.T @ wanted)
-        solved = np.asarray(solved).reshape(-1, 2)
-        places[1:] = solved[:, 0] + 1j * solved[:, 1]
-        off = np.abs(places[second] - places[first] - shifts)
-    return places, off < LARGEST_SHIFT_SHARE * height_m
 
 
 def _laid_on_fixes(

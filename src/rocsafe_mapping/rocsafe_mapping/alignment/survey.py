@@ -7,8 +7,7 @@ are adjusted together from the beginning: that result depends on the set of phot
 """
 
 import dataclasses
-import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,8 @@ from rocsafe_mapping.alignment.features import Features, Gray, orb_features, sif
 from rocsafe_mapping.alignment.initial import Start
 from rocsafe_mapping.alignment.matching import Pair, View, match
 from rocsafe_mapping.alignment.neighbours import Neighbourhood
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.photo import Photo, Pose
+from rocsafe_mapping.alignment.solution import Solution, carried, solved, without_yaw
 from rocsafe_mapping.alignment.state import State
 
 FEATURES = 1500
@@ -44,22 +44,6 @@ class Placement:
 
     pose: Pose
     placed_by: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Solution:
-    """An adjustment of all photographs.
-
-    Attributes
-    ----------
-    state: that fits best.
-    unbelieved: photographs whose yaws are wrong alike.
-    rejected: pairs that do not agree with the others.
-    """
-
-    state: State
-    unbelieved: frozenset[str]
-    rejected: tuple[Pair, ...]
 
 
 class Survey:
@@ -151,7 +135,7 @@ class Survey:
         poses = dict(self.state.poses)
         for other in sorted(fresh & set(first.poses)):
             # A start is loose: only its shape is taken, laid on poses that are known.
-            poses[other] = _carried(first.poses, poses, other, placed)
+            poses[other] = carried(first.poses, poses, other, placed)
         free = (fresh | placed) & set(poses)
         pairs = [
             pair
@@ -167,12 +151,12 @@ class Survey:
         self.adopt(self.global_solution()())
         return frozenset(self.state.poses)
 
-    def global_solution(self) -> Callable[[], 'Solution']:
+    def global_solution(self) -> Callable[[], Solution]:
         """Return the adjustment of all photographs, to be carried out, also by another thread."""
         photos, pairs = dict(self._photos), self.pairs
-        return lambda: _solved(photos, pairs)
+        return lambda: solved(photos, pairs)
 
-    def adopt(self, solution: 'Solution') -> None:
+    def adopt(self, solution: Solution) -> None:
         """Take over a solution; photographs that came since keep their place among the others."""
         before = self.state
         self._unbelieved = solution.unbelieved
@@ -208,7 +192,7 @@ class Survey:
         }
 
     def _believed(self, photo: Photo) -> Photo:
-        return _without_yaw(photo, self._unbelieved)
+        return without_yaw(photo, self._unbelieved)
 
     def _partners(self, name: str) -> set[str]:
         found = set()
@@ -262,60 +246,3 @@ class Survey:
         shift = np.median([off for _, _, off in nearest], axis=0)
         centre = photo.prior.centre + np.array([*shift, 0.0])
         return Pose(centre=centre, rotation=photo.prior.rotation)
-
-
-def _solved(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Solution:
-    """Return the adjustment of all photographs that `pairs` tie, from the beginning."""
-    first = initial.start(photos, pairs)
-    unbelieved = frozenset(
-        name
-        for names, is_believed in zip(first.groups, first.is_yaw_believed, strict=True)
-        for name in names
-        if not is_believed
-    )
-    kept = {id(pair) for pair in first.pairs}
-    state = State(poses=first.poses)
-    if first.poses:
-        believed = {name: _without_yaw(photos[name], unbelieved) for name in first.poses}
-        state = adjusted(believed, first.pairs, state)
-    return Solution(
-        state=state,
-        unbelieved=unbelieved,
-        rejected=tuple(pair for pair in pairs if id(pair) not in kept),
-    )
-
-
-def _without_yaw(photo: Photo, unbelieved: frozenset[str]) -> Photo:
-    if photo.name not in unbelieved:
-        return photo
-    return dataclasses.replace(photo, yaw_std_rad=math.pi)
-
-
-def _carried(
-    loose: Mapping[str, Pose], placed: Mapping[str, Pose], name: str, near: set[str]
-) -> Pose:
-    """Return the pose of `name` when `loose` is laid on the poses of neighbours, if there are."""
-    tied = sorted(near & set(loose))
-    if not tied:
-        return loose[name]
-    turn = sum(
-        (_plane_turn(placed[other].rotation @ loose[other].rotation.T) for other in tied), 0j
-    )
-    turn /= abs(turn)
-    scale = float(np.median([placed[o].centre[2] / loose[o].centre[2] for o in tied]))
-    start = np.mean([complex(*loose[o].centre[:2]) for o in tied])
-    end = np.mean([complex(*placed[o].centre[:2]) for o in tied])
-    place = end + turn * scale * (complex(*loose[name].centre[:2]) - start)
-    about_up = np.array(
-        [[turn.real, -turn.imag, 0.0], [turn.imag, turn.real, 0.0], [0.0, 0.0, 1.0]]
-    )
-    return Pose(
-        centre=np.array([place.real, place.imag, scale * loose[name].centre[2]]),
-        rotation=about_up @ loose[name].rotation,
-    )
-
-
-def _plane_turn(rotation: FloatArray) -> complex:
-    """Return the turn about up of a rotation as a unit complex number."""
-    turn = complex(rotation[0, 0] + rotation[1, 1], rotation[1, 0] - rotation[0, 1])
-    return turn / max(abs(turn), 1e-12)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pairs as the edges of a graph: what hangs together, and values whose differences fit them."""
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import spsolve
+
+from rocsafe_mapping.alignment.matching import Pair
+from rocsafe_mapping.alignment.photo import FloatArray
+
+ComplexArray = NDArray[np.complex128]
+BoolArray = NDArray[np.bool_]
+ROUNDS = 12
+# What a loop of shifts may be off before a pair is disbelieved, over the flying height; tilts
+# alone move them by a tenth of it.
+SHIFT_SHARE, LARGEST_SHIFT_SHARE = 0.03, 0.25
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """A pair as a similarity: a_second = m a_first + b, with middles of its ties on both sides."""
+
+    pair: Pair
+    first: int
+    second: int
+    factor: complex
+    first_middle: complex
+    second_middle: complex
+
+
+def groups_of(pairs: Sequence[Pair]) -> list[tuple[str, ...]]:
+    """Return the names that pairs tie together, largest group first."""
+    near: dict[str, list[str]] = {}
+    for pair in pairs:
+        near.setdefault(pair.first, []).append(pair.second)
+        near.setdefault(pair.second, []).append(pair.first)
+    groups, seen = [], set()
+    for name in sorted(near):
+        if name in seen:
+            continue
+        group, waiting = {name}, deque([name])
+        while waiting:
+            fresh = set(near[waiting.popleft()]) - group
+            group |= fresh
+            waiting += sorted(fresh)
+        seen |= group
+        groups.append(tuple(sorted(group)))
+    return sorted(groups, key=lambda group: (-len(group), group))
+
+
+def spanned(count: int, edges: Sequence[Edge]) -> ComplexArray:
+    """Return log height + i turn of each photograph along the strongest pairs from the first."""
+    near: dict[int, list[tuple[int, int, complex]]] = {}
+    for edge in edges:
+        log = complex(np.log(edge.factor))
+        near.setdefault(edge.first, []).append((len(edge.pair), edge.second, -log))
+        near.setdefault(edge.second, []).append((len(edge.pair), edge.first, log))
+    found = np.zeros(count, complex)
+    reached = {0}
+    rim = [(-strength, 0, other, log) for strength, other, log in near[0]]
+    while rim:
+        rim.sort(reverse=True)
+        _, start_at, other, log = rim.pop()
+        if other in reached:
+            continue
+        reached.add(other)
+        found[other] = found[start_at] + log
+        rim += [(-strength, other, further, log) for strength, further, log in near[other]]
+    return found
+
+
+def averaged(
+    count: int, edges: Sequence[Edge], guess: FloatArray, scale: float, *, wrapped: bool
+) -> FloatArray:
+    """Return the values whose differences over `edges` fit best, robustly; the first stays."""
+    first = np.array([edge.first for edge in edges])
+    second = np.array([edge.second for edge in edges])
+    logs = np.log(np.array([edge.factor for edge in edges]))
+    wanted = logs.imag if wrapped else logs.real
+    strength = np.sqrt([len(edge.pair) for edge in edges])
+    values = guess.copy()
+    rows = np.arange(len(edges))
+    for _ in range(ROUNDS):
+        off = wanted - (values[first] - values[second])
+        off = np.angle(np.exp(1j * off)) if wrapped else off
+        weight = strength / (1.0 + (off / scale) ** 2)
+        design = coo_matrix(
+            (
+                np.concatenate([weight, -weight]),
+                (np.tile(rows, 2), np.concatenate([first, second])),
+            ),
+            shape=(len(edges), count),
+        ).tocsr()[:, 1:]
+        if count == 1:
+            break
+        normal = (design.T @ design).tocsc()
+        step = spsolve(normal, design.T @ (weight * off))
+        values[1:] += step
+        if np.max(np.abs(step)) < 1e-6:
+            break
+    return values
+
+
+def chained(
+    count: int, edges: Sequence[Edge], shifts: ComplexArray, height_m: float
+) -> tuple[ComplexArray, BoolArray]:
+    """Return places whose differences, second less first, are `shifts`, the first at 0, robustly.
+
+    With them which pairs agree: one that ties look-alikes contradicts the loops that it closes.
+    """
+    first = np.array([edge.first for edge in edges])
+    second = np.array([edge.second for edge in edges])
+    strength = np.sqrt([len(edge.pair) for edge in edges])
+    rows = np.arange(len(edges))
+    places = np.zeros(count, complex)
+    off = np.zeros(len(edges))
+    for _ in range(ROUNDS):
+        weight = strength / np.sqrt(1.0 + (off / (SHIFT_SHARE * height_m)) ** 2)
+        entries = np.concatenate([weight, -weight])
+        design = coo_matrix(
+            (entries, (np.tile(rows, 2), np.concatenate([second, first]))),
+            shape=(len(edges), count),
+        ).tocsr()[:, 1:]
+        wanted = np.column_stack([(weight * shifts).real, (weight * shifts).imag])
+        solved = spsolve((design.T @ design).tocsc(), design.T @ wanted)
+        solved = np.asarray(solved).reshape(-1, 2)
+        places[1:] = solved[:, 0] + 1j * solved[:, 1]
+        off = np.abs(places[second] - places[first] - shifts)
+    return places, off < LARGEST_SHIFT_SHARE * height_m
