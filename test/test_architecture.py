@@ -81,6 +81,8 @@ CLOCKS = {
 }
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
+    # which pipe and which graphics device to draw with is the machine's matter
+    'rocsafe_sim.engine.pipe': {'os.environ'},
     # tells the renderers of its workers how many threads each may use
     'rocsafe_dataset.work': {'os.environ'},
     # A command that waits until vehicles are heard.

@@ -22,6 +22,8 @@ from rocsafe_sim.scene.environment import Environment
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, unit
 
+# Share by which depth may lie beyond a triangle's corners.
+_SLACK = np.float32(0.04)
 # Leans on the drawn numbers over colours of the nodes.
 _OVER = 1000
 
@@ -161,8 +163,8 @@ class SoftwareEye:
     ) -> NDArray[np.float32]:
         """Return where the rays meet the planes of the triangles that `row` names, in metres.
 
-        A plane n x = b is met by the ray r at depth b / (n r); within the depths of the corners,
-        as a pixel on an edge may just miss its triangle.
+        A plane n x = b is met by the ray r at depth b / (n r); within a little more than the
+        depths of the corners, as a pixel on an edge may just miss its triangle.
         """
         position, rotation = pose
         away = placed - position
@@ -174,8 +176,8 @@ class SoftwareEye:
         a += b
         a += c
         corner = (away @ rotation[:, 2]).astype(np.float32)
-        low = np.maximum(corner.min(axis=1), np.float32(NEAR_M))
-        high = np.maximum(corner.max(axis=1), low)
+        low = np.maximum((1.0 - _SLACK) * corner.min(axis=1), np.float32(NEAR_M))
+        high = np.maximum((1.0 + _SLACK) * corner.max(axis=1), low)
         with np.errstate(divide='ignore'):
             np.divide(np.float32(1.0), a, out=a)
         return np.clip(a, _taken(low, row), _taken(high, row), out=a)
