@@ -57,13 +57,15 @@ def pixel_rates(lens: PinholeCamera, depth_m: NDArray[np.float32], motion: Camer
     depth_m : planar, (height, width); infinite where the sky is.
     motion : of the camera.
     """
-    x, y = pixel_rays(lens)
-    vx, vy, vz = motion.velocity_mps
-    wx, wy, wz = motion.turning_radps
+    x, y = (plane.astype(np.float32) for plane in pixel_rays(lens))
+    vx, vy, vz = motion.velocity_mps.tolist()
+    wx, wy, wz = motion.turning_radps.tolist()
     nearness = 1.0 / depth_m
-    rate_x = (x * vz - vx) * nearness + x * y * wx - (1.0 + x * x) * wy + y * wz
-    rate_y = (y * vz - vy) * nearness + (1.0 + y * y) * wx - x * y * wy - x * wz
-    return np.stack([rate_x, rate_y], axis=-1).astype(np.float32) * np.float32(lens.focal_px)
+    rates = np.empty((*depth_m.shape, 2), np.float32)
+    rates[..., 0] = (x * vz - vx) * nearness + x * y * wx - (1.0 + x * x) * wy + y * wz
+    rates[..., 1] = (y * vz - vy) * nearness + (1.0 + y * y) * wx - x * y * wy - x * wz
+    rates *= lens.focal_px
+    return rates
 
 
 def plane_depth_m(lens: PinholeCamera, height_m: float, rotation: Plane) -> NDArray[np.float32]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_sim.camera import Truth
-from rocsafe_sim.optics.distortion import Distortion, Plane, lens_to_draw, pixel_rays
+from rocsafe_sim.optics.distortion import Distortion, lens_to_draw, pixel_rays
 from rocsafe_sim.optics.effects import Effects
 from rocsafe_sim.optics.light import fall_off, image_of_light, light_of, with_noise
 from rocsafe_sim.optics.motion import Rates
@@ -45,15 +45,20 @@ class Optics:
     lens: PinholeCamera
     effects: Effects
     source: PinholeCamera = field(init=False)
-    _rays: tuple[Plane, Plane] = field(init=False)
+    _place: tuple[Map, Map] = field(init=False)
     _gain: Map = field(init=False)
 
     def __post_init__(self) -> None:
-        self._rays = pixel_rays(self.lens)
+        x, y = pixel_rays(self.lens)
         self.source = lens_to_draw(self.lens, self.effects)
         if self.effects.distortion:
-            self._rays = Distortion(*self.effects.distortion).undistorted(*self._rays)
-        gain = fall_off(*self._rays, self.effects.vignetting) * 2.0**self.effects.exposure_ev
+            x, y = Distortion(*self.effects.distortion).undistorted(x, y)
+        matrix = self.source.matrix
+        self._place = (
+            (x * matrix[0, 0] + matrix[0, 2]).astype(np.float32),
+            (y * matrix[1, 1] + matrix[1, 2]).astype(np.float32),
+        )
+        gain = fall_off(x, y, self.effects.vignetting) * 2.0**self.effects.exposure_ev
         self._gain = gain.astype(np.float32)[..., None]
 
     def develop(self, image: Image, rates: Rates | None, rng: np.random.Generator) -> Image:
@@ -95,12 +100,9 @@ class Optics:
         is_rolling = rates is not None and self.effects.readout_s > 0.0
         if self.source == self.lens:
             return None
-        matrix = self.source.matrix
-        column = (self._rays[0] * matrix[0, 0] + matrix[0, 2]).astype(np.float32)
-        row = (self._rays[1] * matrix[1, 1] + matrix[1, 2]).astype(np.float32)
         if rates is None or not is_rolling:
-            return column, row
-        return self._rolled(column, row, rates)
+            return self._place
+        return self._rolled(*self._place, rates)
 
     def _rolled(self, column: Map, row: Map, rates: Rates) -> tuple[Map, Map]:
         """Return the places of the middle row's moment that the rows' own moments show."""
