@@ -3,7 +3,7 @@
 
 Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
 ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Where the law of the dose
-rate is in doubt, too, the numbers p_j of a `LawDeviation` change it. Parameters: c0, ch, c_j, p_j,
+rate is in doubt, too, the tilt t of a `LawDeviation` changes it. Parameters: c0, ch, c_j, t,
 then for each source east, north, up and the logarithm of its strength. Fitted by damped Fisher
 scoring.
 
@@ -11,6 +11,10 @@ Errors of position and gain make counts scatter by a share rho of what the sourc
 Poisson. They enter as weights w = 1 / (1 + rho^2 e^2 / n), taken from the data (e: excess over
 the background level), so that all models are compared with the same weights, and as half the sum
 of log w in the likelihood, so that different rho can be compared, too.
+
+What stands beside a source takes part of its dose rate from some readings, nobody knows which. So
+each may be shaded: with a probability `shade` its m is x (b + t sum), with t one of `SHADES`, all
+alike. Readings that are not shaded then place the source, and the others do not bend the law.
 """
 
 from dataclasses import dataclass, field
@@ -20,6 +24,7 @@ from numpy.typing import NDArray
 
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.law_deviation import LawDeviation
+from rocsafe_radiation.reading_weights import SHADES, chances_of, log_sums, weights_of
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
@@ -51,8 +56,9 @@ class Setting:
         keeps it.
     background_std: of each c_j as known before; 0: the background is the same everywhere.
     rho: share of the excess by which counts scatter beyond Poisson.
-    tilt_std, shadow_std: of the numbers of the deviation of the law of the dose rate as known
-        before; 0: it is that of the kernel.
+    tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
+        that of the kernel.
+    shade: probability that something shields a reading.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
@@ -61,7 +67,7 @@ class Setting:
     background_std: float = 0.0
     rho: float = 0.0
     tilt_std: float = 0.0
-    shadow_std: float = 0.0
+    shade: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +91,6 @@ class Likelihood:
         self._deviation = LawDeviation(
             height_m=survey.height_m(setting.source_up_m),
             tilt_std=setting.tilt_std,
-            shadow_std=setting.shadow_std,
         )
         stds = self._deviation.stds
         # The numbers of the law come last before the sources; to the background they add nothing.
@@ -94,7 +99,7 @@ class Likelihood:
         bumps_end = LEVEL_PARAMETERS + bumps.shape[1]
         self.bumps, self.law = slice(LEVEL_PARAMETERS, bumps_end), slice(bumps_end, self.head_size)
         self.nuisance_stds = np.append(np.full(bumps.shape[1], setting.background_std), stds)
-        self.weights = _weights(survey, setting.rho)
+        self.weights = weights_of(survey, setting.rho)
         counts = survey.counts
         # With this constant the likelihood of a perfect fit is 0: no large numbers are compared.
         perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)) - counts, 0.0)
@@ -105,6 +110,10 @@ class Likelihood:
         reach = REACH_HEIGHTS * survey.height_m(setting.source_up_m)
         self._low, self._high = places.min(axis=0) - reach, places.max(axis=0) + reach
         self._columns = np.ascontiguousarray(survey.positions_enu_m.T)
+        shades = SHADES if setting.shade > 0.0 else ()
+        self._shares = np.array((1.0, *shades))
+        chances = [1.0 - setting.shade, *(setting.shade / len(SHADES) for _ in shades)]
+        self._log_chances = np.log(np.array(chances))[:, None]
 
     def source_count(self, parameters: Array) -> int:
         """Return the number of sources that `parameters` describe."""
@@ -139,15 +148,29 @@ class Likelihood:
 
     def objective(self, parameters: Array) -> float:
         """Return the logarithm of likelihood and priors."""
-        expected = self.expected(parameters)
-        terms = self.survey.counts * np.log(expected) - expected
+        logs = self._log_shares(self._shaded(parameters))
         misses = parameters - self._prior_means(parameters)
         prior = 0.5 * float(self._prior_precisions(parameters) @ (misses * misses))
-        return float(self.weights @ terms) + self._constant - prior
+        return float(log_sums(logs).sum()) + self._constant - prior
+
+    def _shaded(self, parameters: Array) -> Array:
+        """Return the expected counts with each share of the sources left, shape (shares, n)."""
+        if len(self._shares) == 1:
+            return self.expected(parameters)[None]
+        exposures = self.survey.exposures
+        background = self.background_usvh(parameters) * exposures
+        added = self.source_rates_usvh(parameters).sum(axis=0) * exposures
+        return np.asarray(np.maximum(background + self._shares[:, None] * added, SMALLEST_COUNTS))
+
+    def _log_shares(self, expected: Array) -> Array:
+        """Return the weighed log likelihood of each reading by shares, with their chances."""
+        terms = self.weights * (self.survey.counts * np.log(expected) - expected)
+        return np.asarray(terms + self._log_chances)
 
     def dispersion(self, parameters: Array) -> float:
         """Return by how many standard deviations Pearson's chi^2 exceeds what Poisson allows."""
-        expected = self.expected(parameters)
+        shaded = self._shaded(parameters)
+        expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
         chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
         degrees = max(1, self.survey.size - len(parameters))
         # The variance of each term, 2 + 1/m, matters with few counts.
@@ -176,16 +199,33 @@ class Likelihood:
 
     def information_and_gradient(self, parameters: Array) -> tuple[Array, Array]:
         """Return the expected information and the gradient of the objective."""
-        expected, slopes = self._expected_and_slopes(parameters)
+        slopes = self._slopes(parameters)
         misses = parameters - self._prior_means(parameters)
         precisions = self._prior_precisions(parameters)
-        residuals = self.weights * (self.survey.counts / expected - 1.0)
-        gradient = slopes.T @ residuals - precisions * misses
-        information = (slopes * (self.weights / expected)[:, None]).T @ slopes
+        shaded = self._shaded(parameters)
+        chances = chances_of(self._log_shares(shaded)) * self.weights
+        residuals = chances * (self.survey.counts / shaded - 1.0)
+        gradient, information = self._summed(slopes, residuals, chances / shaded)
+        gradient -= precisions * misses
         information[np.diag_indices_from(information)] += precisions
         return information, gradient
 
-    def _expected_and_slopes(self, parameters: Array) -> tuple[Array, Array]:
+    def _summed(self, slopes: Array, residuals: Array, precision: Array) -> tuple[Array, Array]:
+        """Return gradient and information; residuals and precision of each share, (shares, n)."""
+        if len(self._shares) == 1:
+            return slopes.T @ residuals[0], (slopes * precision[0][:, None]).T @ slopes
+        # Of shaded readings, sources bring but their share: sums over shares come first.
+        own = np.arange(slopes.shape[1]) >= self.law.start
+        once, twice = self._shares @ precision, self._shares**2 @ precision
+        natural, added = slopes * ~own, slopes * own
+        mixed = (natural * once[:, None]).T @ added
+        information = (natural * precision.sum(axis=0)[:, None]).T @ natural + mixed + mixed.T
+        information += (added * twice[:, None]).T @ added
+        gradient = natural.T @ residuals.sum(axis=0) + added.T @ (self._shares @ residuals)
+        return gradient, information
+
+    def _slopes(self, parameters: Array) -> Array:
+        """Return how the expected counts change with each parameter, shape (n, parameters)."""
         exposures, setting = self.survey.exposures, self.setting
         slopes = np.empty((self.survey.size, len(parameters)))
         rates = self.background_usvh(parameters)
@@ -203,9 +243,7 @@ class Likelihood:
             if self.law.stop > self.law.start:
                 self._deviate(parameters[self.law], offsets, parts, slopes)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
-            rates = rates + parts[:, 3].sum(axis=0)
-        expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
-        return expected, slopes * exposures[:, None]
+        return np.asarray(slopes * exposures[:, None])
 
     def _deviate(self, numbers: Array, offsets: Array, parts: Array, slopes: Array) -> None:
         """Change the slopes of sources to those of a law that deviates, and add its own."""
@@ -253,18 +291,3 @@ class Likelihood:
         up_std = max(self.setting.source_up_std_m, 1e-4)
         precisions[self.head_size + UP :: SOURCE_PARAMETERS] = up_std**-2
         return precisions
-
-
-def background_level_usvh(survey: Survey) -> float:
-    """Return a low level of all readings: the rate of the quiet fifth."""
-    rates = survey.counts / survey.exposures
-    quiet = rates <= np.quantile(rates, 0.2)
-    level = survey.counts[quiet].sum() / survey.exposures[quiet].sum()
-    return max(float(level), 1e-6)
-
-
-def _weights(survey: Survey, rho: float) -> Array:
-    excess = survey.counts - survey.exposures * background_level_usvh(survey)
-    excess = np.maximum(excess, 0.0)
-    variance = rho * rho * excess * excess / np.maximum(survey.counts, 1.0)
-    return np.asarray(1.0 / (1.0 + variance))
