@@ -88,6 +88,15 @@ def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
         assert part in text
 
 
+def test_check_shows_other_cameras(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each with its name and how it hangs."""
+    scenario = DERAILMENT.with_name('derailment_cameras.yaml')
+    assert main(['check', str(scenario)]) == errors.EXIT_COMPLETE
+    text = capsys.readouterr().out
+    assert 'camera oblique, pitch -35 deg' in text
+    assert 'camera turret, in a gimbal' in text
+
+
 def test_check_names_every_mistake(
     small: Callable[..., Path], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -85,10 +85,14 @@ class Operator:
         topics.create_subscription(self.node, spec, heard.append, vehicle)
         return heard
 
-    def wait_for_publishers(self, *specs: topics.TopicSpec, vehicle: str = 'rav1') -> None:
-        """Wait until all that is listened to has been found."""
-        names = [f'/{topics.name_of(spec, vehicle)}' for spec in specs]
-        self.ros.spin_until(lambda: all(map(self.node.count_publishers, names)), DEADLINE_S)
+    def wait_until_heard(self, node: Node, *specs: topics.TopicSpec) -> None:
+        """Wait until the publishers of a vehicle's node have found who listens to them."""
+        names = {f'{node.get_namespace()}/{spec.name}' for spec in specs}
+        found = [each for each in node.publishers if each.topic_name in names]
+        assert len(found) == len(names)
+        self.ros.spin_until(
+            lambda: all(each.get_subscription_count() for each in found), DEADLINE_S
+        )
 
     def store_shots(self, vehicle: str = 'rav1') -> list[Any]:
         """Return a list that fills with photographs; each gets a receipt if that is wanted."""

@@ -46,7 +46,7 @@ def test_every_camera_takes_a_picture_at_a_viewpoint(
 ) -> None:
     """Each on its own topics, at the same moment, with its own intrinsics and pose."""
     world('rav1', autostart=False)
-    rav(cameras=['{}', FRONT])
+    vehicle = rav(cameras=['{}', FRONT])
     shots = operator.store_shots()
     images = operator.listen(of('front', topics.CAMERA_IMAGE))
     infos = operator.listen(of('front', topics.CAMERA_INFO))
@@ -54,8 +54,11 @@ def test_every_camera_takes_a_picture_at_a_viewpoint(
     jpegs = operator.listen(of('front', topics.CAMERA_IMAGE_COMPRESSED))
     first = operator.listen(topics.CAMERA_IMAGE)
     sender = operator.send(route(count=1))
-    operator.wait_for_publishers(
-        of('front', topics.CAMERA_IMAGE), of('front', topics.CAMERA_POSE), topics.CAMERA_IMAGE
+    operator.wait_until_heard(
+        vehicle,
+        of('front', topics.CAMERA_IMAGE),
+        of('front', topics.CAMERA_POSE),
+        topics.CAMERA_IMAGE,
     )
     operator.call('world/run', SetBool.Request(data=True))
     operator.wait(sender.get_result_async())
@@ -79,13 +82,19 @@ def test_every_camera_takes_a_picture_at_a_viewpoint(
 def test_a_gimbal_obeys_and_says_where_it_points(operator: Operator, world: Any, rav: Any) -> None:
     """It turns at its rate of simulated time, stops at its limit, and a nonsense is not obeyed."""
     world('rav1', speed=5.0)
-    rav(cameras=['{}', TURNED])
+    vehicle = rav(cameras=['{}', TURNED])
     states = operator.listen(of('turned', topics.GIMBAL_STATE))
     orders = topics.create_publisher(operator.node, of('turned', topics.GIMBAL_COMMAND), 'rav1')
     operator.ros.spin_until(lambda: bool(states), DEADLINE_S)
     assert states[0].is_settled
     assert states[0].pitch_rad == pytest.approx(-math.pi / 2)
-    operator.ros.spin_until(lambda: orders.get_subscription_count() > 0, DEADLINE_S)
+    operator.ros.spin_until(
+        lambda: (
+            orders.get_subscription_count() > 0
+            and vehicle.count_publishers('/rav1/turned/gimbal/command') > 0
+        ),
+        DEADLINE_S,
+    )
     orders.publish(GimbalCommand(pitch_rad=math.nan))
     orders.publish(GimbalCommand(pitch_rad=0.0, yaw_rad=math.radians(60.0)))
     operator.ros.spin_until(lambda: states[-1].is_settled and states[-1].yaw_rad > 0.5, DEADLINE_S)

@@ -70,11 +70,15 @@ class CameraInterface:
             self._publish_gimbal(seen.time_ns)
 
     def publish(self, picture: Picture, jpeg: bytes | None = None) -> None:
-        """Publish a picture, as `jpeg` if that is made already."""
+        """Publish the picture of a viewpoint, as `jpeg` if that is made already."""
+        self._publish(picture, jpeg or self._jpeg_of(picture))
+
+    def _jpeg_of(self, picture: Picture) -> bytes:
+        return jpeg_of(picture.image, self._camera.settings.jpeg_quality)
+
+    def _publish(self, picture: Picture, jpeg: bytes | None) -> None:
         header = picture_header(self._vehicle, picture)
         self._info.publish(info_message(self._camera.settings, header))
-        if jpeg is None and _is_heard(self._compressed):
-            jpeg = jpeg_of(picture.image, self._camera.settings.jpeg_quality)
         if jpeg is not None:
             self._compressed.publish(jpeg_message(jpeg, header))
         if _is_heard(self._image):
@@ -95,9 +99,11 @@ class CameraInterface:
         if any(picture.time_ns == seen.time_ns for picture in self._rav.pictures_of(self._camera)):
             return
         try:
-            self.publish(self._rav.look(self._camera, seen))
+            picture = self._rav.look(self._camera, seen)
         except SimError as error:
             self._node.get_logger().warning(f'{self.name}: no picture: {error}', once=True)
+            return
+        self._publish(picture, self._jpeg_of(picture) if _is_heard(self._compressed) else None)
 
     def _is_watched(self) -> bool:
         if any(map(_is_heard, (self._image, self._depth, self._labels))):

@@ -46,6 +46,9 @@ def _survey_table(scenario: Scenario) -> Table:
         f'{survey.height_agl_m:g} m above the ground, {camera.horizontal_fov_deg:g} deg, '
         f'{camera.image_width_px} x {camera.image_height_px} px',
     )
+    for other in scenario.other_cameras:
+        hung = 'in a gimbal' if other.gimbal else f'pitch {other.pitch_deg:g} deg'
+        table.add_row('also', f'camera {other.name}, {hung}')
     across, along = spacing_m(survey, camera)
     table.add_row(
         'viewpoints',
