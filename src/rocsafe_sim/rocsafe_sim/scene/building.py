@@ -20,6 +20,7 @@ from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.mesh import Floats, Mesh
 from rocsafe_sim.scene.parts.plants import tufts
 from rocsafe_sim.scene.placing import Placer, to_world
+from rocsafe_sim.scene.real_ground import measured_heights, open_photo
 from rocsafe_sim.scene.relief import Pad, Relief
 from rocsafe_sim.scene.terrain import INNER_HALF_M, Terrain, make_terrain
 from rocsafe_sim.scenery.noise import Window, fractal_at
@@ -53,12 +54,13 @@ def build(
     """
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
+    frame = LocalFrame(origin)
     works = ground_works(description, seed)
-    inner, outer = map_cache.maps(works, seed, description, cache)
+    inner, outer = map_cache.maps(works, seed, description, frame, cache)
 
     def shapes() -> _Shapes:
-        terrain = make_terrain(_relief(description, seed, works).heights)
-        objects = tuple(Placer(description, seed, LocalFrame(origin), terrain).objects())
+        terrain = make_terrain(_relief(description, seed, works, frame).heights)
+        objects = tuple(Placer(description, seed, frame, terrain).objects())
         return terrain, objects, tuple(_tufts(description.terrain.tufts, seed, terrain, inner))
 
     terrain, objects, grass = scene_cache.kept(shapes, description, seed, origin, cache)
@@ -90,8 +92,10 @@ def check(
     """
     seed = description.seed if seed is None else seed
     works = ground_works(description, seed)
-    terrain = make_terrain(_relief(description, seed, works).heights)
     frame = LocalFrame(origin or _origin(description))
+    if description.terrain.orthophoto is not None:
+        open_photo(description.terrain.orthophoto, frame)
+    terrain = make_terrain(_relief(description, seed, works, frame).heights)
     return tuple(Placer(description, seed, frame, terrain).objects())
 
 
@@ -129,13 +133,17 @@ def _origin(description: SceneDescription) -> GeoPosition:
     return GeoPosition(place.latitude_deg, place.longitude_deg, place.altitude_m)
 
 
-def _relief(description: SceneDescription, seed: int, works: Sequence[GroundWork]) -> Relief:
+def _relief(
+    description: SceneDescription, seed: int, works: Sequence[GroundWork], frame: LocalFrame
+) -> Relief:
+    dem = description.terrain.dem
     return Relief(
         seed=seed,
         local_m=description.terrain.local_m,
         hills_m=description.terrain.hills_m,
         courses=[course for work in works for course in work.courses],
         pads=_pads(description),
+        measured=None if dem is None else measured_heights(dem, frame),
     )
 
 

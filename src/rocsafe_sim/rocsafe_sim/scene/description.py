@@ -48,11 +48,16 @@ class LightBlock(Block):
 
 
 class TerrainBlock(Block):
-    """The landscape: relief about the site and beyond it, and how much stands on it."""
+    """The landscape: relief about the site and beyond it, and how much stands on it.
+
+    `dem` and `orthophoto` are GeoTIFFs of a real place, in place of relief and painted ground.
+    """
 
     local_m: float = Field(default=1.2, ge=0.0, le=50.0)
     hills_m: float = Field(default=40.0, ge=0.0, le=1000.0)
     tufts: float = Field(default=1.0, ge=0.0, le=4.0)
+    dem: str | None = None
+    orthophoto: str | None = None
 
 
 class GroundBlock(Block):

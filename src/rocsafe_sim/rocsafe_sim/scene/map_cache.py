@@ -9,9 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_sim.scene.file_stamp import stamp
 from rocsafe_sim.scene.ground_kinds import GroundWork
 from rocsafe_sim.scene.ground_picture import GroundMap, inner_map, outer_map
+from rocsafe_sim.scene.real_ground import draped
 
 Painter = Callable[[], GroundMap]
 
@@ -20,16 +23,31 @@ _VERSION = 4
 
 
 def maps(
-    works: Sequence[GroundWork], seed: int, description: SceneDescription, cache: Path | None
+    works: Sequence[GroundWork],
+    seed: int,
+    description: SceneDescription,
+    frame: LocalFrame,
+    cache: Path | None,
 ) -> tuple[GroundMap, GroundMap]:
-    """Return the inner and the outer ground map, from `cache` where they are kept there."""
+    """Return the inner and the outer ground map, from `cache` where they are kept there.
+
+    Raises
+    ------
+    SceneError: one line, if there is to be an orthophoto that cannot be used.
+    """
+    photo = description.terrain.orthophoto
+
+    def drawn(ground: GroundMap) -> GroundMap:
+        return ground if photo is None else draped(ground, photo, frame)
+
     if cache is None:
-        return inner_map(works, seed), outer_map(works, seed)
+        return drawn(inner_map(works, seed)), drawn(outer_map(works, seed))
     entries = [entry.model_dump_json() for entry in description.ground]
-    content = '\n'.join([str(_VERSION), str(seed), str(description.yaw_deg), *entries])
+    about = [] if photo is None else [stamp(photo), str(frame.origin)]
+    content = '\n'.join([str(_VERSION), str(seed), str(description.yaw_deg), *entries, *about])
     key = sha256(content.encode()).hexdigest()[:24]
-    inner = _kept(cache / f'{key}-inner.npz', lambda: inner_map(works, seed))
-    outer = _kept(cache / f'{key}-outer.npz', lambda: outer_map(works, seed))
+    inner = _kept(cache / f'{key}-inner.npz', lambda: drawn(inner_map(works, seed)))
+    outer = _kept(cache / f'{key}-outer.npz', lambda: drawn(outer_map(works, seed)))
     return inner, outer
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rocsafe_sim.scene.lines import nearest_on, resampled, run_of
 from rocsafe_sim.scene.mesh import Floats
-from rocsafe_sim.scene.terrain import GridFrame
+from rocsafe_sim.scene.terrain import GridFrame, HeightFunction
 from rocsafe_sim.scenery.noise import CM_PER_M, Window, fractal_at
 
 # Share of the relief by octave, of spacing 2^k cm: from bumps of a metre to rises of 80 m.
@@ -59,6 +59,7 @@ class Relief:
     hills_m : height of hills far from it.
     courses : built lines, in order of building.
     pads : level places, made last.
+    measured : heights in place of noise; None: there are none.
     """
 
     seed: int
@@ -66,6 +67,7 @@ class Relief:
     hills_m: float
     courses: Sequence[Course] = ()
     pads: Sequence[Pad] = ()
+    measured: HeightFunction | None = None
 
     def heights(self, frame: GridFrame) -> Floats:
         """Return the heights of the points of `frame`, (rows * columns,)."""
@@ -78,6 +80,8 @@ class Relief:
         return ground
 
     def _natural(self, frame: GridFrame) -> Floats:
+        if self.measured is not None:
+            return self.measured(frame).reshape(frame.rows, frame.columns)
         octave = round(np.log2(frame.cell_m * CM_PER_M))
         x0, y0 = round(frame.west_m / frame.cell_m), round(frame.south_m / frame.cell_m)
         window = Window(x0, y0, x0 + frame.columns, y0 + frame.rows)

@@ -16,6 +16,7 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_sim.scene.file_stamp import stamp
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _MAKERS = ('scene', 'scenery')
@@ -62,19 +63,9 @@ def _forget_old(cache: Path) -> None:
 def _key(description: SceneDescription, seed: int, origin: GeoPosition) -> str:
     content = sha256(_source_digest().encode())
     content.update(f'{description.model_dump_json()}\n{seed}\n{origin}'.encode())
-    for entry in description.objects:
-        if entry.mesh is not None:
-            content.update(_stamp(Path(entry.mesh)))
+    for path in (description.terrain.dem, *(entry.mesh for entry in description.objects)):
+        content.update(stamp(path).encode())
     return content.hexdigest()[:24]
-
-
-def _stamp(path: Path) -> bytes:
-    """Return what tells a changed file, without reading it."""
-    try:
-        state = path.stat()
-    except OSError:
-        return b'missing'
-    return f'{state.st_size} {state.st_mtime_ns}'.encode()
 
 
 @lru_cache(maxsize=1)

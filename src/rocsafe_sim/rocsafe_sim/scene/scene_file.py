@@ -67,4 +67,12 @@ def _with_meshes(description: SceneDescription, folder: Path) -> SceneDescriptio
         else entry.model_copy(update={'mesh': str((folder / entry.mesh).resolve())})
         for entry in description.objects
     )  # fmt: skip
-    return description.model_copy(update={'objects': objects})
+    terrain = description.terrain
+    files = {
+        name: str((folder / path).resolve())
+        for name, path in (('dem', terrain.dem), ('orthophoto', terrain.orthophoto))
+        if path is not None
+    }
+    return description.model_copy(
+        update={'objects': objects, 'terrain': terrain.model_copy(update=files)}
+    )
