@@ -27,6 +27,7 @@ GCS_TIMEOUT_S = 5.0
 GPS_LOSS_LAND_S = 8.0
 EKF_READY_S, PREARM_S, FIX_S, HOME_S = 41.4, 23.5, 10.0, 19.9
 PREARM = 1 << 28
+STREAM_S = 0.5
 IDS = {
     33: 'GLOBAL_POSITION_INT',
     24: 'GPS_RAW_INT',
@@ -48,9 +49,13 @@ class FakeCopter:
     home : latitude and longitude, degrees.
     boot_s : for how long it has been on already.
     unix_s : time of day at simulated time 0, seconds since 1970.
-    patience : by how much it waits longer for a mission, where its time runs fast.
     fs_gcs_enable : whether it returns when the station's heartbeats stop; off by default, as on
         the real one.
+    has_streams : whether it speaks without being asked, as by its stream parameters.
+
+    Attributes
+    ----------
+    patience : by how much it waits longer for a station, where its time runs fast.
     """
 
     def __init__(
@@ -62,10 +67,10 @@ class FakeCopter:
         home=HOME,
         boot_s=0.0,
         unix_s=0.0,
-        patience=1.0,
+        has_streams=False,
     ):
-        self._patience = patience
-        self.missions = MissionStore(system, home=_home_item(home), patience=patience)
+        self.patience = 1.0
+        self.missions = MissionStore(system, home=_home_item(home))
         self.home = home
         self._unix_s = unix_s
         self._head_start_s = boot_s
@@ -75,17 +80,19 @@ class FakeCopter:
             'WPNAV_RADIUS': 200.0,
             'FS_GCS_ENABLE': float(fs_gcs_enable),
             'BATT_FS_LOW_ACT': 0.0,
+            'FS_GCS_TIMEOUT': GCS_TIMEOUT_S,
             'FENCE_ENABLE': 0.0,
             'SYSID_MYGCS': 255.0,
         }
-        self.fs_gcs_enable = fs_gcs_enable
         self.has_gps = True
         self.is_silent = False
         self.commands = []
         self._system = system
         self._speed_mps = speed_mps
-        self._now_s = 0.0
+        self._now_s = self._station_s = 0.0
         self._start()
+        if has_streams:
+            self._rates = dict.fromkeys(IDS.values(), STREAM_S)
 
     def _start(self):
         self.boot_s = self._now_s - self._head_start_s
@@ -131,13 +138,13 @@ class FakeCopter:
         if self.is_silent:
             return
         if message.name == 'HEARTBEAT':
-            self._gcs_s = self._now_s
+            self._gcs_s = self._station_s
         elif message.name in ('COMMAND_LONG', 'COMMAND_INT'):
             self._on_command(message)
         elif message.name == 'PARAM_REQUEST_READ':
             self._on_parameter(message)
         else:
-            self._out += self.missions.receive(message, station, self._now_s)
+            self._out += self.missions.receive(message, station, self._station_s)
             is_change = message.name in ('MISSION_COUNT', 'MISSION_ITEM_INT', 'MISSION_CLEAR_ALL')
             if is_change and not message.fields.get('mission_type') and not self.is_flying:
                 self.mission_state = 2 if self.missions.stored[0] else 1
@@ -146,9 +153,10 @@ class FakeCopter:
         """Fly until `now_s`; return what it said since the last step."""
         while self._now_s + STEP_S <= now_s + 1e-9:
             self._now_s += STEP_S
+            self._station_s += STEP_S / self.patience
             self._fail_safe()
             self._fly()
-            self._out += self.missions.tick(self._now_s)
+            self._out += self.missions.tick(self._station_s)
             self._speak()
         said, self._out = self._out, []
         return [] if self.is_silent else said
@@ -157,9 +165,7 @@ class FakeCopter:
 
     def reboot(self):
         """Start again: rates, home and the mission of the simulator are gone."""
-        self.missions = MissionStore(
-            self._system, home=_home_item(self.home), patience=self._patience
-        )
+        self.missions = MissionStore(self._system, home=_home_item(self.home))
         self._start()
 
     def lose_battery(self):
@@ -176,8 +182,10 @@ class FakeCopter:
 
     def _fail_safe(self):
         heard_s = self._gcs_s
-        silent_s = 0.0 if heard_s is None else self._now_s - heard_s
-        if self.fs_gcs_enable and self.is_flying and silent_s > GCS_TIMEOUT_S and self.status != 5:
+        silent_s = 0.0 if heard_s is None else self._station_s - heard_s
+        is_silent = silent_s > self.parameters['FS_GCS_TIMEOUT']
+        returns = bool(self.parameters['FS_GCS_ENABLE'])
+        if returns and is_silent and self.is_flying and self.status != 5:
             self._text(4, 'GCS Failsafe')
             self.status, self.mode = 5, RTL
         if self.has_gps:
@@ -245,7 +253,7 @@ class FakeCopter:
         if reason:
             self._text(3, reason)
             return FAILED
-        self.is_armed, self._armed_s = True, self._now_s
+        self.is_armed, self._armed_s = True, self._station_s
         return ACCEPTED
 
     def _on_start(self, message):
@@ -301,7 +309,7 @@ class FakeCopter:
         if not self.is_armed:
             return
         if not self.is_flying and self.mode != AUTO:
-            if self._now_s - self._armed_s > DISARM_DELAY_S:
+            if self._station_s - self._armed_s > DISARM_DELAY_S:
                 self._disarm()
         elif self.mode == AUTO and not self.is_paused:
             self._fly_item()

@@ -3,8 +3,8 @@
 
     python test/fakes/fake_process.py --to 127.0.0.1:14550 --systems 1 2 --rate 5
 
-Time runs `--rate` times as fast as on the wall. What was commanded is printed, a line each; the
-camera, if there is one, leaves a JPEG file a shot.
+Time runs `--rate` times as fast as on the wall, slower where the bridge does not keep up. What was
+commanded is printed, a line each; the camera, if there is one, leaves a JPEG file a shot.
 """
 
 import argparse
@@ -26,10 +26,21 @@ from rocsafe_mavlink.dialect import decode, encode
 from rocsafe_mavlink.framing import pack_frame, scan
 
 TICK_S = 0.02
+# Simulated time that passes at most at once, and bytes that may wait for the bridge: a socket
+# that overflows would lose messages that a real link carries.
+SHORTEST_STEP_S = 0.01
+LARGEST_STEP_S = 1.0
+LARGEST_BACKLOG = 32_000
 
 
 class Served:
-    """Copters behind one socket."""
+    """Copters behind one socket.
+
+    Attributes
+    ----------
+    rate: how fast time runs.
+    told: orders that came, as (system, message, command).
+    """
 
     def __init__(self, arguments):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -38,7 +49,8 @@ class Served:
         host, _, port = arguments.to.rpartition(':')
         self.station = (host, int(port))
         self.rate = arguments.rate
-        self.began_s = time.time()
+        self.told = []
+        self._now_s, self._last_s = 0.0, time.monotonic()
         self.images = arguments.images
         self.sequence = 0
         self.copters = {
@@ -46,9 +58,9 @@ class Served:
                 system,
                 home=tuple(arguments.home),
                 boot_s=arguments.boot,
-                unix_s=self.began_s,
+                unix_s=time.time(),
                 fs_gcs_enable=arguments.returns,
-                patience=max(1.0, arguments.rate),
+                has_streams=arguments.streams,
             )
             for system in arguments.systems
         }
@@ -56,11 +68,17 @@ class Served:
         self.frame = frame.read_bytes() if frame else b''
 
     def step(self):
-        """Let the wall's time pass."""
+        """Let the wall's time pass; no more of it than the bridge can follow."""
         self.hear()
-        now_s = (time.time() - self.began_s) * self.rate
+        now_s = time.monotonic()
+        if now_s - self._last_s >= SHORTEST_STEP_S:
+            passed_s = min(LARGEST_STEP_S, (now_s - self._last_s) * self.rate)
+            self._last_s = now_s
+            if waiting_bytes(self.station[1]) < LARGEST_BACKLOG:
+                self._now_s += passed_s
         for system, copter in self.copters.items():
-            for message in copter.step(now_s):
+            copter.patience = max(1.0, self.rate)
+            for message in copter.step(self._now_s):
                 if message.name == 'CAMERA_FEEDBACK' and self.images:
                     self.photograph(system, message)
                 self.say(system, message)
@@ -82,9 +100,7 @@ class Served:
         """Hand one message to whom it is for."""
         target = message.fields.get('target_system', 0)
         if message.name in ('COMMAND_LONG', 'COMMAND_INT', 'MISSION_COUNT', 'MISSION_CLEAR_ALL'):
-            number = message.fields.get('command', 0)
-            sys.stdout.write(f'{target} {message.name} {number}\n')
-            sys.stdout.flush()
+            self.told.append((target, message.name, message.fields.get('command', 0)))
         for system, copter in self.copters.items():
             if target in (0, system):
                 copter.receive(message, station)
@@ -109,6 +125,17 @@ class Served:
         scratch.replace(path)
 
 
+def waiting_bytes(port):
+    """Return how much waits to be read at a UDP port of this machine; 0 if nobody tells."""
+    wanted = f':{port:04X}'
+    try:
+        lines = Path('/proc/net/udp').read_text().splitlines()[1:]
+    except OSError:
+        return 0
+    sockets = [line.split() for line in lines]
+    return sum(int(each[4].partition(':')[2], 16) for each in sockets if each[1].endswith(wanted))
+
+
 def main():
     """Fly until the process is ended."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -119,9 +146,14 @@ def main():
     parser.add_argument('--home', type=float, nargs=2, default=list(HOME))
     parser.add_argument('--images', type=Path)
     parser.add_argument('--returns', action='store_true', help='when it hears nobody')
+    parser.add_argument('--streams', action='store_true', help='speak without being asked')
     served = Served(parser.parse_args())
     while True:
         served.step()
+        for order in served.told:
+            sys.stdout.write(' '.join(map(str, order)) + '\n')
+        served.told.clear()
+        sys.stdout.flush()
         time.sleep(TICK_S)
 
 

@@ -36,8 +36,7 @@ class MissionStore:
     Items overwrite the stored mission as they arrive, so that a failed upload destroys it.
     """
 
-    def __init__(self, system=1, home=None, asks_by='MISSION_REQUEST', patience=1.0):
-        self._patience = patience
+    def __init__(self, system=1, home=None, asks_by='MISSION_REQUEST'):
         self.stored = {0: [], 1: [], 2: []}
         self.home = home or MissionItem(
             command=16, frame=0, x_e7=473977420, y_e7=85455940, z_m=488
@@ -63,13 +62,13 @@ class MissionStore:
         session = self._session
         if session is None:
             return []
-        if now_s - session.heard_s >= GIVE_UP_S * self._patience:
+        if now_s - session.heard_s >= GIVE_UP_S:
             self._session = None
             return [
                 self._say('STATUSTEXT', severity=4, text='Mission upload timeout'),
                 self._ack(CANCELLED, session.mission_type),
             ]
-        if now_s - session.asked_s >= ASK_AGAIN_S * self._patience:
+        if now_s - session.asked_s >= ASK_AGAIN_S:
             return self._ask(now_s)
         return []
 

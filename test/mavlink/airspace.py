@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fake copters that fly in a thread and speak over UDP to a bridge."""
+"""Fake copters that fly while their test spins, and speak over UDP to a bridge."""
 
 import argparse
+import contextlib
 import socket
-import threading
-import time
 
 from test.fakes.fake_autopilot import HOME
-from test.fakes.fake_process import TICK_S, Served
+from test.fakes.fake_process import Served
+
+# As fast as a bridge reads on a machine that has nothing else to do; on others time waits for it.
+FAST = 40.0
+# While an operator acts: some tenths of a second of his are a second of the flight.
+CALM = 4.0
 
 
 class Airspace:
-    """Copters behind one socket, `rate` times as fast as the wall's clock.
+    """Copters behind one socket; their time passes in `step` only.
 
     Attributes
     ----------
@@ -19,7 +23,7 @@ class Airspace:
     copters : by their system.
     """
 
-    def __init__(self, systems=(1,), rate=1.0, images=None, **options):
+    def __init__(self, systems=(1,), rate=FAST, images=None, **options):
         port = free_port()
         self.link = f'udp://127.0.0.1:{port}'
         arguments = argparse.Namespace(
@@ -30,12 +34,35 @@ class Airspace:
             home=HOME,
             images=images,
             returns=options.get('returns', False),
+            streams=options.get('streams', True),
         )
         self._served = Served(arguments)
         self.copters = self._served.copters
-        self._is_over = threading.Event()
-        self._thread = threading.Thread(target=self._fly, daemon=True)
-        self._thread.start()
+
+    def step(self):
+        """Fly on."""
+        self._served.step()
+
+    @contextlib.contextmanager
+    def calm(self, rate=CALM):
+        """Let time run slowly, while an operator acts."""
+        before, self._served.rate = self._served.rate, min(rate, self._served.rate)
+        try:
+            yield
+        finally:
+            self._served.rate = before
+
+    def told(self):
+        """Return the orders that came, as 'message command'."""
+        return [f'{name} {number}' for _, name, number in self._served.told]
+
+    def item_count(self, kind, system=1):
+        """Return how many items of a kind (mission 0, fence 1, rally 2) lie on a copter."""
+        return len(self.copters[system].missions.stored[kind])
+
+    def is_armed(self, system=1):
+        """Whether its motors run."""
+        return self.copters[system].is_armed
 
     def lose_gps(self, system=1):
         """Switch the receiver off."""
@@ -60,14 +87,7 @@ class Airspace:
 
     def close(self):
         """End the flights."""
-        self._is_over.set()
-        self._thread.join(timeout=5.0)
         self._served.socket.close()
-
-    def _fly(self):
-        while not self._is_over.is_set():
-            self._served.step()
-            time.sleep(TICK_S)
 
 
 def free_port():

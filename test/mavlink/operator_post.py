@@ -13,7 +13,8 @@ from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import point_of_position
 
-DEADLINE_S = 12.0
+# Of a flight on a machine that does ten other things.
+DEADLINE_S = 60.0
 # Geoid above the ellipsoid where the fake copters live.
 SEPARATION_M = 47.0
 HOME_PLACE = GeoPosition(*HOME, 488.0 + SEPARATION_M)
@@ -57,27 +58,47 @@ class Ground:
         return kept
 
     def until(self, condition, deadline_s=DEADLINE_S):
-        """Spin until `condition` holds."""
-        self.ros.spin_until(condition, deadline_s)
+        """Fly and spin until `condition` holds."""
+
+        def is_so():
+            self.air.step()
+            return condition()
+
+        self.ros.spin_until(is_so, deadline_s)
 
     def call(self, name, kind, **fields):
         """Call a service and return its answer."""
         client = self.operator.create_client(kind, name)
-        self.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.until(future.done)
+        with self.air.calm():
+            self.until(client.service_is_ready)
+            future = client.call_async(kind.Request(**fields))
+            self.until(future.done)
         return future.result()
 
     def fly(self, plan_id='p1', route=None, *, replace=False):
         """Send a route; return the future of its result."""
-        self.until(self.action.server_is_ready)
         goal = FlyRoute.Goal(
             route=survey() if route is None else route, plan_id=plan_id, replace=replace
         )
-        accepted = self.action.send_goal_async(goal, feedback_callback=self._on_feedback)
-        self.until(accepted.done)
+        with self.air.calm():
+            self.until(self.action.server_is_ready)
+            accepted = self.action.send_goal_async(goal, feedback_callback=self._on_feedback)
+            self.until(accepted.done)
         self.goal = accepted.result()
         return self.goal.get_result_async()
+
+    def in_air(self, route=None, deadline_s=DEADLINE_S):
+        """Fly a route; return the future of its result when its first viewpoint is behind."""
+        result = self.fly(route=route)
+        self.listen(topics.STATE)
+        self.until(lambda: result.done() or self.seen().viewpoints_visited >= 1, deadline_s)
+        assert not result.done(), result.result().result.error_msg
+        return result
+
+    def ended(self, result, deadline_s=DEADLINE_S):
+        """Return how a flight ended."""
+        self.until(result.done, deadline_s)
+        return result.result().result
 
     def _on_feedback(self, message):
         self.heard.setdefault('feedback', []).append(message.feedback)

@@ -11,11 +11,11 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from std_srvs.srv import Trigger
-from test.mavlink.airspace import Airspace
+from test.fakes import fake_autopilot
 from test.mavlink.operator_post import HOME_PLACE, Ground, survey
-from test.mavlink.sitl import BINARY, SitlAirspace
+from test.mavlink.sitl import AUTOPILOTS, make_airspace
 
-from rocsafe_geo.position import offset
+from rocsafe_geo.position import offset, slant_distance_m
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     CameraSpec,
@@ -26,34 +26,30 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
+from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, SetSpeed
+from rocsafe_mavlink import bridge_node, vehicle
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.planning import plan_survey
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.conversions import point_of_position, position_of_fix
 
 # Wall time for a flight of some minutes on a busy machine.
 DEADLINE_S = 120.0
-# Of a fake copter: as fast as a bridge on a busy machine reads without dropping a message.
-RATE, THREE_RATE = 15.0, 8.0
 CIRCLE = {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 120, 'FENCE_ACTION': 1}
+RETURNS_ALONE = {'FS_GCS_ENABLE': 1}
 LOW_BATTERY_RETURNS = {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 2}
 # Time-outs of the autopilot run as fast as its time: slow enough for heartbeats once a second.
 SLOW = 3.0
-needs_sitl = pytest.mark.skipif(not BINARY, reason='ROCSAFE_SITL names no ArduPilot simulator')
 
 
-@pytest.fixture(params=['fake', pytest.param('sitl', marks=[needs_sitl, pytest.mark.system])])
+@pytest.fixture(params=AUTOPILOTS)
 def make_air(request, tmp_path):
     """Give a function that puts copters into the air."""
     made = []
 
-    def make(systems=(1,), parameters=None, rate=None):
-        if request.param == 'sitl':
-            made.append(SitlAirspace(systems, tmp_path, rate or 10.0, parameters))
-        else:
-            returns = bool((parameters or {}).get('FS_GCS_ENABLE'))
-            made.append(Airspace(systems, rate or RATE, returns=returns))
+    def make(*arguments):
+        made.append(make_airspace(request.param, tmp_path, *arguments))
         return made[-1]
 
     yield make
@@ -146,17 +142,12 @@ def planned(count, width_m, height_m):
 
 def in_air(ground, route=None):
     """Fly; return the future of the result when the first waypoint is behind."""
-    result = ground.fly(route=route)
-    ground.listen(topics.STATE)
-    ground.until(lambda: result.done() or ground.seen().viewpoints_visited >= 1, DEADLINE_S)
-    assert not result.done(), result.result().result.error_msg
-    return result
+    return ground.in_air(route, DEADLINE_S)
 
 
 def ended(ground, result):
     """Return how a flight ended."""
-    ground.until(result.done, DEADLINE_S)
-    return result.result().result
+    return ground.ended(result, DEADLINE_S)
 
 
 def test_planned_survey_is_flown(start):
@@ -169,14 +160,14 @@ def test_planned_survey_is_flown(start):
     answer = ended(ground, ground.fly(route=route))
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == len(route.viewpoints)
-    assert ground.seen().state == VehicleState.LANDED
+    ground.until(lambda: ground.seen().state == VehicleState.LANDED, DEADLINE_S)
     assert ground.seen().shots_taken == len(route.viewpoints)
-    assert 'item reached' in {event.kind for event in events}
+    ground.until(lambda: 'item reached' in {event.kind for event in events})
 
 
 def test_three_vehicles_fly_one_plan(start):
     """On one port, through one process: each flies its own route."""
-    ground = start((1, 2, 3), rate=THREE_RATE)
+    ground = start((1, 2, 3), rate=8.0)
     routes = routes_for(ground.air, 3, 120.0, 80.0)
     states = {name: ground.listen(topics.STATE, name) for name in routes}
     results = {name: ground.fly_as(name, route) for name, route in routes.items()}
@@ -184,7 +175,9 @@ def test_three_vehicles_fly_one_plan(start):
         answer = ended(ground, result)
         assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, ''), name
         assert answer.viewpoints_visited == len(routes[name].viewpoints)
-        assert states[name][-1].state == VehicleState.LANDED
+        ground.until(
+            lambda heard=states[name]: heard and heard[-1].state == VehicleState.LANDED, DEADLINE_S
+        )
 
 
 def test_hold_resume_and_return(start):
@@ -193,12 +186,14 @@ def test_hold_resume_and_return(start):
     result = in_air(ground, survey(10))
     held = ground.call('rav1/hold', Trigger)
     assert (held.success, held.message) == (True, '')
-    ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
     assert ground.call('rav1/resume', Trigger).success
     visited = ground.seen().viewpoints_visited
-    ground.until(lambda: ground.seen().viewpoints_visited > visited, DEADLINE_S)
-    assert ground.call('rav1/return_home', Trigger).success
-    ground.until(lambda: ground.seen().state == VehicleState.RETURNING, DEADLINE_S)
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().viewpoints_visited > visited, DEADLINE_S)
+        assert ground.call('rav1/return_home', Trigger).success
+        ground.until(lambda: ground.seen().state == VehicleState.RETURNING, DEADLINE_S)
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.RETURNED_EARLY
     assert visited < answer.viewpoints_visited < 10
@@ -242,7 +237,7 @@ def test_camera_is_triggered_by_distance(start):
     answer = ended(ground, ground.fly(route=survey(6, step_m=40.0)))
     assert answer.outcome == FlyRoute.Result.COMPLETED
     ground.listen(topics.STATE)
-    ground.until(lambda: ground.seen().vehicle == 'rav1', DEADLINE_S)
+    ground.until(lambda: ground.seen().state == VehicleState.LANDED, DEADLINE_S)
     # 200 m, the first at once.
     assert ground.seen().shots_taken == pytest.approx(11, abs=1)
 
@@ -251,13 +246,16 @@ def test_autopilot_that_starts_again_is_asked_anew(start):
     """Its rates are gone: within seconds positions come again, and nothing else was sent."""
     ground = start()
     fixes, events = ground.listen(topics.FIX), ground.listen(topics.EVENTS)
-    ground.until(lambda: len(fixes) > 20 and fixes[-1].status.status >= 0, DEADLINE_S)
+    ground.until(lambda: len(fixes) > 5 and fixes[-1].status.status >= 0, DEADLINE_S)
+    told = ground.air.told()
     ground.air.restart()
     ground.until(
         lambda: any(event.kind in ('started again', 'found') for event in events), DEADLINE_S
     )
     count = len(fixes)
-    ground.until(lambda: len(fixes) > count + 20 and fixes[-1].status.status >= 0, DEADLINE_S)
+    ground.until(lambda: len(fixes) > count + 5 and fixes[-1].status.status >= 0, DEADLINE_S)
+    # It reads settings and fence again, and asks for what it wants to hear.
+    assert set(ground.air.told()[len(told) :]) <= {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 
 
 def test_lost_receiver_ends_the_flight(start):
@@ -265,26 +263,40 @@ def test_lost_receiver_ends_the_flight(start):
     ground = start()
     fixes = ground.listen(topics.FIX)
     result = in_air(ground, survey(30))
-    ground.air.lose_gps()
-    ground.until(lambda: fixes[-1].status.status == -1, DEADLINE_S)
+    with ground.air.calm():
+        ground.air.lose_gps()
+        ground.until(lambda: fixes[-1].status.status == -1, DEADLINE_S)
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.FAILSAFE_POSITION
     assert 'EKF Failsafe' in answer.error_msg
 
 
+@pytest.fixture
+def short_waits(request, monkeypatch):
+    """Let a fake copter and its bridge wait less for who is silent; a real one has its time."""
+    if request.node.callspec.params['make_air'] == 'fake':
+        monkeypatch.setattr(fake_autopilot, 'GCS_TIMEOUT_S', 2.0)
+        monkeypatch.setattr(bridge_node, 'SUPERVISOR_LEASE_S', 1.5)
+        monkeypatch.setattr(vehicle, 'STALE_AFTER_S', 1.0)
+        monkeypatch.setattr(vehicle, 'LOST_AFTER_S', 3.5)
+
+
+@pytest.mark.usefixtures('short_waits')
 def test_heartbeats_end_with_the_supervisor(start):
     """Nobody watches any more: the vehicle returns by itself, and is not told to resume."""
-    ground = start(parameters={'FS_GCS_ENABLE': 1}, rate=SLOW, needs_supervisor=True)
+    ground = start(parameters=RETURNS_ALONE, rate=SLOW, needs_supervisor=True)
     ground.supervise()
     result = in_air(ground, survey(20, height_m=10.0, step_m=20.0))
     ground.abandon()
-    ground.until(lambda: ground.seen().state == VehicleState.RETURNING, DEADLINE_S)
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().state == VehicleState.RETURNING, DEADLINE_S)
     ground.supervise()
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.FAILSAFE_LINK
     assert 'GCS Failsafe' in answer.error_msg
 
 
+@pytest.mark.usefixtures('short_waits')
 def test_autopilot_that_is_gone_is_lost(start):
     """STALE, then LOST, with the place where it should be."""
     ground = start()
@@ -293,5 +305,91 @@ def test_autopilot_that_is_gone_is_lost(start):
     ground.air.fall_silent()
     ground.until(lambda: ground.seen().state == VehicleState.LOST, DEADLINE_S)
     assert 'silent for' in ground.seen().text
-    assert len(predicted) >= 6
+    ground.until(lambda: len(predicted) >= 3, DEADLINE_S)
     assert predicted[-1].latitude > predicted[0].latitude
+
+
+def test_operator_flies_to_a_point(start):
+    """There and at that height it stays; the route then goes on from where it was left."""
+    ground = start()
+    fixes = ground.listen(topics.FIX)
+    result = in_air(ground, survey(6))
+    place = offset(HOME_PLACE, 50.0, 50.0, 35.0)
+    answer = ground.call('rav1/go_to', GoTo, position=point_of_position(place), height_m=35.0)
+    assert (answer.success, answer.message) == (True, '')
+    ground.until(lambda: slant_distance_m(position_of_fix(fixes[-1]), place) < 2.0, DEADLINE_S)
+    far = point_of_position(offset(HOME_PLACE, 0.0, 5000.0))
+    refused = ground.call('rav1/go_to', GoTo, position=far, height_m=35.0)
+    assert not refused.success
+    assert 'distance from home' in refused.message
+    assert ground.call('rav1/resume', Trigger).success
+    answer = ended(ground, result)
+    assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
+    assert answer.viewpoints_visited == 6
+    assert ground.air.told().count('COMMAND_LONG 300') == 1
+
+
+def test_operator_changes_the_speed(start):
+    """It flies at the new one; a speed that is none is refused."""
+    ground = start()
+    velocities = ground.listen(topics.VELOCITY)
+    result = in_air(ground, survey(3, step_m=100.0))
+    answer = ground.call('rav1/set_speed', SetSpeed, speed_mps=4.0)
+    assert (answer.success, answer.message) == (True, '')
+
+    def is_steady():
+        speeds = [math.hypot(v.twist.linear.x, v.twist.linear.y) for v in velocities[-5:]]
+        return all(3.5 < speed < 4.4 for speed in speeds)
+
+    ground.until(is_steady, DEADLINE_S)
+    assert not ground.call('rav1/set_speed', SetSpeed, speed_mps=0.0).success
+    assert ended(ground, result).outcome == FlyRoute.Result.COMPLETED
+
+
+def test_operator_lands_it(start):
+    """The flight ends early, by name, and nothing resumes it."""
+    ground = start()
+    result = in_air(ground, survey(10))
+    assert ground.call('rav1/land', Trigger).success
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().state == VehicleState.LANDING, DEADLINE_S)
+    answer = ended(ground, result)
+    assert answer.outcome == FlyRoute.Result.RETURNED_EARLY
+    assert 1 <= answer.viewpoints_visited < 10
+    assert not ground.air.is_armed()
+
+
+def test_cancelled_goal_holds(start):
+    """The vehicle stays in the air where it is; the goal is over."""
+    ground = start()
+    result = in_air(ground, survey(10))
+    with ground.air.calm():
+        ground.until(ground.goal.cancel_goal_async().done, DEADLINE_S)
+        ground.until(result.done, DEADLINE_S)
+    assert result.result().result.outcome == FlyRoute.Result.CANCELLED
+    ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
+    assert ground.air.is_armed()
+
+
+def test_fence_and_rally_points_are_pushed(start):
+    """They lie on the vehicle, and a route that leaves the fence is refused until it is gone."""
+    ground = start()
+    ground.listen(topics.STATE)
+    ground.until(lambda: ground.seen().state == VehicleState.DISARMED, DEADLINE_S)
+    corners = [(-100, -100), (100, -100), (100, 100), (-100, 100)]
+    ring = GeoPolygon(points=[point_of_position(offset(HOME_PLACE, *c)) for c in corners])
+    answer = ground.call('rav1/geofence/push', PushFence, inclusions=[ring])
+    assert (answer.success, answer.message) == (True, '')
+    points = [point_of_position(offset(HOME_PLACE, 20.0, 20.0))]
+    answer = ground.call('rav1/rallypoint/push', PushRally, points=points, height_m=20.0)
+    assert (answer.success, answer.message) == (True, '')
+    assert [ground.air.item_count(kind) for kind in (1, 2)] == [4, 1]
+    refused = ended(ground, ground.fly(route=survey(4)))
+    assert refused.outcome == FlyRoute.Result.REJECTED
+    assert 'within fence is 1 of 4 waypoints outside' in refused.error_msg
+    two = GeoPolygon(points=ring.points[:2])
+    assert '3 or more' in ground.call('rav1/geofence/push', PushFence, inclusions=[two]).message
+    answer = ground.call('rav1/geofence/push', PushFence)
+    assert (answer.success, answer.message) == (True, '')
+    assert ground.air.item_count(1) == 0
+    in_air(ground, survey(4))

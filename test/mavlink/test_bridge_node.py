@@ -14,22 +14,20 @@ from std_srvs.srv import Trigger
 from test.mavlink.airspace import Airspace
 from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 
-from rocsafe_geo.position import offset
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_interfaces.msg import (
-    GeoPolygon,
-    VehicleEvent,
-    VehicleState,
-)
-from rocsafe_interfaces.srv import GoTo, Preflight, PushFence, PushRally, SetSpeed
+from rocsafe_interfaces.msg import VehicleEvent, VehicleState
+from rocsafe_interfaces.srv import Preflight
+from rocsafe_mavlink import vehicle
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import point_of_position
+
+# SET_MESSAGE_INTERVAL: it changes nothing of what a vehicle does.
+ASK_FOR_A_RATE = 'COMMAND_LONG 511'
 
 
 @pytest.fixture
 def air(request):
-    """Give one fake copter, many times as fast as real."""
-    airspace = Airspace(rate=getattr(request, 'param', 15.0))
+    """Give one fake copter, many times as fast as real; it speaks without being asked."""
+    airspace = Airspace(streams=getattr(request, 'param', True))
     yield airspace
     airspace.close()
 
@@ -42,22 +40,14 @@ def ground(ros, air, tmp_path):
     made.close()
 
 
-def in_air(ground, route=None):
-    """Fly a route; return the future of its result when it is in the air on its way."""
-    result = ground.fly(route=route)
-    ground.listen(topics.STATE)
-    ground.until(lambda: ground.state() is not None and ground.state().viewpoints_visited >= 1)
-    return result
-
-
+@pytest.mark.parametrize('air', [False], indirect=True, ids=['silent until asked'])
 def test_route_is_flown_to_its_end(ground):
     """Positions, states, events and feedback come; the result says what was flown."""
     fixes, events = ground.listen(topics.FIX), ground.listen(topics.EVENTS)
     states, batteries = ground.listen(topics.STATE), ground.listen(topics.BATTERY_STATE)
     velocities, odoms = ground.listen(topics.VELOCITY), ground.listen(topics.ODOM)
     result = ground.fly()
-    ground.until(result.done, 60.0)
-    answer = result.result().result
+    answer = ground.ended(result)
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == 4
     assert answer.distance_flown_m == pytest.approx(240.0, abs=25.0)
@@ -88,32 +78,17 @@ def test_route_is_flown_to_its_end(ground):
 
 def test_same_route_joins_and_another_is_refused(ground):
     """What flies goes on; a goal that comes late ends with the flight."""
-    first = in_air(ground)
+    first = ground.in_air()
     again = ground.fly()
     other = ground.fly('p2', survey(2))
     ground.until(other.done)
     assert other.result().result.outcome == FlyRoute.Result.REJECTED
     assert 'another route' in other.result().result.error_msg
-    ground.until(lambda: first.done() and again.done(), 60.0)
+    ground.until(lambda: first.done() and again.done())
     assert first.result().result == again.result().result
     late = ground.fly()
     ground.until(late.done)
     assert late.result().result.outcome == FlyRoute.Result.COMPLETED
-
-
-@pytest.mark.parametrize(
-    ('service', 'state'),
-    [('land', VehicleState.LANDING)],
-)
-def test_route_is_given_up_by_request(ground, service, state):
-    """The flight ends early, by name, and nothing resumes it."""
-    result = in_air(ground, survey(8))
-    assert ground.call(f'rav1/{service}', Trigger).success
-    ground.wait_for_state(state)
-    ground.until(result.done, 60.0)
-    answer = result.result().result
-    assert answer.outcome == FlyRoute.Result.RETURNED_EARLY
-    assert 1 <= answer.viewpoints_visited < 8
 
 
 def test_orders_on_the_ground_are_refused(ground):
@@ -122,52 +97,6 @@ def test_orders_on_the_ground_are_refused(ground):
     ground.until(lambda: ground.heard['fix', 'rav1'])
     answer = ground.call('rav1/hold', Trigger)
     assert (answer.success, answer.message) == (False, 'rav1: the vehicle is on the ground')
-
-
-def test_operator_flies_to_a_point_and_changes_speed(ground):
-    """Then the route goes on from where it was left."""
-    result = in_air(ground, survey(6))
-    point = point_of_position(offset(HOME_PLACE, 50.0, 50.0))
-    assert ground.call('rav1/set_speed', SetSpeed, speed_mps=12.0).success
-    assert ground.call('rav1/go_to', GoTo, position=point, height_m=35.0).success
-    ground.until(lambda: math.dist(ground.air.copters[1].place, (50.0, 50.0)) < 1.0)
-    far = point_of_position(offset(HOME_PLACE, 0.0, 5000.0))
-    refused = ground.call('rav1/go_to', GoTo, position=far, height_m=35.0)
-    assert not refused.success
-    assert 'distance from home' in refused.message
-    assert not ground.call('rav1/set_speed', SetSpeed, speed_mps=0.0).success
-    assert ground.call('rav1/resume', Trigger).success
-    ground.until(result.done, 60.0)
-    assert result.result().result.outcome == FlyRoute.Result.COMPLETED
-    assert ground.air.copters[1].commands.count(300) == 1
-
-
-def test_cancelled_goal_holds(ground):
-    """The vehicle stays in the air where it is; the goal is over."""
-    result = in_air(ground, survey(8))
-    ground.until(ground.goal.cancel_goal_async().done)
-    ground.until(result.done)
-    assert result.result().result.outcome == FlyRoute.Result.CANCELLED
-    assert ground.air.copters[1].is_paused
-
-
-def test_fence_and_rally_points_are_pushed(ground):
-    """They lie on the vehicle, and a route that leaves the fence is refused."""
-    corners = [(-100, -100), (100, -100), (100, 100), (-100, 100)]
-    ring = GeoPolygon(points=[point_of_position(offset(HOME_PLACE, *c)) for c in corners])
-    ground.listen(topics.FIX)
-    ground.until(lambda: ground.heard['fix', 'rav1'])
-    assert ground.call('rav1/geofence/push', PushFence, inclusions=[ring]).success
-    points = [point_of_position(offset(HOME_PLACE, 20.0, 20.0))]
-    assert ground.call('rav1/rallypoint/push', PushRally, points=points, height_m=20.0).success
-    assert [len(items) for items in ground.air.copters[1].missions.stored.values()] == [0, 4, 1]
-    drone = ground.bridge._interfaces[0].drone
-    ground.until(lambda: drone._line.station.member((1, 1)).fence is not None)
-    result = ground.fly(route=survey(4))
-    ground.until(result.done)
-    assert 'within fence is 1 of 4 waypoints outside' in result.result().result.error_msg
-    two = GeoPolygon(points=ring.points[:2])
-    assert '3 or more' in ground.call('rav1/geofence/push', PushFence, inclusions=[two]).message
 
 
 def test_preflight_lists_the_checks(ground):
@@ -182,40 +111,36 @@ def test_preflight_lists_the_checks(ground):
     assert checks['contact'].value == 'fresh'
 
 
-@pytest.mark.parametrize('air', [8.0], indirect=True)
-def test_silent_vehicle_is_predicted(ground):
+def test_silent_vehicle_is_predicted(ground, monkeypatch):
     """STALE keeps its state and says where it should be; heard again, nothing is sent."""
-    result = in_air(ground, survey(12))
+    monkeypatch.setattr(vehicle, 'STALE_AFTER_S', 1.5)
+    result = ground.in_air(survey(12))
     predicted = ground.listen(topics.PREDICTED_FIX)
-    copter = ground.air.copters[1]
-    commands = list(copter.commands)
-    copter.is_silent = True
-    ground.until(lambda: predicted, 10.0)
-    assert 'silent for' in ground.state().text
-    assert ground.state().state == VehicleState.FLYING
-    assert predicted[-1].status.status == -1
-    copter.is_silent = False
-    ground.until(result.done, 60.0)
-    assert result.result().result.outcome == FlyRoute.Result.COMPLETED
-    assert [number for number in copter.commands if number != 511] == [
-        number for number in commands if number != 511
-    ]
+    copter, told = ground.air.copters[1], ground.air.told()
+    with ground.air.calm(1.0):
+        copter.is_silent = True
+        ground.until(lambda: predicted)
+        assert 'silent for' in ground.seen().text
+        assert ground.seen().state == VehicleState.FLYING
+        assert predicted[-1].status.status == -1
+        copter.is_silent = False
+    assert ground.ended(result).outcome == FlyRoute.Result.COMPLETED
+    assert set(ground.air.told()[len(told) :]) <= {ASK_FOR_A_RATE}
 
 
 def test_restarted_bridge_picks_up_the_flight(ros, air, tmp_path):
     """Plan, mission and progress are known again before anything is sent."""
     first = Ground(ros, air, tmp_path)
-    in_air(first, survey(10))
+    first.in_air(survey(10))
     first.close()
-    commands = list(air.copters[1].commands)
+    told = air.told()
     second = Ground(ros, air, tmp_path)
     second.listen(topics.STATE)
-    second.until(lambda: second.state() is not None and second.state().viewpoints_visited >= 1)
-    assert second.state().plan_id == 'p1'
-    joined = second.fly(route=survey(10))
-    second.until(joined.done, 60.0)
-    answer = joined.result().result
+    with air.calm():
+        second.until(lambda: second.seen().viewpoints_visited >= 1)
+        assert second.seen().plan_id == 'p1'
+        joined = second.fly(route=survey(10))
+    answer = second.ended(joined)
     assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 10)
-    sent = [number for number in air.copters[1].commands[len(commands) :] if number != 511]
-    assert sent == []
+    assert set(air.told()[len(told) :]) <= {ASK_FOR_A_RATE}
     second.close()
