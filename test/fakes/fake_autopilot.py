@@ -28,6 +28,7 @@ GPS_LOSS_LAND_S = 8.0
 EKF_READY_S, PREARM_S, FIX_S, HOME_S = 41.4, 23.5, 10.0, 19.9
 PREARM = 1 << 28
 STREAM_S = 0.5
+WORDS_DELAY_S = 0.3
 IDS = {
     33: 'GLOBAL_POSITION_INT',
     24: 'GPS_RAW_INT',
@@ -117,6 +118,7 @@ class FakeCopter:
         self._gps_lost_s = None
         self._gps_time_us = 0
         self._out = []
+        self._words = []
 
     @property
     def up_s(self):
@@ -154,6 +156,8 @@ class FakeCopter:
         while self._now_s + STEP_S <= now_s + 1e-9:
             self._now_s += STEP_S
             self._station_s += STEP_S / self.patience
+            while self._words and self._words[0][0] <= self._now_s:
+                self._text(*self._words.pop(0)[1:])
             self._fail_safe()
             self._fly()
             self._out += self.missions.tick(self._station_s)
@@ -177,8 +181,9 @@ class FakeCopter:
     def breach_fence(self):
         """Fly out of the circle."""
         self._say('FENCE_STATUS', breach_status=1, breach_type=3, breach_count=1)
-        self._text(4, 'Circle fence breached')
         self.status, self.mode = 5, RTL
+        # The words come a little later.
+        self._words.append((self._now_s + WORDS_DELAY_S, 4, 'Circle fence breached'))
 
     def _fail_safe(self):
         heard_s = self._gcs_s

@@ -77,9 +77,8 @@ class Airspace:
         self.copters[system].breach_fence()
 
     def restart(self, system=1):
-        """Switch the autopilot off and on; it has been on for long enough to fly."""
+        """Switch the autopilot off and on."""
         self.copters[system].reboot()
-        self.copters[system].boot_s -= 60.0
 
     def fall_silent(self, system=1):
         """End the autopilot."""

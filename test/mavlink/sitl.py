@@ -82,6 +82,8 @@ class Tap:
         self._copter.bind(('127.0.0.1', 0))
         self.port = self._copter.getsockname()[1]
         self._bridge.connect(('127.0.0.1', bridge_port))
+        # A refusal makes a socket look ready, and is gone with the next thing that is sent.
+        self._bridge.setblocking(False)
         self._peer = None
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._carry, daemon=True)
@@ -105,17 +107,18 @@ class Tap:
     def _pass_on(self, side):
         data, address = side.recvfrom(4096)
         for frame in scan(data, is_whole=True).frames:
-            self._note(decode(frame.message_id, frame.payload, frame.system, frame.component))
+            said = decode(frame.message_id, frame.payload, frame.system, frame.component)
+            self._note(said, is_order=side is self._bridge)
         if side is self._copter:
             self._peer = address
             self._bridge.send(data)
         elif self._peer is not None:
             self._copter.sendto(data, self._peer)
 
-    def _note(self, message):
-        if message.name in ORDERS:
+    def _note(self, message, *, is_order):
+        if is_order and message.name in ORDERS:
             self.told.append(f'{message.name} {message.fields.get("command", 0)}')
-        elif message.name == 'HEARTBEAT' and message['autopilot'] == 3:
+        elif message.name == 'HEARTBEAT' and not is_order:
             self.is_armed = bool(message['base_mode'] & ARMED)
 
 
@@ -241,7 +244,7 @@ class SitlAirspace:
     def step(self):
         """Do nothing: they fly by themselves."""
 
-    def calm(self):
+    def calm(self, _rate=None):
         """Return a context that changes nothing: their time runs as it was begun."""
         return contextlib.nullcontext()
 

@@ -22,8 +22,9 @@ from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.flight_journal import Assignment
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
 from rocsafe_mavlink.photographer import Exposure, Photographer
+from rocsafe_mavlink.picture import Picture
 from rocsafe_mavlink.picture_pairing import PicturePairing
-from rocsafe_mavlink.pictures import Picture, VideoStream, WatchedFolder, open_source
+from rocsafe_mavlink.pictures import WatchedFolder, open_source
 from rocsafe_mavlink.reducer import reduce
 from rocsafe_mavlink.vehicle import Gps
 
@@ -179,24 +180,6 @@ def test_file_is_taken_once_and_only_whole(tmp_path):
     assert folder.take() == []
     assert [taken.name for taken in folder.take()] == ['a.JPG', 'b.jpg']
     assert folder.take() == []
-
-
-def test_video_gives_the_frame_of_the_moment(tmp_path):
-    """Frames are read as they come; a shot takes the nearest."""
-    path = str(tmp_path / 'clip.avi')
-    writer = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), 10.0, (64, 48))
-    for value in (0, 120, 240):
-        writer.write(np.full((48, 64, 3), value, np.uint8))
-    writer.release()
-    ticks = iter(range(1000))
-    stream = VideoStream(path, lambda: NOW_S + next(ticks))
-    while stream.at(NOW_S) is None or len(stream._frames) < 3:
-        assert stream._thread.is_alive()
-    taken = stream.at(NOW_S + 1.2)
-    stream.close()
-    assert taken.unix_s == NOW_S + 1.0
-    pixels = cv2.imdecode(np.frombuffer(taken.jpeg, np.uint8), cv2.IMREAD_COLOR)
-    assert abs(int(pixels.mean()) - 120) < 4
 
 
 def test_source_that_is_none_is_refused():

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bridge as a process, killed in each state of upload and flight: the vehicle flies on.
 
-The copter is a process of its own as well; it prints what it is told. Started again, the bridge
-finds plan, mission and progress, and tells the vehicle nothing but which messages it needs.
+Started again, it finds plan, mission and progress, and tells the vehicle nothing but which
+messages it needs. The same with the fake copter and, where ROCSAFE_SITL names one, a real one.
 """
 
 import os
@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -21,9 +20,10 @@ from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from std_srvs.srv import Trigger
 from test.fakes.fake_autopilot import HOME
-from test.mavlink.airspace import free_port
 from test.mavlink.operator_post import survey
+from test.mavlink.sitl import AUTOPILOTS, make_airspace
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
@@ -31,33 +31,27 @@ from rocsafe_ros import topics
 
 pytestmark = pytest.mark.system
 
-REPOSITORY = Path(__file__).parents[2]
-DEADLINE_S = 60.0
-RATE = 12.0
+DEADLINE_S = 120.0
 # Nothing of this changes what a vehicle does.
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 COUNT = 8
 REPEAT_S = 2.0
+PAUSE_OR_RESUME = 'COMMAND_LONG 193'
+# Of a fake copter whose way is watched from another process.
+WATCHED = 15.0
 
 
 class Post:
-    """A copter and a bridge as processes, and an operator in this one."""
+    """A bridge as a process, and copter and operator in this one."""
 
-    def __init__(self, domain_id, folder):
+    def __init__(self, domain_id, folder, air):
         self._folder = folder
         self._environment = {
             **os.environ,
             'ROS_DOMAIN_ID': str(domain_id),
             'PYTHONPATH': os.pathsep.join(path for path in sys.path if path),
         }
-        self._port = free_port()
-        self._told = (folder / 'told.txt').open('wb')
-        script = REPOSITORY / 'test' / 'fakes' / 'fake_process.py'
-        self._copter = subprocess.Popen(
-            [sys.executable, script, '--to', f'127.0.0.1:{self._port}', '--rate', str(RATE)],
-            env=self._environment,
-            stdout=self._told,
-        )
+        self.air = air
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id)
         self._executor = SingleThreadedExecutor(context=self._context)
@@ -72,7 +66,7 @@ class Post:
         """Start the bridge."""
         values = {
             'vehicles': '[rav1]',
-            'links': f'["udp://127.0.0.1:{self._port}"]',
+            'links': f'["{self.air.link}"]',
             'geoid_separations_m': '[47.0]',
             'speeds_mps': '[10.0]',
             'hovers_s': '[0.0]',
@@ -91,45 +85,53 @@ class Post:
         self._bridge.wait()
         self.state = VehicleState()
 
-    def told(self):
-        """Return what the copter was told so far, a line each."""
-        return [
-            line.partition(' ')[2] for line in (self._folder / 'told.txt').read_text().splitlines()
-        ]
+    def start_again(self):
+        """Kill it and start it."""
+        self.kill()
+        self.start()
 
     def orders(self):
-        """Return those that change what it does."""
-        return [line for line in self.told() if line not in HARMLESS]
+        """Return what the copter was told that changes what it does."""
+        return [order for order in self.air.told() if order not in HARMLESS]
 
     def until(self, condition):
-        """Spin until `condition` holds."""
+        """Fly and spin until `condition` holds."""
         end = time.monotonic() + DEADLINE_S
         while not condition():
-            assert time.monotonic() < end, self.told()[-10:]
+            assert time.monotonic() < end, (self.state, self.air.told()[-10:])
+            self.air.step()
             self._executor.spin_once(timeout_sec=0.02)
+
+    def call(self, name):
+        """Call a service without arguments; return its answer."""
+        client = self._node.create_client(Trigger, f'rav1/{name}')
+        self.until(client.service_is_ready)
+        return self._answered(lambda: client.call_async(Trigger.Request()))
 
     def fly(self):
         """Send the route; return the future of the result."""
         self.until(self._client.server_is_ready)
         goal = FlyRoute.Goal(route=survey(COUNT, height_m=20.0), plan_id='p1')
+        accepted = self._answered(lambda: self._client.send_goal_async(goal))
+        return accepted.get_result_async()
+
+    def _answered(self, ask):
+        """Ask until there is an answer; return it."""
         sent = []
 
-        def is_accepted():
+        def is_answered():
             # Whoever was killed seems to be there for a while: what nobody takes is sent again.
             if not sent or time.monotonic() - sent[-1][0] > REPEAT_S:
-                sent.append((time.monotonic(), self._client.send_goal_async(goal)))
+                sent.append((time.monotonic(), ask()))
             return any(future.done() for _, future in sent)
 
-        self.until(is_accepted)
-        accepted = next(future for _, future in sent if future.done())
-        return accepted.result().get_result_async()
+        self.until(is_answered)
+        return next(future for _, future in sent if future.done()).result()
 
     def close(self):
         """End all."""
-        for process in (self._bridge, self._copter):
-            process.send_signal(signal.SIGKILL)
-            process.wait()
-        self._told.close()
+        self._bridge.send_signal(signal.SIGKILL)
+        self._bridge.wait()
         self._client.destroy()
         self._node.destroy_node()
         self._executor.shutdown(timeout_sec=2.0)
@@ -139,68 +141,98 @@ class Post:
         self.state = message
 
 
-@pytest.fixture
-def post(ros_domain_id, tmp_path):
+@pytest.fixture(params=AUTOPILOTS)
+def post(request, ros_domain_id, tmp_path):
     """Give a bridge to kill."""
-    made = Post(ros_domain_id, tmp_path)
+    air = make_airspace(request.param, tmp_path)
+    made = Post(ros_domain_id, tmp_path, air)
     yield made
     made.close()
+    air.close()
 
 
-def has(post, order, count=1):
-    """Whether the copter was given an order so often."""
-    return lambda: post.orders().count(order) >= count
-
-
-@pytest.mark.parametrize('visited', [0, 3, COUNT])
-def test_flight_is_picked_up(post, visited):
-    """Killed while climbing, on its way and on the way home: not one order is sent again."""
-    post.fly()
-    is_up = (VehicleState.TAKING_OFF, VehicleState.FLYING)
-    post.until(lambda: post.state.state in is_up and post.state.viewpoints_visited >= visited)
-    post.kill()
-    before = post.orders()
-    post.start()
-    post.until(lambda: post.state.plan_id == 'p1' and post.state.viewpoints_visited >= visited)
+def completed(post):
+    """Send the route again and fly to its end."""
     result = post.fly()
     post.until(result.done)
     answer = result.result().result
-    assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, COUNT)
+    found = (answer.outcome, answer.viewpoints_visited, answer.error_msg)
+    assert found == (FlyRoute.Result.COMPLETED, COUNT, '')
+
+
+def is_known(post, *states, visited=0):
+    """Whether the bridge says of the flight that it is so far."""
+
+    def holds():
+        said = post.state
+        return said.plan_id == 'p1' and said.state in states and said.viewpoints_visited >= visited
+
+    return holds
+
+
+def test_flight_is_picked_up_each_time(post):
+    """Killed while it climbs, is on its way, is held, and flies home: no order is sent again.
+
+    What is held goes on when the operator says so, and not before.
+    """
+    in_air = (VehicleState.TAKING_OFF, VehicleState.FLYING, VehicleState.RETURNING)
+    post.fly()
+    for visited in (0, 2, COUNT):
+        with post.air.calm(WATCHED):
+            post.until(is_known(post, *in_air, visited=visited))
+        before = post.orders()
+        post.start_again()
+        with post.air.calm():
+            post.until(is_known(post, *in_air, visited=visited))
+            assert post.orders() == before
+            if visited == 2:
+                hold_and_resume(post)
+    before = post.orders()
+    completed(post)
     assert post.orders() == before
 
 
-@pytest.mark.parametrize(
-    'last',
-    ['MISSION_COUNT 0', 'COMMAND_LONG 176', 'COMMAND_LONG 400'],
-    ids=['uploading', 'switching', 'arming'],
-)
-def test_flight_that_has_not_begun_begins_again(post, last):
-    """Killed before take-off: nothing is armed by finding it, and the route is flown once."""
-    post.fly()
-    post.until(has(post, last))
-    post.kill()
+def hold_and_resume(post):
+    """Kill the bridge while the flight is held; resume it."""
     before = len(post.orders())
-    post.start()
-    post.until(lambda: post.state.state != VehicleState.UNKNOWN)
-    assert post.orders()[before:] == []
-    result = post.fly()
-    post.until(result.done)
-    answer = result.result().result
-    assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, COUNT)
+    while not (answer := post.call('hold')).success:
+        assert 'contact' in answer.message
+    held = post.orders()
+    post.start_again()
+    post.until(is_known(post, VehicleState.HOLDING))
+    assert post.orders() == held
+    while not (answer := post.call('resume')).success:
+        assert 'still being read' in answer.message
+    # Asked twice where an answer was lost.
+    assert set(post.orders()[before:]) == {PAUSE_OR_RESUME}
+
+
+def test_flight_that_has_not_begun_begins_again(post):
+    """Killed while uploading, switching and arming: nothing is armed by finding it.
+
+    The route is flown once.
+    """
+    for last in ('MISSION_COUNT 0', 'COMMAND_LONG 176', 'COMMAND_LONG 400'):
+        count = post.orders().count(last)
+        with post.air.calm():
+            post.fly()
+            post.until(lambda last=last, count=count: post.orders().count(last) > count)
+            before = len(post.orders())
+            post.start_again()
+            post.until(lambda: post.state.state != VehicleState.UNKNOWN)
+        assert post.orders()[before:] == []
+    completed(post)
     assert post.orders().count('COMMAND_LONG 300') == 1
 
 
 def test_flight_that_ended_unwatched_is_not_flown_again(post):
     """Killed in the air and started after the landing: the goal gets the result."""
     post.fly()
-    post.until(lambda: post.state.viewpoints_visited >= COUNT - 1)
+    with post.air.calm(WATCHED):
+        post.until(lambda: post.state.viewpoints_visited >= COUNT - 1)
     post.kill()
-    end = time.monotonic() + (COUNT * 40.0 / 10.0 + 60.0) / RATE
-    post.until(lambda: time.monotonic() > end)
+    post.until(lambda: not post.air.is_armed())
     before = post.orders()
     post.start()
-    result = post.fly()
-    post.until(result.done)
-    answer = result.result().result
-    assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, COUNT)
+    completed(post)
     assert post.orders() == before

@@ -205,9 +205,9 @@ class Flight:
 
     def _hear(self, text: str) -> 'Flight':
         failsafe = failsafe_of(text)
-        if failsafe is None or self.cause is not None:
-            return self
-        return replace(self, cause=failsafe, reason=text)
+        # Its words may come after what it shows; only the first failsafe counts.
+        is_first = self.cause is None or (self.cause is failsafe and not self.reason)
+        return replace(self, cause=failsafe, reason=text) if failsafe and is_first else self
 
     def _watch(self, vehicle: Vehicle, now_s: float) -> 'Flight':
         contact = vehicle.contact(now_s)

@@ -48,8 +48,11 @@ class OperatorOrders:
     def resume(self, now_s: float) -> None:
         """Go on with the mission."""
         self._in_air(now_s)
-        if not self._station.member(self._target).is_flying:
-            raise OrderRefusedError('no route is being flown')
+        member = self._station.member(self._target)
+        if not member.is_flying:
+            is_read = member.stored is not None
+            reason = 'no route is being flown' if is_read else 'its mission is still being read'
+            raise OrderRefusedError(reason)
         self._begin(lambda desk, vehicle: desk.resume(vehicle))
 
     def return_home(self, now_s: float) -> None:

@@ -17,14 +17,16 @@ from rocsafe_mavlink.camera_shot import CameraShot, ShotLog
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_mavlink.picture import PictureSource
 from rocsafe_mavlink.picture_pairing import Pair, PicturePairing
-from rocsafe_mavlink.pictures import PictureSource
 from rocsafe_mavlink.vehicle import Gps, Vehicle
 
 COLUMNS = ('index', 'unix_s', 'latitude_deg', 'longitude_deg', 'altitude_ellipsoid_m',
            'height_above_home_m', 'roll_rad', 'pitch_rad', 'yaw_rad', 'source',
            'is_interpolated')  # fmt: skip
 NS_PER_S = 1e9
+# A report is under way for less; clocks that differ by more are not set by the same source.
+SET_ALIKE_S = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +63,7 @@ class Photographer:
         self._table = table
         self._log = ShotLog()
         self._pairing = PicturePairing()
-        self._new: list[CameraShot] = []
+        self._new: list[tuple[CameraShot, float]] = []
         self.shot_count = 0
 
     @property
@@ -73,7 +75,7 @@ class Photographer:
         """Take a message of the vehicle; return the shots that it tells of."""
         shots = self._log.take(message, vehicle, unix_s)
         self.shot_count += len(shots)
-        self._new += shots
+        self._new += [(shot, unix_s) for shot in shots]
         for shot in shots:
             self._note(shot)
         return shots
@@ -82,16 +84,13 @@ class Photographer:
         """Return the photographs whose picture and shot are both here now; they are kept.
 
         One that cannot be kept is told to `refuse`: its picture stays where the camera wrote it.
+        So is a shot of which a stream has no frame.
         """
         if self._source is None:
             self._new.clear()
             return []
-        shots, self._new = self._new, []
-        pictures = self._source.take()
-        streamed = [picture for shot in shots if (picture := self._source.at(shot.unix_s))]
-        pairs = self._pairing.add(shots, pictures or streamed)
         made = []
-        for pair in pairs:
+        for pair in self._pairs(self._source, exposure.vehicle, refuse):
             photograph = self._photograph(pair, exposure)
             if photograph is None:
                 refuse(f'{exposure.vehicle}: {pair.picture.name} is no image')
@@ -102,6 +101,21 @@ class Photographer:
             except SpoolError as error:
                 refuse(f'{exposure.vehicle}: {pair.picture.name} is not sent: {error}')
         return made
+
+    def _pairs(
+        self, source: PictureSource, vehicle: str, refuse: Callable[[str], None]
+    ) -> list[Pair]:
+        new, self._new = self._new, []
+        if not source.is_stream:
+            return self._pairing.add([shot for shot, _ in new], source.take())
+        pairs = []
+        for shot, arrived_s in new:
+            picture = source.at(_moment_of(shot, arrived_s))
+            if picture is None:
+                refuse(f'{vehicle}: shot {shot.index} has no picture: the camera sent none then')
+            else:
+                pairs.append(Pair(shot, picture))
+        return pairs
 
     def close(self) -> None:
         """Give the source back."""
@@ -162,6 +176,11 @@ class Photographer:
                     int(shot.is_interpolated),
                 ]
             )
+
+
+def _moment_of(shot: CameraShot, arrived_s: float) -> float:
+    """Return when a shot was taken by our clock: an autopilot's may never have been set."""
+    return shot.unix_s if abs(shot.unix_s - arrived_s) < SET_ALIKE_S else arrived_s
 
 
 def viewpoint_of(shot: CameraShot, assignment: Assignment | None) -> int:

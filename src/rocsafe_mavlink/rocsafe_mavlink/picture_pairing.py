@@ -10,7 +10,7 @@ picture stay alone.
 from dataclasses import dataclass
 
 from rocsafe_mavlink.camera_shot import CameraShot
-from rocsafe_mavlink.pictures import Picture
+from rocsafe_mavlink.picture import Picture
 
 # Half of the shortest time between two shots.
 TOLERANCE_S = 0.5
