@@ -28,6 +28,8 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Between two looks at the sockets: most of the time from a datagram to its topic.
 POLL_S = 0.005
+# Between two looks at what is due; nothing that a vehicle says waits for them.
+TICK_S = 0.02
 DIAGNOSE_S = 1.0
 # The mission says twice a second that it lives.
 SUPERVISOR_LEASE_S = 3.0
@@ -54,6 +56,10 @@ class DroneInterface:
     def on_event(self, event: Event) -> None:
         """Take something that happened to the vehicle."""
         self._telemetry.on_event(event)
+
+    def follow(self) -> None:
+        """Publish what can wait until the fixes of all vehicles are out."""
+        self._telemetry.follow()
 
     def step(self, now_s: float, time_s: float) -> None:
         """Let time pass."""
@@ -92,7 +98,7 @@ class BridgeNode(Node):
         for interface, link in zip(self._interfaces, self._options.links, strict=True):
             target = interface.drone.spec.target
             self._lines[link].listen(target, interface.on_message, interface.on_event)
-        self._supervised_s = time.monotonic()
+        self._supervised_s = self._ticked_s = time.monotonic()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
         self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
@@ -119,14 +125,23 @@ class BridgeNode(Node):
         )
 
     def _on_mission(self, _state: MissionState) -> None:
-        self._supervised_s = time.monotonic()
+        self._supervised_s = self._ticked_s = time.monotonic()
 
     def _poll(self) -> None:
         now_s, time_s = time.monotonic(), time.time()
+        for line in self._lines.values():
+            line.take(now_s, time_s)
+        for interface in self._interfaces:
+            interface.follow()
+        if now_s - self._ticked_s >= TICK_S:
+            self._ticked_s = now_s
+            self._tick(now_s, time_s)
+
+    def _tick(self, now_s: float, time_s: float) -> None:
         is_watched = self._options.needs_supervisor
         is_supervised = not is_watched or now_s - self._supervised_s < SUPERVISOR_LEASE_S
         for line in self._lines.values():
-            line.poll(now_s, time_s, is_supervised=is_supervised)
+            line.tick(now_s, time_s, is_supervised=is_supervised)
         for interface in self._interfaces:
             interface.step(now_s, time_s)
 

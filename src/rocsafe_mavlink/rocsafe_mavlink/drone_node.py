@@ -4,6 +4,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 from std_msgs.msg import Float64, Header
 
@@ -16,8 +17,9 @@ from rocsafe_mavlink.conversions import (
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.drone import Drone
 from rocsafe_mavlink.events import Event, EventKind
-from rocsafe_mavlink.observation import Observation
+from rocsafe_mavlink.observation import Observation, enu_of, fix_quality
 from rocsafe_mavlink.stream_rates import POSITION
+from rocsafe_mavlink.vehicle import Motion
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,
@@ -68,25 +70,31 @@ class DroneTelemetry:
         self._slow_s = -SLOW_S
         self._said: tuple[object, ...] = ()
         self._texts_left = TEXTS_PER_S
+        self._following: list[tuple[Motion, Time]] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
-        """Publish the position when one has come."""
-        if message.name != POSITION:
+        """Publish the fix when a position has come; what else it says waits for `follow`."""
+        motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
+        if message.name != POSITION or motion is None:
             return
-        seen = self._drone.observe(now_s)
-        if seen.motion is None:
-            return
-        motion, stamp = seen.motion, self._node.get_clock().now().to_msg()
-        std_m, status = (seen.horizontal_std_m, seen.vertical_std_m), int(seen.fix_quality)
-        place, velocity = motion.position, motion.velocity_enu_mps
-        self._publish(topics.FIX, fix_message(place, stamp, f'{self._name}/gps', std_m, status))
-        self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
-        self._publish(
-            topics.ODOM,
-            odometry_message(seen.position_enu, motion.yaw_rad, velocity, stamp, self._name),
-        )
-        self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
-        self._publish(topics.HEADING, Float64(data=motion.heading_deg))
+        stamp = self._node.get_clock().now().to_msg()
+        std_m = (gps.horizontal_std_m, gps.vertical_std_m)
+        status = int(fix_quality(self._drone.vehicle, now_s))
+        frame_id = f'{self._name}/gps'
+        self._publish(topics.FIX, fix_message(motion.position, stamp, frame_id, std_m, status))
+        self._following.append((motion, stamp))
+
+    def follow(self) -> None:
+        """Publish what else the positions said that have come: fixes of all vehicles go first."""
+        following, self._following = self._following, []
+        for motion, stamp in following:
+            place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
+            self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
+            self._publish(
+                topics.ODOM, odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
+            )
+            self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
+            self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 
     def on_event(self, event: Event) -> None:
         """Publish something that happened."""

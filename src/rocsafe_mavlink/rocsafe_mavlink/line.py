@@ -32,14 +32,13 @@ class Line:
         """Tell about the messages and events of a vehicle from now on."""
         self._listeners[target] = (on_message, on_event)
 
-    def poll(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
-        """Take what has come, let time pass, and send what follows.
+    def take(self, now_s: float, time_s: float) -> None:
+        """Take what has come, and answer it.
 
         Parameters
         ----------
         now_s: steady time, seconds.
         time_s: time of day, seconds since 1970.
-        is_supervised: whether whoever supervises us lives.
         """
         for address, data in self._transport.take(now_s):
             came = self.station.receive(address, data, now_s, time_s)
@@ -50,6 +49,15 @@ class Line:
                 if target in self._listeners:
                     self._listeners[target][1](event)
             self.send(came.outgoing)
+
+    def tick(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
+        """Let time pass, and send what is due.
+
+        Parameters
+        ----------
+        now_s, time_s: as in `take`.
+        is_supervised: whether whoever supervises us lives.
+        """
         self.send(self.station.tick(now_s, time_s, is_supervised=is_supervised))
 
     def send(self, outgoing: Outgoing) -> None:

@@ -122,9 +122,9 @@ def observe(sight: Sight, now_s: float) -> Observation:
         mode='' if autopilot is None else autopilot.mode_name(vehicle.custom_mode),
         is_armed=vehicle.is_armed,
         motion=motion,
-        position_enu=(0.0, 0.0, 0.0) if motion is None else _enu(sight.frame, motion),
+        position_enu=(0.0, 0.0, 0.0) if motion is None else enu_of(sight.frame, motion),
         fix_fault=fault,
-        fix_quality=FixQuality.NONE if fault else _quality(vehicle.gps.fix_type),
+        fix_quality=_quality_but_for(fault, vehicle),
         horizontal_std_m=vehicle.gps.horizontal_std_m,
         vertical_std_m=vehicle.gps.vertical_std_m,
         plan_id='' if plan is None else plan.plan_id,
@@ -155,8 +155,19 @@ def left_of(sight: Sight, limits: FlightLimits) -> Left:
     return Left(visited=visited, count=len(plan.stops), distance_m=distance, time_s=time_s)
 
 
-def _quality(fix_type: int) -> FixQuality:
-    return _QUALITIES.get(fix_type, FixQuality.FIX)
+def fix_quality(vehicle: Vehicle, now_s: float) -> FixQuality:
+    """Return how good the position of a vehicle is at `now_s`, steady seconds."""
+    return _quality_but_for(fix_fault(vehicle, now_s), vehicle)
+
+
+def enu_of(frame: LocalFrame, motion: Motion) -> Enu:
+    """Return where a vehicle is in the frame of the mission; its height is above home."""
+    east, north, _ = frame.enu_of(_on_ground(frame, motion.position)).tolist()
+    return east, north, motion.height_above_home_m
+
+
+def _quality_but_for(fault: str, vehicle: Vehicle) -> FixQuality:
+    return FixQuality.NONE if fault else _QUALITIES.get(vehicle.gps.fix_type, FixQuality.FIX)
 
 
 def _visited(sight: Sight) -> int:
@@ -170,11 +181,6 @@ def _autopilot(member: Member) -> Autopilot | None:
         return member.autopilot()
     except ValueError:
         return None
-
-
-def _enu(frame: LocalFrame, motion: Motion) -> Enu:
-    east, north, _ = frame.enu_of(_on_ground(frame, motion.position)).tolist()
-    return east, north, motion.height_above_home_m
 
 
 def _on_ground(frame: LocalFrame, place: GeoPosition) -> GeoPosition:

@@ -83,7 +83,8 @@ def wait(
     end_s = time.monotonic() + patience_s
     while (now_s := time.monotonic()) < end_s:
         for line in lines:
-            line.poll(now_s, time.time(), is_supervised=True)
+            line.take(now_s, time.time())
+            line.tick(now_s, time.time(), is_supervised=True)
         if all(_is_settled(drone, plans.get(drone.spec.name), now_s) for drone in drones):
             return
         time.sleep(POLL_S)
