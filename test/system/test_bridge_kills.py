@@ -36,6 +36,8 @@ DEADLINE_S = 120.0
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 COUNT = 8
 REPEAT_S = 2.0
+# What was sent has come by then.
+ARRIVES_S = 0.2
 PAUSE_OR_RESUME = 'COMMAND_LONG 193'
 # Of a fake copter whose way is watched from another process, and while that process starts.
 WATCHED, SLOW = 15.0, 1.0
@@ -86,9 +88,13 @@ class Post:
         self.state = VehicleState()
 
     def start_again(self):
-        """Kill it and start it."""
+        """Kill it and start it; return the orders before, those under way at its end included."""
         self.kill()
+        end = time.monotonic() + ARRIVES_S
+        self.until(lambda: time.monotonic() > end)
+        before = self.orders()
         self.start()
+        return before
 
     def orders(self):
         """Return what the copter was told that changes what it does."""
@@ -180,8 +186,7 @@ def test_flight_is_picked_up_each_time(post):
     for visited in (0, 2, COUNT):
         with post.air.calm(WATCHED):
             post.until(is_known(post, *in_air, visited=visited))
-        before = post.orders()
-        post.start_again()
+            before = post.start_again()
         with post.air.calm(SLOW):
             # On a busy machine it may have come home meanwhile.
             landed = (VehicleState.LANDING, VehicleState.LANDED) if visited == COUNT else ()
@@ -199,8 +204,7 @@ def hold_and_resume(post):
     before = len(post.orders())
     while not (answer := post.call('hold')).success:
         assert 'contact' in answer.message
-    held = post.orders()
-    post.start_again()
+    held = post.start_again()
     post.until(is_known(post, VehicleState.HOLDING))
     assert post.orders() == held
     while not (answer := post.call('resume')).success:
@@ -219,10 +223,9 @@ def test_flight_that_has_not_begun_begins_again(post):
         with post.air.calm():
             post.fly()
             post.until(lambda last=last, count=count: post.orders().count(last) > count)
-            before = len(post.orders())
-            post.start_again()
+            before = post.start_again()
             post.until(lambda: post.state.state != VehicleState.UNKNOWN)
-        assert post.orders()[before:] == []
+        assert post.orders() == before
     completed(post)
     assert post.orders().count('COMMAND_LONG 300') == 1
 
