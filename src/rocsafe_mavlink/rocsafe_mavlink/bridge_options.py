@@ -49,7 +49,8 @@ class BridgeOptions:
     image_folders: tuple[str, ...] = field(
         default=(),
         metadata={
-            'doc': 'folder of the JPEG files of each, rtsp://... or /dev/video...; empty: none'
+            'doc': 'folder of the JPEG files of each, rtsp://..., http://... or /dev/video...; '
+            'empty: none'
         },
     )
     signing_key_files: tuple[str, ...] = field(

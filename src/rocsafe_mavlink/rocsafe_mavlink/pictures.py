@@ -71,5 +71,7 @@ def open_source(text: str, clock: Callable[[], float]) -> PictureSource | None:
         return VideoStream(text, clock)
     folder = Path(text)
     if not folder.is_dir():
-        raise ValueError(f'image folder {text!r} is no folder, nor rtsp://..., nor /dev/video...')
+        raise ValueError(
+            f'image folder {text!r} is no folder, nor rtsp://..., http://... or /dev/video...'
+        )
     return WatchedFolder(folder)
