@@ -267,6 +267,10 @@ class FakeCopter:
     def _on_pause(self, message):
         if self.mode != AUTO or not self.is_flying:
             return FAILED
+        items = self.missions.stored[0]
+        if self.current >= len(items) or items[self.current].command in (20, 22):
+            self._text(4, 'Failed to pause')
+            return FAILED
         self.is_paused = self._parameter(message, 1) == 0.0
         self.mission_state = 4 if self.is_paused else 3
         return ACCEPTED

@@ -199,6 +199,23 @@ def test_hold_resume_and_return(start):
     assert visited < answer.viewpoints_visited < 10
 
 
+def test_climb_is_held(start):
+    """It cannot pause yet, so it brakes; then it climbs on and flies its route."""
+    ground = start()
+    result = ground.fly(route=survey(3, height_m=60.0))
+    ground.listen(topics.STATE)
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().state == VehicleState.TAKING_OFF, DEADLINE_S)
+        held = ground.call('rav1/hold', Trigger)
+        assert (held.success, held.message) == (True, '')
+        ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
+        assert ground.seen().viewpoints_visited == 0
+        resumed = ground.call('rav1/resume', Trigger)
+        assert (resumed.success, resumed.message) == (True, '')
+    answer = ended(ground, result)
+    assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 3)
+
+
 def test_route_is_replaced_in_flight(start):
     """Paused, uploaded, read back, continued; the new route is flown to its end."""
     ground = start()

@@ -14,6 +14,7 @@ from rocsafe_mavlink.ardupilot import AUTO, BRAKE, COPTER, GUIDED
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.errors import OrderRefusedError
 from rocsafe_mavlink.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.flight_outcome import Outcome
 from rocsafe_mavlink.operator_orders import OperatorOrders
 from rocsafe_mavlink.orders import Desk
 from rocsafe_mavlink.parameters import Parameter, ParameterReader
@@ -58,6 +59,28 @@ def test_hold_within_a_mission_keeps_the_mode():
     assert (step.call.command['command'], step.call.command['param2']) == (176, float(BRAKE))
     px4 = Desk(autopilot=MULTICOPTER, target=TARGET, us=US)
     assert commands_of(px4.hold(on_mission)) == [176]
+
+
+@pytest.mark.parametrize('visited', [0, 6], ids=['climbing', 'returning'])
+def test_what_cannot_pause_brakes(visited):
+    """A copter that climbs or returns within its mission refuses to pause; it stands all the same.
+
+    Then it goes on as it was.
+    """
+    air = Air()
+    orders = flying(air, visited)
+    air.until(lambda: air.copters[1].height_m > 5.0)
+    orders.hold(air.now_s)
+    assert done(air, orders) == ''
+    assert air.copters[1].mode == BRAKE
+    place = air.copters[1].place, air.copters[1].height_m
+    air.wait(5.0)
+    assert (air.copters[1].place, air.copters[1].height_m) == place
+    orders.resume(air.now_s)
+    assert done(air, orders) == ''
+    assert air.copters[1].mode == AUTO
+    air.until(lambda: air.flight().is_over)
+    assert (air.flight().outcome, air.flight().visited) == (Outcome.COMPLETED, 6)
 
 
 def test_go_to_is_written_for_each_autopilot():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``bridge``: real vehicles, each in its own namespace, as if they were simulated."""
 
+import os
 import time
 from typing import Any
 
@@ -21,6 +22,7 @@ from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.order_node import OrderServices
 from rocsafe_mavlink.photographer import Photographer
 from rocsafe_mavlink.shots_node import ShotSender
+from rocsafe_mavlink.video_stream import DECODER_OPTIONS
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -169,6 +171,7 @@ def make_nodes() -> list[Node]:
 
 def main() -> int:
     """Run the nodes until asked to stop."""
+    os.environ.setdefault(*DECODER_OPTIONS)
     return run(make_nodes)
 
 

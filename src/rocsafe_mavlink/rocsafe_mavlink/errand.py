@@ -2,8 +2,9 @@
 """An operator's order, step by step: ``(state, message or tick) -> (state, messages to send)``.
 
 A step is a command that must be accepted and then show in what the vehicle says of itself, or a
-list of items that must be read back as it was sent. The first step that fails ends the errand,
-with the autopilot's own words; nothing is undone, since the autopilot goes on by itself.
+list of items that must be read back as it was sent. The first step that fails, and what is to be
+done otherwise, ends the errand, with the autopilot's own words; nothing is undone, since the
+autopilot goes on by itself.
 """
 
 from collections.abc import Callable
@@ -33,11 +34,13 @@ class CommandStep:
     call: the command.
     is_shown: whether the vehicle does what it was told.
     accepted_s: steady time of its answer; negative before.
+    otherwise: what is done in its place if it fails; None: nothing.
     """
 
     call: CommandCall
     is_shown: Shown = at_once
     accepted_s: float = -1.0
+    otherwise: 'CommandStep | None' = None
 
     def begin(self, now_s: float) -> tuple['CommandStep', list[Message]]:
         """Send it."""
@@ -76,6 +79,10 @@ class TransferStep:
     """A list of items that is sent and read back."""
 
     moving: Transfer
+
+    @property
+    def otherwise(self) -> None:
+        """Nothing is done in its place."""
 
     def begin(self, now_s: float) -> tuple['TransferStep', list[Message]]:
         """Offer it."""
@@ -148,6 +155,9 @@ class Errand:
             return self._stepped(self.steps[0].begin(now_s))
         going, sent = self._stepped(self.steps[0].on_tick(now_s))
         error = going.steps[0].error(vehicle, now_s)
+        if error and going.steps[0].otherwise is not None:
+            steps = (going.steps[0].otherwise, *going.steps[1:])
+            return replace(going, steps=steps, is_begun=False), sent
         if error:
             return replace(going, error=f'{self.name}: {error}'), sent
         if going.steps[0].is_done(vehicle):

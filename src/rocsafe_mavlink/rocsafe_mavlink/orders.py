@@ -6,7 +6,7 @@ Only people give orders: nothing here is done because a link came back or a fail
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition, distance_m
@@ -48,7 +48,7 @@ class Desk:
 
     def hold(self, vehicle: Vehicle) -> Errand:
         """Return the order to stand still: within the mission if it flies one."""
-        if self.autopilot.pauses_missions and self.autopilot.is_in(vehicle, Verb.MISSION):
+        if self.autopilot.is_in(vehicle, Verb.MISSION):
             return self._errand('hold', self._pause())
         return self._errand('hold', self._mode(Verb.HOLD))
 
@@ -94,14 +94,12 @@ class Desk:
             first_compared=1 if self.autopilot.has_home_item else 0,
             clears_after_failure=False,
         )
-        stop = self._pause() if self.autopilot.pauses_missions else self._mode(Verb.HOLD)
-        go_on = self._continue() if self.autopilot.pauses_missions else self._mode(Verb.MISSION)
         return self._errand(
             'new route',
-            stop,
+            self._pause(),
             TransferStep(moving=items),
             self._do(commands.set_current(self.target, first), _flies_to(first)),
-            go_on,
+            self._continue(),
         )
 
     def _errand(self, name: str, *steps: Step) -> Errand:
@@ -117,10 +115,21 @@ class Desk:
         return self._do(self.autopilot.mode_command(verb, self.target), is_shown)
 
     def _pause(self) -> CommandStep:
-        return self._do(commands.pause(self.target), _is_paused)
+        """Return how it stops: an ArduPilot pauses its mission only between waypoints.
+
+        While it climbs, stands at a waypoint or returns it refuses, and is told to brake.
+        """
+        brake = self._mode(Verb.HOLD)
+        if not self.autopilot.pauses_missions:
+            return brake
+        return replace(self._do(commands.pause(self.target), _is_paused), otherwise=brake)
 
     def _continue(self) -> CommandStep:
-        return self._do(commands.resume(self.target), _is_active)
+        """Return how it goes on after `_pause`."""
+        switch = self._mode(Verb.MISSION)
+        if not self.autopilot.pauses_missions:
+            return switch
+        return replace(self._do(commands.resume(self.target), _is_active), otherwise=switch)
 
     def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
         by_itself = self.autopilot.repositions_itself

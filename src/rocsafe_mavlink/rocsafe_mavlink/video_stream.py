@@ -6,7 +6,6 @@ takes. Frames are dated by the stream's own clock where it tells one: it then ho
 that waited while the stream was opened, or in a network.
 """
 
-import os
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -24,8 +23,8 @@ OPEN_DEADLINE_S = READ_DEADLINE_S = 4.0
 RETRY_S = 1.0
 # No frame is nearer to a shot: the camera was away.
 LARGEST_DISTANCE_S = 0.5
-# By RTP over TCP, within the connection that we open: over UDP the decoder would listen on ports
-# of its own, on all networks. `OPENCV_FFMPEG_CAPTURE_OPTIONS` of the user counts before it.
+# What a process that opens streams sets in its environment, if its user has not: RTP over TCP, in
+# the connection that we open. Over UDP the decoder would listen on ports of its own, everywhere.
 DECODER_OPTIONS = ('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp')
 DEVICE_PREFIX = '/dev/'
 
@@ -58,7 +57,6 @@ class VideoStream:
     is_stream = True
 
     def __init__(self, address: str, clock: Callable[[], float]) -> None:
-        os.environ.setdefault(*DECODER_OPTIONS)
         self._clock = clock
         self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
         self._is_over = threading.Event()
