@@ -47,7 +47,9 @@ def test_route_is_flown_to_its_end(ground):
     states, batteries = ground.listen(topics.STATE), ground.listen(topics.BATTERY_STATE)
     velocities, odoms = ground.listen(topics.VELOCITY), ground.listen(topics.ODOM)
     result = ground.fly()
-    answer = ground.ended(result)
+    # Here every message counts: an operator on a busy machine drops some of a faster flight.
+    with ground.air.calm(8.0):
+        answer = ground.ended(result)
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == 4
     assert answer.distance_flown_m == pytest.approx(240.0, abs=25.0)
