@@ -25,11 +25,12 @@ from rocsafe_planner.solver import (
     solve,
 )
 from rocsafe_planner.solver.compiled import cache_directory
+from rocsafe_planner.solver.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
 
 from . import tiny_routing
 
-QUICK = SearchOptions(proposals=40_000, lanes=2, bound_share=0.0)
+QUICK = SearchOptions(proposals=20_000, lanes=2, bound_share=0.0)
 
 
 def grid(side, spacing=10.0):
@@ -265,3 +266,19 @@ def test_machine_code_is_kept_beside_the_sources_or_at_home(monkeypatch):
     assert cache_directory().parent.name == '__pycache__'
     monkeypatch.setattr(os, 'access', lambda *_: False)
     assert cache_directory().parent == Path.home() / '.cache' / 'rocsafe'
+
+
+def test_neighbours_lead_out_of_a_cluster():
+    """Who stands at the rim of a cluster has neighbours in the next one, not in its own alone."""
+    drawn = np.random.default_rng(4)
+    points = drawn.uniform(0.0, 1.0, (60, 2)) + np.repeat([[0.0, 0.0], [100.0, 0.0]], 30, axis=0)
+    costs = np.linalg.norm(points[:, None] - points[None, :], axis=2)
+    near = near_all_round(costs, points, 5, 3)
+    assert near.shape == (60, 17)
+    for i, row in enumerate(near):
+        assert len(set(row)) == 17
+        assert i not in row
+        assert list(row[:5]) == sorted(set(range(60)) - {i}, key=lambda j: costs[i, j])[:5]
+    rightmost = int(points[:30, 0].argmax())
+    assert (near[rightmost, 5:] >= 30).sum() >= 3
+    assert (near_rows(costs, 17)[rightmost] < 30).all()

@@ -22,8 +22,8 @@ from rocsafe_planner.survey_site import frame_of
 from rocsafe_planner.vehicle import Aloft, Vehicle
 from rocsafe_planner.viewpoint import Viewpoint, viewpoints_over
 
-_PROPOSALS_A_POINT = 2500
-_LEAST_PROPOSALS = 200_000
+_PROPOSALS_A_POINT = 1500
+_LEAST_PROPOSALS = 100_000
 _MOST_PROPOSALS = 2_000_000
 
 

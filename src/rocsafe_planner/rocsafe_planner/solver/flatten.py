@@ -3,13 +3,15 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.neighbours import near_points, near_rows
+from rocsafe_planner.solver.neighbours import near_all_round, near_points, near_rows
 from rocsafe_planner.solver.problem import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver.tables import Costs, Floats, Ints, Tables, Words
 
 DENSE_SITES = 800
 """Up to here a matrix of legs stays in the processor's cache and beats computing square roots."""
 NEIGHBOURS = 10
+NEAREST, EACH_SIDE = 5, 3
+"""Neighbours where there is a table of legs: that many anywhere, and in each quadrant."""
 FREE = np.uint64(1)
 
 
@@ -106,6 +108,10 @@ def _near(problem: RoutingProblem, matrix: Costs) -> Ints:
     count = min(NEIGHBOURS, n - 1)
     if count < 1:
         return np.zeros((n, 0), np.int32)
+    if problem.points is not None and NEAREST + 4 * EACH_SIDE < n <= DENSE_SITES:
+        costs = matrix[:, :n, :n].mean(axis=0)
+        costs = (costs + costs.T).astype(np.float64)
+        return near_all_round(costs, problem.points[:n], NEAREST, EACH_SIDE)
     if problem.points is not None and not any(isinstance(k, MatrixLegs) for k in problem.legs):
         return near_points(_points(problem)[:n], count)
     costs = matrix[:, :n, :n].mean(axis=0)

@@ -88,3 +88,34 @@ def near_rows(costs: Floats, count: int) -> Ints:
     return np.ascontiguousarray(
         np.argsort(table, axis=1, kind='stable')[:, :count].astype(np.int32)
     )
+
+
+def near_all_round(costs: Floats, points: Floats, nearest: int, each: int) -> Ints:
+    """Return the cheapest other customers of each, and more of them on every side of it.
+
+    Where customers come in clusters, the nearest ones all belong to one's own: only those on
+    every side (Johnson and McGeoch's quadrant neighbours) lead out of it. Where a side has too
+    few, the cheapest of the rest fill up.
+
+    Parameters
+    ----------
+    costs
+        (n, n) table of legs.
+    points
+        (n, 2 or 3) customers, metres; sides are told by the first two columns.
+    nearest
+        How many come first, wherever they are.
+    each
+        How many come from each of the four quadrants besides; n > nearest + 4 * each.
+    """
+    order = near_rows(costs, len(costs) - 1)
+    apart = points[order, :2] - points[:, None, :2]
+    side = 2 * (apart[..., 0] >= 0) + (apart[..., 1] >= 0)
+    rest = side[:, nearest:]
+    rank = np.full(order.shape, 2)
+    rank[:, :nearest] = 0
+    for quadrant in range(4):
+        on = rest == quadrant
+        rank[:, nearest:][on & (np.cumsum(on, axis=1) <= each)] = 1
+    chosen = np.argsort(rank, axis=1, kind='stable')[:, : nearest + 4 * each]
+    return np.ascontiguousarray(np.take_along_axis(order, chosen, axis=1))

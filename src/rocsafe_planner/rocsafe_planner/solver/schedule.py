@@ -23,6 +23,10 @@ FOUNDERS = 4
 """Cycles from a construction before plans are crossed."""
 MEMBERS = 10
 """Plans that are kept for crossing."""
+SMALL_RUINS = (600, 1500)
+"""Of 4096 proposals, how many are ruin and recreate in cycles where there is a table of legs."""
+HASTY_RUINS, HASTE = 200, 5000
+"""How many where there are fewer than so many proposals a customer in all."""
 RATES = (6e6, 2.5e6)
 """Proposals a second that are counted on before any were made: with a table of legs, without."""
 
@@ -64,6 +68,7 @@ class Schedule:
         share = total / customers
         self.is_single = share < 4 * LEAST_CYCLE
         self.hot_start = share > 2000
+        self.has_time = share > HASTE
         self.full = (
             total if self.is_single else customers * min(max(share / 12, LEAST_CYCLE), MOST_CYCLE)
         )
@@ -130,9 +135,19 @@ class Schedule:
             cold=-5.5,
             floor=float(self.choices.choice([0.1, 0.2])),
             width=float(self.choices.choice([0.01, 0.02])),
-            ruins=10 if self.is_single else 40,
+            ruins=self._ruins(),
             long=int(self.choices.choice([0, 3])),
         )
+
+    def _ruins(self) -> int:
+        """Return how many of 4096 proposals are to be ruin and recreate.
+
+        One takes the time of some thirty others. They lead out of the traps of small and
+        clustered problems; large ones need the others first.
+        """
+        if self.customers > DENSE_SITES:
+            return 10 if self.is_single else 40
+        return int(self.choices.choice(SMALL_RUINS)) if self.has_time else HASTY_RUINS
 
     def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:
         """Return the pacer of a cycle of the present round."""
