@@ -9,8 +9,8 @@ import pathlib
 import numpy as np
 import pytest
 
-from rocsafe_mapping.alignment import initial
-from rocsafe_mapping.alignment.photo import footprint
+from rocsafe_mapping.alignment import initial, ties
+from rocsafe_mapping.alignment.photo import footprint, ground_frame_of, photo_of_record
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
 from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.products.quality import violations
@@ -181,3 +181,36 @@ def test_pair_of_look_alikes_is_left_out(usual):
     found = initial.start(maker.survey.photos, [*others, false])
     assert false not in found.pairs
     assert set(map(id, found.pairs)) == set(map(id, others))
+
+
+@pytest.mark.parametrize(
+    ('altitude_off_m', 'up_m', 'std_m'),
+    [(1.5, 33.5, 0.3), (-20.0, 32.0, math.hypot(0.3, 20.0)), (math.nan, 32.0, 0.3)],
+)
+def test_a_camera_is_as_high_as_its_altitude_says(altitude_off_m, up_m, std_m):
+    """The ground below differs; where it differs much, or the altitude is missing, it rules."""
+    shot = texture.flight(1)[0]
+    frame = ground_frame_of(shot.record)
+    ground_m = frame.frame.origin.altitude_m
+    record = dataclasses.replace(
+        shot.record,
+        height_agl_m=32.0,
+        altitude_m=ground_m + 32.0 + altitude_off_m,
+        position_covariance_m2=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.09),
+    )
+    photo = photo_of_record(record, frame)
+    assert photo.prior.centre[2] == pytest.approx(up_m, abs=1e-6)
+    assert photo.vertical_std_m == pytest.approx(std_m, rel=1e-6)
+
+
+def test_many_ties_are_thinned_evenly(usual, monkeypatch):
+    """A limit bounds memory: each pair keeps its share of ties."""
+    _, maker, alignment, _ = usual
+    pairs = maker.survey.used_pairs
+    whole = ties.ties_of(pairs, alignment.photos, held_out=False)
+    monkeypatch.setattr(ties, 'MOST_TIES', len(whole) // 3)
+    thinned = ties.ties_of(pairs, alignment.photos, held_out=False)
+    assert 0.2 * len(whole) < len(thinned) <= len(whole) / 3 + len(pairs)
+    assert set(zip(thinned.first, thinned.second, strict=True)) == set(
+        zip(whole.first, whole.second, strict=True)
+    )

@@ -32,7 +32,7 @@ LEVEL_SHARE = 0.0015
 ROUGH_SHARE = 0.015
 TALL_SHARE, NORMAL_TALL = 0.9, 1.645
 CELLS_PER_HEIGHT = 10.0
-SURFACE_ROUNDS = 3
+SURFACE_ROUNDS, TRUSTING_ROUNDS = 8, 6
 # Fixes needed before their scatter says more than their own claim, and how much more at most.
 LEAST_FIXES = 6
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.15, 8.0
@@ -62,12 +62,17 @@ def adjusted(
     equations = Equations(photos, ties, unknowns)
     state = _settled(equations, dataclasses.replace(state, noise=Noise()), MOST_STEPS)
     state = _settled(equations, _with_noise(equations, state), MOST_STEPS // 2)
-    for _ in range(SURFACE_ROUNDS):
+    for round_number in range(SURFACE_ROUNDS):
         state = _with_noise(equations, state)
         if not _is_rough(photos, state):
             break
-        state = _with_surface(equations, state)
-        state = _settled(equations, _with_noise(equations, state), MOST_STEPS // 4)
+        state = _with_noise(equations, _with_surface(equations, state))
+        if round_number < TRUSTING_ROUNDS:
+            # Ground that was taken for level pulled photographs from their fixes: fixes are not
+            # to blame for that, and are asked again.
+            noise = dataclasses.replace(state.noise, fix_factor=min(state.noise.fix_factor, 1.0))
+            state = dataclasses.replace(state, noise=noise)
+        state = _settled(equations, state, MOST_STEPS // 4)
     return state
 
 

@@ -29,6 +29,8 @@ LEAST_ANGLE_STD_RAD = math.radians(0.1)
 # Farthest ground that is drawn, in heights: beyond it, 79 degrees off nadir, a pixel of the
 # photograph smears over more than twenty times its size below the camera.
 LONGEST_REACH = 5.0
+# Where the ground rises or falls by more, over the height above it, it is far from level.
+LARGEST_RELIEF_SHARE = 0.15
 # Above this a yaw says nothing.
 UNKNOWN_YAW_STD_RAD = math.radians(60.0)
 
@@ -141,6 +143,7 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame) -> Photo:
     except ValueError as error:
         raise PlacementError(f'{record.shot_id} has no orientation: {error}') from error
     east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    up_m, up_std_m = _up(record, frame)
     _require_downward(record, rotation)
     turn = record.orientation_covariance_rad2
     fix = record.position_covariance_m2
@@ -151,15 +154,32 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame) -> Photo:
         lens=lens,
         camera=record.camera,
         focal_std_share=record.camera.focal_std_share,
-        prior=Pose(centre=np.array([east, north, height_m]), rotation=rotation),
+        prior=Pose(centre=np.array([east, north, up_m]), rotation=rotation),
         horizontal_std_m=_std(
             0.5 * (fix[0] + fix[4]), DEFAULT_HORIZONTAL_STD_M, LEAST_POSITION_STD_M
         ),
-        vertical_std_m=_std(fix[8], DEFAULT_VERTICAL_STD_M, LEAST_POSITION_STD_M),
+        vertical_std_m=up_std_m,
         tilt_std_rad=_std(0.5 * (turn[0] + turn[4]), DEFAULT_TILT_STD_RAD, LEAST_ANGLE_STD_RAD),
         yaw_std_rad=_std(turn[8], DEFAULT_YAW_STD_RAD, LEAST_ANGLE_STD_RAD),
         time_ns=record.time_ns,
     )
+
+
+def _up(record: ShotRecord, frame: GroundFrame) -> tuple[float, float]:
+    """Return how high a camera is above the frame's origin, metres, and its uncertainty.
+
+    Its altitude tells, for the ground below one photograph is not as high as that below the
+    next. Where both differ too much for ground that is nearly level, the height above the ground
+    keeps the photograph's scale right, and is uncertain by as much.
+    """
+    std_m = _std(record.position_covariance_m2[8], DEFAULT_VERTICAL_STD_M, LEAST_POSITION_STD_M)
+    up_m = record.altitude_m - frame.frame.origin.altitude_m
+    if not math.isfinite(up_m):
+        return record.height_agl_m, std_m
+    relief_m = abs(up_m - record.height_agl_m)
+    if relief_m > LARGEST_RELIEF_SHARE * record.height_agl_m:
+        return record.height_agl_m, math.hypot(std_m, relief_m)
+    return up_m, std_m
 
 
 def camera_matrix(camera: Intrinsics) -> FloatArray:

@@ -13,6 +13,7 @@ from rocsafe_mapping.alignment.projection import Transfer, Views, transfer
 from rocsafe_mapping.alignment.state import Lens, State
 
 Index = NDArray[np.int64]
+MOST_TIES = 150_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,6 +74,10 @@ def ties_of(pairs: Sequence[Pair], photos: Mapping[str, Photo], *, held_out: boo
     names = tuple(sorted({pair.first for pair in pairs} | {pair.second for pair in pairs}))
     index = {name: number for number, name in enumerate(names)}
     chosen = [pair.is_held_out == held_out for pair in pairs]
+    # Many photographs hold each other well with fewer ties: memory stays bounded.
+    every = -(-sum(int(mask.sum()) for mask in chosen) // MOST_TIES)
+    if every > 1:
+        chosen = [mask & (np.cumsum(mask) % every == 1) for mask in chosen]
     counts = [int(mask.sum()) for mask in chosen]
     cameras = [photos[name].camera for name in names]
     middles = np.array([(camera.cx_px, camera.cy_px) for camera in cameras]).reshape(-1, 2)
