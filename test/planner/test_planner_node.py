@@ -14,7 +14,14 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from rocsafe_interfaces.action import PlanSurvey
-from rocsafe_interfaces.msg import CameraSpec, GeoPoint, GeoPolygon, Region, VehicleSpec
+from rocsafe_interfaces.msg import (
+    CameraSpec,
+    GeoPoint,
+    GeoPolygon,
+    Region,
+    VehicleNow,
+    VehicleSpec,
+)
 from rocsafe_planner.planner_node import PlannerNode
 from rocsafe_ros.topics import PLAN, create_subscription
 
@@ -270,3 +277,26 @@ def test_legs_bend_around_exclusions(open_desk):
     assert plan.front_overlap_fraction == 0.2
     assert plan.objective == 'longest_time'
     assert plan.minimum_separation_m == math.inf
+
+
+@pytest.mark.parametrize('is_restarted', [False, True])
+def test_the_rest_of_a_plan_is_planned(open_desk, tmp_path, is_restarted):
+    """By its id, from memory or from its file: what is left is shared by those who can fly."""
+    desk = open_desk(export_directory=str(tmp_path))
+    plan = desk.ask(goal(method='strips')).plan
+    views = [view for route in plan.routes for view in route.viewpoints]
+    if is_restarted:
+        desk.node._plans.clear()
+    place = views[3].position
+    result = desk.ask(
+        PlanSurvey.Goal(
+            rest_of=plan.plan_id,
+            visited=[view.id for view in views[:4]],
+            able=[VehicleNow(name=plan.routes[0].vehicle, position=[place], used_s=60.0)],
+        )
+    )
+    assert result.error_msg == ''
+    (route,) = result.plan.routes
+    assert sorted(view.id for view in route.viewpoints) == sorted(v.id for v in views[4:])
+    unknown = desk.ask(PlanSurvey.Goal(rest_of='x'))
+    assert unknown.error_msg == "rest_of is 'x': must be a plan of this planner"

@@ -133,3 +133,15 @@ def test_restarted_world_stays_paused_when_all_are_idle() -> None:
         made.take(name, START + 500 * STEP, is_idle=True)
     made.due(0.01)
     assert made.due(0.02) is None
+
+
+def test_time_does_not_wait_for_who_has_left() -> None:
+    """A participant that is gone for good is waited for no more, in the same step already."""
+    made = clockwork()
+    made.take('rav1', START, is_idle=False)
+    assert made.due(LISTEN_S) is None
+    made.dismiss('rav2')
+    assert made.due(LISTEN_S) == START + STEP
+    made.take('rav1', START + STEP, is_idle=False)
+    made.dismiss('stranger')
+    assert made.due(LISTEN_S) == START + 2 * STEP

@@ -2,6 +2,7 @@
 """Scenario and status <-> messages."""
 
 import math
+from collections.abc import Container
 
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
@@ -15,10 +16,17 @@ from rocsafe_interfaces.msg import (
     Region,
     Route,
     SurveyPlan,
+    VehicleNow,
     VehicleSpec,
     VehicleState,
 )
-from rocsafe_orchestrator.mission.status import FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.mission.status import (
+    GROUNDED,
+    FlightState,
+    Monitor,
+    RunStatus,
+    VehicleStatus,
+)
 from rocsafe_orchestrator.scenario.camera_blocks import CameraBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_blocks import RegionBlock, VehicleBlock
@@ -113,6 +121,50 @@ def _landing(route: Route, vehicle: VehicleSpec) -> GeoPoint:
     )
 
 
+def rest_goal(
+    scenario: Scenario, plan: SurveyPlan, monitor: Monitor, lost: Container[str]
+) -> PlanSurvey.Goal:
+    """Return the request for the rest of `plan`, for those that are not lost.
+
+    Photographs that a lost vehicle has not handed over count as not taken. Who has landed away
+    from home stays there.
+    """
+    visited: list[int] = []
+    for route in plan.routes:
+        status = monitor.vehicle(route.vehicle)
+        count = status.viewpoints_visited if status.plan_id == plan.plan_id else 0
+        if route.vehicle in lost:
+            count = max(0, count - status.shots_pending)
+        visited += [viewpoint.id for viewpoint in route.viewpoints[:count]]
+    away = {route.vehicle for route in plan.routes if route.viewpoints and _ends_away(route)}
+    able = [
+        _vehicle_now(vehicle, monitor.vehicle(vehicle.name))
+        for vehicle in scenario.vehicles
+        if vehicle.name not in lost
+        and not (
+            vehicle.name in away and monitor.vehicle(vehicle.name).state is FlightState.LANDED
+        )
+    ]
+    return PlanSurvey.Goal(
+        rest_of=plan.plan_id,
+        visited=sorted(visited),
+        able=able,
+        terrain_file=scenario.survey.terrain_file,
+    )
+
+
+def _ends_away(route: Route) -> bool:
+    return bool(route.end) or bool(route.is_open)
+
+
+def _vehicle_now(vehicle: VehicleBlock, status: VehicleStatus) -> VehicleNow:
+    charge = status.battery_fraction
+    used_s = 0.0 if math.isnan(charge) else (1.0 - charge) * vehicle.endurance_s
+    is_aloft = status.state not in GROUNDED and status.position is not None
+    place = [point_of_position(status.position)] if is_aloft and status.position else []
+    return VehicleNow(name=vehicle.name, position=place, used_s=max(0.0, used_s))
+
+
 def viewpoint_count(plan: SurveyPlan) -> int:
     """Return the number of viewpoints on all routes of `plan`."""
     return sum(len(route.viewpoints) for route in plan.routes)
@@ -161,7 +213,17 @@ def status_of_vehicle(message: VehicleState) -> VehicleStatus:
         shots_taken=message.shots_taken,
         shots_pending=message.shots_pending,
         battery_fraction=message.battery_fraction,
+        plan_id=message.plan_id,
+        position=_position_of(message.position),
+        speed_mps=message.speed_mps,
     )
+
+
+def _position_of(point: GeoPoint) -> GeoPosition | None:
+    """Return a position, None if it is not known."""
+    if math.isnan(point.latitude) or (point.latitude, point.longitude) == (0.0, 0.0):
+        return None
+    return position_of_point(point)
 
 
 def position_of_reading(message: RadiationReading) -> GeoPosition | None:

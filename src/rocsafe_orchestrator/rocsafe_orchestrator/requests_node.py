@@ -11,7 +11,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
-from rocsafe_interfaces.msg import GeoPoint, Route, SurveyPlan
+from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
@@ -50,10 +50,20 @@ class Requests:
             spec.name: node.create_client(spec.call_type, spec.name)
             for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
         }
+        self._holds: dict[str, Client] = {
+            name: node.create_client(topics.HOLD.call_type, topics.name_of(topics.HOLD, name))
+            for name in (scenario.vehicle_names if scenario.replan == 'on_loss' else ())
+        }
+        self._steps = topics.create_publisher(node, topics.STEP_DONE)
+        self._visited: list[int] = []
+        self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
             OrderKind.FLY: self._send_fly,
             OrderKind.ADVISE: self._send_advise,
+            OrderKind.HOLD: self._send_hold,
+            OrderKind.DISMISS: self._dismiss,
+            OrderKind.PAUSE_CLOCK: self._pause,
             OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
             OrderKind.SAVE_MOSAIC: partial(self._call, topics.SAVE_MOSAIC, Trigger.Request()),
         }
@@ -80,7 +90,12 @@ class Requests:
 
     def _send_plan(self, order: Order) -> None:
         goal = conversions.plan_goal(self._scenario)
-        if self._viewpoints:
+        if self._mission is not None and self._mission.is_gathering and self._plan is not None:
+            goal = conversions.rest_goal(
+                self._scenario, self._plan, self._monitor, self._mission.losses
+            )
+            self._visited = list(goal.visited)
+        elif self._viewpoints:
             goal = conversions.further_goal(goal, self._viewpoints, list(self._plans.values()))
         self._send_goal(self._planner, goal, order, self._on_plan)
 
@@ -88,9 +103,30 @@ class Requests:
         if self._plan is None:
             return
         routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
-        goal = FlyRoute.Goal(route=routes[order.vehicle], plan_id=self._plan.plan_id)
+        goal = FlyRoute.Goal(
+            route=routes[order.vehicle],
+            plan_id=self._plan.plan_id,
+            replace=bool(self._photographed or self._visited),
+        )
         on_flight = partial(self._on_flight, self._plan.plan_id)
         self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+
+    def _send_hold(self, order: Order) -> None:
+        client = self._holds[order.vehicle]
+        answer = client.call_async(Trigger.Request())
+        answer.add_done_callback(partial(self._on_answer, topics.HOLD, order))
+
+    def _dismiss(self, order: Order) -> None:
+        self._steps.publish(StepDone(participant=order.vehicle, has_left=True))
+        if self._mission is not None:
+            self._mission.answered(order)
+
+    def _pause(self, order: Order) -> None:
+        """Let time stand still; not where a real vehicle takes part."""
+        if not self._scenario.linked:
+            self._call(topics.WORLD_RUN, SetBool.Request(data=False), order)
+        elif self._mission is not None:
+            self._mission.answered(order)
 
     def _send_advise(self, order: Order) -> None:
         request = SuggestViewpoints.Request(
@@ -130,11 +166,16 @@ class Requests:
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
             return
+        visited, self._visited = self._visited, []
+        if self._mission.is_gathering and self._plan is not None:
+            self._photographed += len(visited)
+            del self._plans[self._plan.plan_id]
         self._plan = self._plans[result.plan.plan_id] = result.plan
-        routed = [route for route in result.plan.routes if route.viewpoints]
-        plans = self._plans.values()
-        self._monitor.images_expected = sum(map(conversions.viewpoint_count, plans))
-        self._mission.planned([route.vehicle for route in routed])
+        # who is in the air without a viewpoint left flies home
+        routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
+        expected = sum(map(conversions.viewpoint_count, self._plans.values()))
+        self._monitor.images_expected = expected + self._photographed
+        self._mission.planned([route.vehicle for route in routed], len(visited))
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
         result = future.result().result

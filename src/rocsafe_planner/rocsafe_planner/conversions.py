@@ -19,9 +19,10 @@ from rocsafe_planner.flight_path import ground_places
 from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
+from rocsafe_planner.replanning import Situation
 from rocsafe_planner.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
 from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.vehicle import Aloft, Vehicle
 from rocsafe_planner.viewpoint import viewpoints_over
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
@@ -69,6 +70,25 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
         max_viewpoints=min(limit, options.max_viewpoints),
         viewpoints=viewpoints_over(places, camera, goal.height_agl_m) if places else (),
     )
+
+
+def situation_of_goal(goal: action.PlanSurvey.Goal) -> Situation:
+    """Return what became of the plan of which a goal asks for the rest.
+
+    Raises
+    ------
+    ValueError
+        Naming what is wrong with it.
+    """
+    return Situation(
+        alive={vehicle.name: _now(vehicle) for vehicle in goal.able},
+        visited=frozenset(int(number) for number in goal.visited),
+    )
+
+
+def _now(vehicle: msg.VehicleNow) -> Aloft | float:
+    place = _only_place(f'{vehicle.name} position', vehicle.position)
+    return vehicle.used_s if place is None else Aloft(position=place, used_s=vehicle.used_s)
 
 
 def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:

@@ -48,3 +48,10 @@ class PlannerOptions:
         """Return the folder for the files of a plan; one of given viewpoints has its own."""
         folder = Path(self.export_directory)
         return folder / f'further-{plan_id}' if is_further else folder
+
+    def exported(self, plan_id: str) -> tuple[Path, ...]:
+        """Return the files in which a plan may have been exported."""
+        if not self.export_directory:
+            return ()
+        folders = (self.export_folder(plan_id, is_further) for is_further in (False, True))
+        return tuple(folder / 'plan.json' for folder in folders)

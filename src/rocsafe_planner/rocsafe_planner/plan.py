@@ -62,13 +62,13 @@ class Route:
     @property
     def length_m(self) -> float:
         """Horizontal length of all flights."""
-        return sum(sortie.length_m for sortie in self.sorties)
+        return sum((sortie.length_m for sortie in self.sorties), 0.0)
 
     @property
     def duration_s(self) -> float:
         """Time from the first take-off to the last touch-down, battery swaps included."""
         swaps = max(0, len(self.sorties) - 1) * (self.vehicle.battery_swap_s or 0.0)
-        return sum(sortie.duration_s for sortie in self.sorties) + swaps
+        return sum((sortie.duration_s for sortie in self.sorties), 0.0) + swaps
 
     @property
     def finish_s(self) -> float:
@@ -78,7 +78,7 @@ class Route:
     @property
     def energy_wh(self) -> float:
         """Electric energy of all flights."""
-        return sum(sortie.energy_wh for sortie in self.sorties)
+        return sum((sortie.energy_wh for sortie in self.sorties), 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

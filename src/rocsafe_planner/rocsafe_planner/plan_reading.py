@@ -3,6 +3,7 @@
 
 import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,24 @@ def read_plan(path: str | Path, terrain: Terrain | None = None) -> SurveyPlan:
         raise ValueError(f'{path}: is no plan: it has no {error.args[0]!r}') from error
     except (TypeError, ValueError) as error:
         raise ValueError(f'{path}: {error}') from error
+
+
+def exported_plan(
+    paths: Iterable[Path], plan_id: str, terrain: Terrain | None = None
+) -> SurveyPlan:
+    """Return the plan of that id from the first of the files that holds it.
+
+    Raises
+    ------
+    ValueError
+        If none does.
+    """
+    for path in paths:
+        if path.is_file():
+            plan = read_plan(path, terrain)
+            if plan.plan_id == plan_id:
+                return plan
+    raise ValueError(f'rest_of is {plan_id!r}: must be a plan of this planner')
 
 
 def _check(document: Document, terrain: Terrain | None) -> None:

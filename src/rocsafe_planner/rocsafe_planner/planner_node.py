@@ -9,6 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
+from rocsafe_geo.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
 from rocsafe_interfaces.msg import SurveyPlan
 from rocsafe_planner.conversions import (
@@ -18,12 +19,16 @@ from rocsafe_planner.conversions import (
     result_of_error,
     result_of_plan,
     result_of_stopped,
+    situation_of_goal,
 )
 from rocsafe_planner.errors import PlannerError, PlanningCancelledError
 from rocsafe_planner.options import PlannerOptions
+from rocsafe_planner.plan import SurveyPlan as PlanValue
 from rocsafe_planner.plan_files import write_plan
+from rocsafe_planner.plan_reading import exported_plan
 from rocsafe_planner.planning import Progress, plan_survey
 from rocsafe_planner.planning_job import PlanningJob
+from rocsafe_planner.replanning import remaining_request
 from rocsafe_planner.request import SurveyRequest
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
@@ -47,6 +52,7 @@ class PlannerNode(Node):
         super().__init__('planner', **kwargs)
         self._options = declare_options(self, PlannerOptions)
         self._plan_publisher = create_publisher(self, PLAN)
+        self._plans: dict[str, PlanValue] = {}
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._server = ActionServer(
@@ -66,7 +72,7 @@ class PlannerNode(Node):
         """Plan in a thread, wait for it without blocking, publish the plan."""
         self._newest = goal
         try:
-            request = request_of_goal(goal.request, self._options)
+            request = self._request(goal.request)
             message = await self._planned(goal, request)
         except (PlannerError, ValueError) as error:
             return self._refuse(goal, error)
@@ -85,6 +91,18 @@ class PlannerNode(Node):
         goal.succeed()
         return result_of_plan(message)
 
+    def _request(self, goal: PlanSurvey.Goal) -> SurveyRequest:
+        """Return what a goal asks for: a new plan, or the rest of one made before."""
+        if not goal.rest_of:
+            return request_of_goal(goal, self._options)
+        situation = situation_of_goal(goal)
+        terrain = read_terrain(goal.terrain_file) if goal.terrain_file else None
+        plan = self._plans.get(goal.rest_of)
+        return remaining_request(
+            plan or exported_plan(self._options.exported(goal.rest_of), goal.rest_of, terrain),
+            situation,
+        )
+
     async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
         """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
         job = Job(partial(self._plan, request))
@@ -99,6 +117,7 @@ class PlannerNode(Node):
     def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
         """Plan and export; runs in the job's thread."""
         plan = plan_survey(request, on_progress)
+        self._plans[plan.plan_id] = plan
         is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
         if self._options.export_directory and is_wanted:
             write_plan(plan, self._options.export_folder(plan.plan_id, bool(request.viewpoints)))

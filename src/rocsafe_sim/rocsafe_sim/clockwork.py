@@ -91,6 +91,11 @@ class Clockwork:
             self._was_busy = self._was_busy or not is_idle
             self.is_running = self.is_running or (self._is_adopted and not is_idle)
 
+    def dismiss(self, name: str) -> None:
+        """Wait for a participant no more: it will not come back."""
+        self._names -= {name}
+        self._idle.pop(name, None)
+
     def due(self, wall_s: float) -> int | None:
         """Return the time to be published now, None if it is not time yet."""
         if self._published_s is None:

@@ -54,6 +54,10 @@ class WorldNode(Node):
         self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
 
     def _on_step_done(self, report: StepDone) -> None:
+        if report.has_left:
+            self._clockwork.dismiss(report.participant)
+            self._advance()
+            return
         self._clockwork.take(report.participant, ns_of_stamp(report.step), is_idle=report.is_idle)
         self._advance()
 

@@ -133,6 +133,7 @@ class MissionRun:
             waiting_for=parts.node.waiting_for(parts.participants),
             images_stored=parts.monitor.images_stored,
             images_rejected=len(parts.monitor.rejections),
+            still=parts.monitor.still,
         )
 
     def _carry_out(self, order: Order) -> None:
@@ -161,6 +162,7 @@ class MissionRun:
             outcome_text=mission.text,
             wall_time_s=round(time.monotonic() - self._started_s, 3),
             restarts=self._parts.supervisor.restarts,
+            lost_vehicles=mission.losses,
             rejected_images=self._parts.monitor.rejections,
         )
         write_json(self._parts.directory.run_info, self._parts.run_info)

@@ -149,6 +149,7 @@ class _Flight:
                 planning_budget_s=self.scenario.survey.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.radiation.search.extra_rounds,
+                replans=self.scenario.replan == 'on_loss',
             )
             parts = Parts(
                 table=table,

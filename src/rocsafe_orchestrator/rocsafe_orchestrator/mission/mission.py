@@ -8,6 +8,7 @@ mosaic and the products are made of what was recorded.
 
 from collections.abc import Callable, Iterable
 
+from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import OrchestratorOptions
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
@@ -15,7 +16,7 @@ from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.standstill import Standstill
 
-PLANNER, WORLD, MOSAIC, REPORT = 'planner', 'world', 'mosaic', 'report'
+MOSAIC, REPORT = 'mosaic', 'report'
 LOCALIZER = 'localizer'
 
 
@@ -29,6 +30,7 @@ class Mission:
     planning_budget_s: wall time that the planner may use.
     slowest_beat_s: wall time between two beats of simulated time when all is well.
     extra_rounds: how often, at most, all fly again to where readings tell most.
+    replans: whether the others take over what a lost vehicle has not photographed.
     """
 
     def __init__(
@@ -39,6 +41,7 @@ class Mission:
         planning_budget_s: float = 0.0,
         slowest_beat_s: float = 0.0,
         extra_rounds: int = 0,
+        replans: bool = False,
     ) -> None:
         self.phase = Phase.STARTING
         self.faults: list[str] = []
@@ -50,11 +53,12 @@ class Mission:
         self._stall_timeout_s = options.stall_timeout_s + slowest_beat_s
         self._outcome = Phase.COMPLETE
         self._requests = RequestBook(options.repeat_s)
+        self._losses = Losses(crew, self._requests, is_replaced=replans)
         self._rounds_left = extra_rounds
         self._is_extra = False
         self._entered_s: float | None = None
         self._progress = Standstill()
-        self._shots = 0
+        self._shots = self._shots_before = 0
         self._is_cancelled = False
 
     @property
@@ -100,7 +104,13 @@ class Mission:
         if request is None or request.status is Status.DONE:
             return
         request.finish()
-        if self._is_extra and self.phase is Phase.PLANNING:
+        if order.kind is OrderKind.HOLD:
+            return  # it is on the ground, or comes down
+        if self._losses.is_gathering and order.kind is OrderKind.PLAN:
+            self._fault(f'no plan for the rest: {text}')
+            self._losses.go_on()
+            self._enter(Phase.FLYING)
+        elif self._is_extra and self.phase is Phase.PLANNING:
             self._collect_next(f'no further round: {text}')
         else:
             self._fault(text)
@@ -117,12 +127,22 @@ class Mission:
         else:
             self._collect_next(f'no further round: {text}')
 
-    def planned(self, routed: Iterable[str]) -> None:
-        """Note the plan: the vehicles named have viewpoints to visit."""
+    def planned(self, routed: Iterable[str], visited: int = 0) -> None:
+        """Note the plan: the vehicles named have viewpoints to visit.
+
+        `visited` is the number of viewpoints of the plan before that it leaves out because they
+        are photographed.
+        """
         plan = self._requests.get(OrderKind.PLAN)
         if plan is None or plan.status is Status.DONE or self.phase is not Phase.PLANNING:
             return
         plan.finish()
+        if self._losses.is_gathering:
+            self._shots = self._shots_before = self._shots_before + visited
+            self._losses.go_on(routed)
+            self._enter(Phase.FLYING)
+            return
+        self._shots_before = self._shots
         for vehicle in routed:
             process = self._crew.vehicle_processes[vehicle]
             self._requests.add(OrderKind.FLY, process, vehicle)
@@ -134,8 +154,29 @@ class Mission:
             return
         request.finish()
         self._shots += shots
-        if fault:
+        if fault and not self._replaced([vehicle], fault):
             self._fault(f'{vehicle}: {fault}')
+
+    @property
+    def is_gathering(self) -> bool:
+        """Whether the rest of the survey is being planned because a vehicle is lost."""
+        return self._losses.is_gathering
+
+    @property
+    def losses(self) -> dict[str, str]:
+        """Vehicles that were lost in flight, and why."""
+        return dict(self._losses.lost)
+
+    def _replaced(self, vehicles: list[str], why: str, *, is_gone: bool = False) -> bool:
+        """Let others take over from lost vehicles; return whether they do."""
+        is_aloft = self.phase is Phase.FLYING or self._losses.is_gathering
+        if not vehicles or not is_aloft or self._is_cancelled:
+            return False
+        if not self._losses.note(vehicles, why, is_gone=is_gone):
+            return False
+        self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
+        self._enter(Phase.PLANNING)
+        return True
 
     def restarted(self, process: str, now_s: float) -> None:
         """Ask `process`, which has lost its memory of our requests, again."""
@@ -143,6 +184,8 @@ class Mission:
         for request in self._requests:
             if request.server == process:
                 request.reset()
+        if process == WORLD:
+            self._losses.dismiss_again()
         clock = self._requests.get(OrderKind.RUN_CLOCK)
         if clock is not None and (
             process == WORLD or process in self._crew.vehicle_processes.values()
@@ -157,6 +200,8 @@ class Mission:
             self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
         elif self.phase is Phase.MAPPING and process != MOSAIC:
             self._fault(f'{process} {text}')
+        elif self._replaced(self._losses.of_process(process), text, is_gone=True):
+            return
         elif self.phase < Phase.REPORTING:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
@@ -187,8 +232,10 @@ class Mission:
             limit = self._options.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
 
-    def _plan(self, now_s: float, _situation: Situation) -> None:
-        if self.faults:
+    def _plan(self, now_s: float, situation: Situation) -> None:
+        if self._losses.is_gathering:
+            self._gather(now_s, situation)
+        elif self.faults:
             self._fail()
         elif self._requests.all_done(OrderKind.PLAN):
             self._enter(Phase.FLYING)
@@ -196,6 +243,14 @@ class Mission:
             self._collect_next(f'no further round planned within {self._plan_timeout_s:g} s')
         elif self._phase_s(now_s) > self._plan_timeout_s:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
+
+    def _gather(self, now_s: float, situation: Situation) -> None:
+        """Let those that are not lost hold, and plan the rest for them."""
+        self._losses.advance(situation)
+        if self._phase_s(now_s) > self._plan_timeout_s:
+            self._fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
+            self._losses.go_on()
+            self._enter(Phase.FLYING)
 
     def _fly(self, now_s: float, situation: Situation) -> None:
         routes = self._requests.of_kind(OrderKind.FLY)

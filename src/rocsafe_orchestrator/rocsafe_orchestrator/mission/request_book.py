@@ -35,6 +35,11 @@ class RequestBook:
             repeat_s = PATIENT_REPEAT_S if kind in SLOW_ORDERS else self._repeat_s
             self._requests[order] = Request(order, server, repeat_s)
 
+    def renew(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
+        """Ask `server` for an order, again if it has been carried out."""
+        self._requests.pop(Order(kind=kind, vehicle=vehicle), None)
+        self.add(kind, server, vehicle)
+
     def forget(self) -> None:
         """Ask for nothing any more."""
         self._requests = {}

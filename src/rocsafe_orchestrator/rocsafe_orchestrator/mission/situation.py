@@ -16,6 +16,7 @@ class Situation:
     waiting_for: whom simulated time waits for, as far as is known.
     images_stored: photographs that are safe in the store.
     images_rejected: photographs that never will be.
+    still: vehicles that stand, in the air or on the ground.
     """
 
     ready: frozenset[str]
@@ -23,6 +24,7 @@ class Situation:
     waiting_for: tuple[str, ...] = ()
     images_stored: int = 0
     images_rejected: int = 0
+    still: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -32,6 +32,13 @@ class FlightState(IntEnum):
         return is_flying or self is FlightState.CRASHED
 
 
+GROUNDED = frozenset(
+    {FlightState.DISARMED, FlightState.WAITING, FlightState.LANDED, FlightState.CRASHED}
+)
+# A vehicle that holds and is slower than this stands.
+STILL_MPS = 0.05
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleStatus:
     """Latest word of one vehicle; `time_s` is its stamp, seconds since the epoch."""
@@ -44,6 +51,16 @@ class VehicleStatus:
     shots_taken: int = 0
     shots_pending: int = 0
     battery_fraction: float = math.nan
+    plan_id: str = ''
+    position: GeoPosition | None = None
+    speed_mps: float = math.nan
+
+    @property
+    def is_still(self) -> bool:
+        """Whether it stands, in the air or on the ground."""
+        if self.state is FlightState.HOLDING:
+            return self.speed_mps < STILL_MPS
+        return self.state in GROUNDED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +118,15 @@ class Monitor:
     def vehicles(self) -> tuple[VehicleStatus, ...]:
         """Latest status of each vehicle."""
         return tuple(self._vehicles.values())
+
+    def vehicle(self, name: str) -> VehicleStatus:
+        """Return the latest status of one vehicle."""
+        return self._vehicles[name]
+
+    @property
+    def still(self) -> frozenset[str]:
+        """Names of the vehicles that stand."""
+        return frozenset(name for name, status in self._vehicles.items() if status.is_still)
 
     @property
     def images_stored(self) -> int:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scenario: what one mission surveys, with which vehicles, over which ground and sources."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import yaml
 from pydantic import Field
@@ -39,6 +39,7 @@ class Scenario(Block):
     other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
+    replan: Literal['never', 'on_loss'] = 'never'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
     radiation: RadiationBlock = RadiationBlock()
 

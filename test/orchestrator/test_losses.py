@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Vehicles lost in flight: the others hold, the rest is planned, they fly on."""
+
+import pytest
+
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Crew, Situation
+
+NAMES = ('rav1', 'rav2', 'rav3')
+PROCESSES = frozenset({'planner', 'world', 'mosaic', *NAMES})
+CREW = Crew(vehicle_processes={name: name for name in NAMES}, processes=PROCESSES)
+
+
+def order(kind: OrderKind, vehicle: str = '') -> Order:
+    """Return an order."""
+    return Order(kind=kind, vehicle=vehicle)
+
+
+def still(*names: str, images: int = 0) -> Situation:
+    """Return a situation in which these vehicles stand."""
+    return Situation(ready=PROCESSES, still=frozenset(names), images_stored=images)
+
+
+class Airborne:
+    """A mission with three vehicles in the air, and a clock of its own."""
+
+    def __init__(self, *, replans: bool = True) -> None:
+        self.mission = Mission(CREW, OrchestratorOptions(), replans=replans)
+        self.now_s = 100.0
+        self.advance()
+        self.mission.planned(NAMES)
+        self.accept(*self.advance())
+        self.accept(*self.advance())
+        assert self.mission.phase is Phase.FLYING
+
+    def advance(self, situation: Situation | None = None, after_s: float = 0.1) -> list[Order]:
+        """Let time pass and return the orders of that moment."""
+        self.now_s += after_s
+        return self.mission.advance(self.now_s, situation or still())
+
+    def accept(self, *orders: Order) -> None:
+        """Let routes be accepted, and everything else be done."""
+        for each in orders:
+            if each.kind is OrderKind.FLY:
+                self.mission.accepted(each)
+            else:
+                self.mission.answered(each)
+
+    def gathered(self) -> 'Airborne':
+        """Lose the second one and let the others stand, up to the question for a plan."""
+        self.mission.flown('rav2', 2, 'aborted its flight')
+        self.accept(*self.advance())
+        self.accept(*self.advance(still(*NAMES)))
+        assert self.advance(still(*NAMES)) == [order(OrderKind.PLAN)]
+        return self
+
+
+def test_others_hold_and_the_rest_is_planned_in_paused_time() -> None:
+    """A hold for each in the air; then, when they stand, a pause; then the plan."""
+    flying = Airborne()
+    flying.mission.flown('rav2', 2, 'aborted its flight')
+    holds = flying.advance()
+    assert holds == [order(OrderKind.HOLD, 'rav1'), order(OrderKind.HOLD, 'rav3')]
+    flying.accept(*holds)
+    assert flying.advance(still('rav1')) == []
+    assert flying.advance(still('rav1', 'rav3')) == [order(OrderKind.PAUSE_CLOCK)]
+    flying.accept(order(OrderKind.PAUSE_CLOCK))
+    assert flying.advance(still('rav1', 'rav3')) == [order(OrderKind.PLAN)]
+    assert flying.mission.remarks[-1] == 'rav2: aborted its flight; the others take over'
+    assert flying.mission.losses == {'rav2': 'aborted its flight'}
+
+
+def test_new_routes_are_flown_and_time_runs_on() -> None:
+    """Who has a route of the new plan flies it; the mission is complete with all photographs."""
+    flying = Airborne().gathered()
+    flying.mission.planned(['rav1', 'rav3'], visited=5)
+    routes = flying.advance()
+    assert routes == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav3')]
+    flying.accept(*routes)
+    assert flying.advance() == [order(OrderKind.RUN_CLOCK)]
+    flying.mission.flown('rav1', 3)
+    flying.mission.flown('rav3', 1)
+    flying.advance()
+    assert flying.mission.phase is Phase.COLLECTING
+    flying.advance(still(images=8))
+    assert flying.mission.phase is Phase.COLLECTING
+    flying.advance(still(images=9))
+    assert flying.mission.phase is Phase.MAPPING
+    assert flying.mission.outcome is Phase.COMPLETE
+
+
+def test_without_the_switch_a_loss_fails_the_mission() -> None:
+    """The others fly their own routes to the end."""
+    flying = Airborne(replans=False)
+    flying.mission.flown('rav2', 2, 'aborted its flight')
+    assert flying.advance() == []
+    assert flying.mission.phase is Phase.FLYING
+    assert flying.mission.text == 'rav2: aborted its flight'
+
+
+def test_vehicle_whose_process_is_gone_is_not_waited_for() -> None:
+    """The world is told, and told again when it is started again."""
+    flying = Airborne()
+    flying.mission.gave_up('rav2', 'was ended by SIGKILL after 5 restarts')
+    orders = flying.advance()
+    gone = order(OrderKind.DISMISS, 'rav2')
+    assert gone in orders
+    assert order(OrderKind.HOLD, 'rav1') in orders
+    flying.accept(*orders)
+    assert gone not in flying.advance()
+    flying.mission.restarted('world', flying.now_s)
+    assert gone in flying.advance()
+
+
+def test_rest_that_cannot_be_planned_leaves_the_others_to_their_routes() -> None:
+    """The reason is a fault; who held goes on with the route that it had."""
+    flying = Airborne().gathered()
+    flying.mission.refused(order(OrderKind.PLAN), 'planner: rav1 needs 900 s')
+    assert flying.advance() == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav3')]
+    assert flying.mission.text == 'no plan for the rest: planner: rav1 needs 900 s'
+    assert flying.mission.outcome is Phase.FAILED
+
+
+def test_refused_hold_is_no_fault() -> None:
+    """Who is on the ground already cannot hold, and need not."""
+    flying = Airborne()
+    flying.mission.flown('rav2', 2, 'aborted its flight')
+    for hold in flying.advance():
+        flying.mission.refused(hold, 'cannot hold: landed')
+    assert flying.advance(still(*NAMES)) == [order(OrderKind.PAUSE_CLOCK)]
+    assert flying.mission.text == ''
+
+
+def test_who_does_not_stand_in_time_flies_on() -> None:
+    """Gathering has a deadline."""
+    flying = Airborne()
+    flying.mission.flown('rav2', 2, 'aborted its flight')
+    flying.accept(*flying.advance())
+    orders = flying.advance(still('rav1'), after_s=181.0) + flying.advance()
+    assert order(OrderKind.FLY, 'rav3') in orders
+    assert 'the rest was not planned within 180 s' in flying.mission.text
+
+
+@pytest.mark.parametrize('last', ['rav1', 'rav3'])
+def test_second_loss_leaves_one(last: str) -> None:
+    """Another one is lost while the rest is planned: the last one takes over all of it."""
+    flying = Airborne().gathered()
+    flying.mission.planned(['rav1', 'rav3'], visited=5)
+    flying.accept(*flying.advance())
+    flying.accept(*flying.advance())
+    lost = ({'rav1', 'rav3'} - {last}).pop()
+    flying.mission.flown(lost, 0, 'crashed')
+    assert flying.advance() == [order(OrderKind.HOLD, last)]
+
+
+def test_nobody_is_left() -> None:
+    """The last loss fails the mission, which still makes its map."""
+    flying = Airborne()
+    for name in NAMES:
+        flying.mission.flown(name, 1, 'crashed')
+        flying.mission.gave_up(name, 'was ended')
+    flying.advance(still(*NAMES))
+    assert flying.mission.outcome is Phase.FAILED
