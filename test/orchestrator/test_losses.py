@@ -124,6 +124,14 @@ def test_rest_that_cannot_be_planned_leaves_the_others_to_their_routes() -> None
     assert flying.mission.outcome is Phase.FAILED
 
 
+def test_loss_after_the_last_photograph_is_no_fault() -> None:
+    """The others go on with their routes, home."""
+    flying = Airborne().gathered()
+    flying.mission.nothing_left()
+    assert flying.advance() == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav3')]
+    assert flying.mission.outcome is Phase.COMPLETE
+
+
 def test_refused_hold_is_no_fault() -> None:
     """Who is on the ground already cannot hold, and need not."""
     flying = Airborne()

@@ -95,6 +95,9 @@ class Requests:
                 self._scenario, self._plan, self._monitor, self._mission.losses
             )
             self._visited = list(goal.visited)
+            if len(self._visited) == conversions.viewpoint_count(self._plan):
+                self._mission.nothing_left()
+                return
         elif self._viewpoints:
             goal = conversions.further_goal(goal, self._viewpoints, list(self._plans.values()))
         self._send_goal(self._planner, goal, order, self._on_plan)

@@ -147,6 +147,11 @@ class Mission:
             process = self._crew.vehicle_processes[vehicle]
             self._requests.add(OrderKind.FLY, process, vehicle)
 
+    def nothing_left(self) -> None:
+        """Note that a lost vehicle has left nothing to photograph: the others fly on."""
+        self._losses.go_on()
+        self._enter(Phase.FLYING)
+
     def flown(self, vehicle: str, shots: int, fault: str = '') -> None:
         """Note that `vehicle` has landed with `shots` photographs; `fault` if not as planned."""
         request = self._requests.get(OrderKind.FLY, vehicle)
