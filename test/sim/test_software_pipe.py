@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Without EGL: plain pictures, but exact labels and depth. With a GPU: the same as without."""
+"""What draws: the software pipe exactly, other threads and processes the same, a GPU as well."""
 
 import os
 
@@ -102,6 +102,16 @@ def test_what_moves_moves_without_egl(plain):
         for field in FIELDS:
             key = f'{name}-0-{field}'
             assert np.array_equal(frames[key], frames[f'{key}-again']), key
+
+
+def test_other_processes_and_threads_draw_the_same_bytes(tmp_path):
+    """One thread or two, this process or that: nothing differs."""
+    first, _ = drawn(tmp_path, LP_NUM_THREADS='1')
+    if first['degraded']:
+        pytest.skip('no EGL here')
+    second, _ = drawn(tmp_path, LP_NUM_THREADS='2')
+    for key, value in first.items():
+        assert np.array_equal(value, second[key]), key
 
 
 @pytest.mark.skipif(GPU not in os.environ, reason=f'{GPU} names no graphics device')
