@@ -5,11 +5,12 @@ Lines keep their width at every zoom (``non-scaling-stroke``); marks keep their 
 custom property ``--k``, metres of the map in one pixel of the screen.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rocsafe_orchestrator.products.summary import HighestReading
 from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.map_data import DosePoint, MapData
+from rocsafe_orchestrator.report.map_data import DosePoint, MapData, SourcePoint
 from rocsafe_orchestrator.report.markup import Markup, element, number, style
 from rocsafe_orchestrator.report.palette import DoseScale, ramp_colour
 from rocsafe_orchestrator.report.pictures import GroundPicture
@@ -166,7 +167,7 @@ def estimates_layer(data: MapData) -> Markup:
         pin(
             (source.x, source.y),
             element('path', class_='estimate', d='M-15 0H-4M4 0H15M0 -15V-4M0 4V15'),
-            _label(f'source {index} (estimated)', 20, below=True),
+            _label(f'source {index} (estimated)', 20, side='left'),
         )
         for index, source in enumerate(data.estimates, 1)
     )
@@ -211,8 +212,10 @@ def labels_layer(data: MapData, colours: Mapping[str, str]) -> Markup:
     )  # fmt: skip
 
 
-def highest_layer(highest: HighestReading | None, place: Point | None) -> Markup:
-    """Return a ring around the place of the highest reading."""
+def highest_layer(
+    highest: HighestReading | None, place: Point | None, sources: Sequence[SourcePoint] = ()
+) -> Markup:
+    """Return a ring around the place of the highest reading, its name away from the sources'."""
     if highest is None or place is None:
         return layer('highest')
     text = f'highest {formats.spaced(formats.dose_rate(highest.dose_rate_usvh))}'
@@ -222,9 +225,17 @@ def highest_layer(highest: HighestReading | None, place: Point | None) -> Markup
             place,
             element('circle', class_='highest-casing', r=16),
             element('circle', class_='highest', r=16),
-            _label(text, 20, below=True),
+            _label(text, 20, side=_free_side(place, sources)),
         ),
     )
+
+
+def _free_side(place: Point, sources: Sequence[SourcePoint]) -> str:
+    """Return above or below: names of sources stand beside these. South is down: y grows."""
+    nearest = min(
+        sources, key=lambda one: math.hypot(one.x - place[0], one.y - place[1]), default=None
+    )
+    return 'above' if nearest is not None and place[1] < nearest.y else 'below'
 
 
 def replay_layer(data: MapData, colours: Mapping[str, str]) -> Markup:
@@ -262,9 +273,13 @@ def pin(
 _BLADE = 'M-1.5 -2.6L-4 -6.93A8 8 0 0 1 4 -6.93L1.5 -2.6A3 3 0 0 0 -1.5 -2.6Z'
 
 
-def _label(text: str, offset: int, *, below: bool = False) -> Markup:
-    if below:
-        return element('text', text, class_='label label-below', y=offset + 11)
+def _label(text: str, offset: int, *, side: str = 'right') -> Markup:
+    """Return a text on one side of a mark: right, left, above or below."""
+    if side in ('above', 'below'):
+        y = offset + 11 if side == 'below' else -offset
+        return element('text', text, class_='label label-middle', y=y)
+    if side == 'left':
+        return element('text', text, class_='label label-left', x=-offset, y=4)
     return element('text', text, class_='label', x=offset, y=4)
 
 

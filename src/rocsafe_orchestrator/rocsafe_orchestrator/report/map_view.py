@@ -63,7 +63,7 @@ def map_section(
         map_layers.region_layer(data),
         map_layers.photos_layer(data),
         map_layers.homes_layer(data, colours),
-        map_layers.highest_layer(highest, place),
+        map_layers.highest_layer(highest, place, data.sources),
         map_layers.sources_layer(data),
         map_layers.estimates_layer(data),
         map_layers.labels_layer(data, colours),
