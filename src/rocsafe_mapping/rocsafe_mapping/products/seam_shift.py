@@ -20,11 +20,11 @@ NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
 BoolArray = NDArray[np.bool_]
 
 
-def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
+def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatArray, FloatArray]:
     """Return shifts of photographs at places along all seams, map pixels (n,), and where (n, 2).
 
-    By phase correlation of patches (Kuglin, Hines 1975) of 64 pixels; patches without a clear
-    answer do not count.
+    About `most` places are asked, by phase correlation of patches of 64 pixels (Kuglin, Hines
+    1975); patches without a clear answer do not count.
     """
     labels, window = renderer.labels, renderer.label_window
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
@@ -34,7 +34,7 @@ def seam_shifts_px(renderer: Renderer) -> tuple[FloatArray, FloatArray]:
         other = labels[1:] if axis == 0 else labels[:, 1:]
         rows, columns = np.nonzero((one != other) & (one != NOBODY) & (other != NOBODY))
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
-    chosen = places[:: max(1, len(places) // MOST_PATCHES)]
+    chosen = places[:: max(1, len(places) // most)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
     shifts: list[float] = []
     middles: list[tuple[float, float]] = []
