@@ -23,7 +23,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
 
-DEADLINE_S = 5.0
+DEADLINE_S = 30.0
 
 
 def message_of(record, image):
@@ -157,7 +157,13 @@ def test_label_images_are_kept_beside_the_photographs(ros, tmp_path, shot):
     bench = Bench(ros, tmp_path / 'images', store_labels=True)
     labels = topics.create_publisher(bench.drone, topics.CAMERA_LABELS, 'rav1')
     table = topics.create_publisher(bench.drone, topics.CAMERA_LABEL_TABLE, 'rav1')
-    ros.spin_until(lambda: labels.get_subscription_count() == 1, DEADLINE_S)
+    ros.spin_until(
+        lambda: (
+            labels.get_subscription_count() == 1
+            and bench.node.count_publishers(labels.topic_name) == 1
+        ),
+        DEADLINE_S,
+    )
     table.publish(String(data='[{"number": 513, "class": "tree"}]'))
     record, image = shot()
     message = Image(encoding='mono16', width=2, height=1, step=4, data=[1, 2, 0, 0])
