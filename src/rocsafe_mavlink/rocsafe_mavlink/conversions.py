@@ -62,6 +62,7 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     home = position_of_point(message.home)
     if not message.viewpoints:
         raise ValueError('the route has no viewpoint')
+    _require_plain(message)
     waypoints: list[Waypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
@@ -76,6 +77,17 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
+
+
+def _require_plain(message: RouteMessage) -> None:
+    """Refuse what real vehicles do not fly: late, in several flights, to another place."""
+    if message.delay_s > 0.0:
+        raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
+    if len(message.flights) > 1:
+        count = len(message.flights)
+        raise ValueError(f'the route has {count} flights: must be 1, batteries are not changed')
+    if message.end or message.is_open:
+        raise ValueError('the route ends elsewhere: must end at home')
 
 
 def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[Waypoint]:
