@@ -184,6 +184,16 @@ def test_link_loss_that_does_nothing_may_forbid_the_flight():
         assert verdicts['link-loss action'] is Verdict.FAIL
 
 
+@pytest.mark.parametrize(
+    ('asks', 'value'), [(1, 'not read yet'), (6, 'FS_GCS_ENABLE not answered')]
+)
+def test_setting_is_waited_for(asks, value):
+    """What was asked for just now is not yet without an answer."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found={}, asks=asks)
+    checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, Knowledge(parameters=reader))
+    assert {check.name: check.value for check in checks}['link-loss action'] == value
+
+
 def test_fence_travels_and_holds():
     """As items and back; a place in an exclusion is outside."""
     ring = tuple(offset(PLACE, *c) for c in ((-50, -50), (50, -50), (50, 50), (-50, 50)))

@@ -18,6 +18,8 @@ from rocsafe_mavlink.flight_plan import FlightPlan
 from rocsafe_mavlink.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.vehicle import Contact, Home, Vehicle
 
+# Of a setting that was asked for and may still be answered.
+NOT_READ = 'not read yet'
 # Corners: measured on a recorded survey, a constant speed alone is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
@@ -180,7 +182,7 @@ def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> lis
     must_return = limits.must_return_on_link_loss
     if reader is None:
         verdict = Verdict.FAIL if must_return else Verdict.WARN
-        return [Check('settings', verdict, 'not read yet', 'read')]
+        return [Check('settings', verdict, NOT_READ, 'read')]
     return [
         _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
         _setting(reader, Parameter.LOW_BATTERY_ACTION, is_required=False),
@@ -191,7 +193,8 @@ def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> lis
 def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
     value, spelling = reader.value(parameter), reader.spelling(parameter)
     is_on = math.isfinite(value) and value != 0.0
-    text = f'{spelling} = {value:g}' if math.isfinite(value) else f'{spelling} not answered'
+    unknown = f'{spelling} not answered' if reader.is_over else NOT_READ
+    text = f'{spelling} = {value:g}' if math.isfinite(value) else unknown
     verdict = Verdict.PASS if is_on else Verdict.FAIL if is_required else Verdict.WARN
     return Check(
         parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'

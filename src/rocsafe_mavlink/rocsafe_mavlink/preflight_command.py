@@ -21,7 +21,7 @@ from rocsafe_mavlink.drone import Drone
 from rocsafe_mavlink.errors import MavlinkError
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
 from rocsafe_mavlink.line import Line
-from rocsafe_mavlink.preflight import Check, Verdict, failures
+from rocsafe_mavlink.preflight import NOT_READ, Check, Verdict, failures
 
 POLL_S = 0.02
 LARGEST_PATIENCE_S = 300.0
@@ -112,7 +112,7 @@ def answer_of(drone: Drone, plan: FlightPlan | None) -> dict[str, Any]:
 
 def _is_settled(drone: Drone, plan: FlightPlan | None, now_s: float) -> bool:
     checks = _checks(drone, plan, now_s)
-    is_waiting = any(check.value == 'not read yet' for check in checks)
+    is_waiting = any(check.value == NOT_READ for check in checks)
     failed = [check for check in checks if check.verdict is Verdict.FAIL]
     return not is_waiting and not any(check.may_pass_soon for check in failed)
 
