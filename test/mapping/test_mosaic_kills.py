@@ -32,7 +32,7 @@ KILLS = int(os.environ.get('ROCSAFE_MOSAIC_KILLS', '3'))
 CHILD = pathlib.Path(__file__).with_name('mosaic_child.py')
 DEADLINE_S = 120.0
 # Files that are being written have these endings, and nobody takes them for a map.
-UNFINISHED = ('.part', '.raw')
+UNFINISHED = ('.part', '.raw', '.tmp')
 
 
 @pytest.fixture(scope='module')

@@ -72,6 +72,9 @@ def write_cog(
         raise MappingError(f'cannot write map {path}: {error}') from error
     finally:
         raw.unlink(missing_ok=True)
+        # What GDAL keeps beside the file while it makes it, also of a process that was killed.
+        for leftover in path.parent.glob(f'{part_of(path).name}.*'):
+            leftover.unlink(missing_ok=True)
 
 
 def _write_raw(
