@@ -20,27 +20,20 @@ from rocsafe_sim.scene.description import SceneDescription
 from rocsafe_sim.scene.light import WEATHERS
 from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scene.scene_file import read_scene
+from rocsafe_sim.scene_arguments import exit_code_of, image_size
 
-EXIT_MISTAKE = 2
 EXIT_INTERRUPTED = 130
+MISTAKES = (SimError, DatasetError, ValueError)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code."""
     arguments = _parser().parse_args(argv)
     try:
-        _make(arguments)
-    except (SimError, DatasetError, ValueError) as error:
-        for line in str(error).splitlines():
-            sys.stderr.write(f'rocsafe: {line}\n')
-        return EXIT_MISTAKE
-    except ModuleNotFoundError as error:
-        sys.stderr.write(f'rocsafe: Python module {error.name} is missing: run `make setup`\n')
-        return EXIT_MISTAKE
+        return exit_code_of(lambda: _make(arguments), MISTAKES)
     except KeyboardInterrupt:
         sys.stderr.write('rocsafe: stopped; run the same command again to go on\n')
         return EXIT_INTERRUPTED
-    return 0
 
 
 def _make(arguments: argparse.Namespace) -> None:
@@ -122,7 +115,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_camera(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument('--size', type=_size, default=(640, 480), metavar='WxH')
+    parser.add_argument('--size', type=image_size, default=(640, 480), metavar='WxH')
     parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
     parser.add_argument(
         '--height', type=_numbers(2), default=(14.0, 60.0), metavar='MIN,MAX',
@@ -151,14 +144,6 @@ def _numbers(count: int) -> Callable[[str], tuple[float, ...]]:
         return values
 
     return read
-
-
-def _size(text: str) -> tuple[int, int]:
-    try:
-        width, height = (int(part) for part in text.lower().split('x'))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'{text}: must be WxH, for instance 640x480') from None
-    return width, height
 
 
 if __name__ == '__main__':

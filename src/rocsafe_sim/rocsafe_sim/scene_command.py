@@ -13,18 +13,17 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_sim.errors import SceneError, SimError
+from rocsafe_sim.errors import SceneError
 from rocsafe_sim.scene.building import check, ground_works
 from rocsafe_sim.scene.description import SceneDescription
 from rocsafe_sim.scene.label_picture import truth_sheet
+from rocsafe_sim.scene.light import WEATHERS
 from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scene.mesh import Floats
 from rocsafe_sim.scene.overview import RunRoutes, draw_routes, read_run
 from rocsafe_sim.scene.placing import to_world
 from rocsafe_sim.scene.scene_file import read_scene
-
-EXIT_MISTAKE = 2
-_WEATHERS = ('clear', 'overcast', 'wet', 'fog', 'dusk')
+from rocsafe_sim.scene_arguments import exit_code_of, image_size
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,16 +39,7 @@ class View:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return its exit code."""
     arguments = _parser().parse_args(argv)
-    try:
-        arguments.run(arguments)
-    except SimError as error:
-        for line in str(error).splitlines():
-            sys.stderr.write(f'rocsafe: {line}\n')
-        return EXIT_MISTAKE
-    except ModuleNotFoundError as error:
-        sys.stderr.write(f'rocsafe: Python module {error.name} is missing: run `make setup`\n')
-        return EXIT_MISTAKE
-    return 0
+    return exit_code_of(lambda: arguments.run(arguments))
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -80,9 +70,9 @@ def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]')
     )
     parser.add_argument('--target', type=_triple, default=(0.0, 5.0, 0.0), metavar='X,Y,Z')
     parser.add_argument('--nadir', action='store_true', help='look straight down')
-    parser.add_argument('--size', type=_size, default=(1280, 800), metavar='WxH')
+    parser.add_argument('--size', type=image_size, default=(1280, 800), metavar='WxH')
     parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
-    parser.add_argument('--weather', choices=_WEATHERS, help="in place of the scene's")
+    parser.add_argument('--weather', choices=tuple(WEATHERS), help="in place of the scene's")
     parser.add_argument(
         '--overview',
         type=Path,
@@ -110,16 +100,6 @@ def _triple(text: str) -> tuple[float, float, float]:
     except ValueError:
         raise argparse.ArgumentTypeError(f'{text}: must be three numbers, X,Y,Z') from None
     return x, y, z
-
-
-def _size(text: str) -> tuple[int, int]:
-    try:
-        width, height = (int(part) for part in text.lower().split('x'))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'{text}: must be WxH, for instance 1280x800') from None
-    if not (16 <= width <= 8192 and 16 <= height <= 8192):
-        raise argparse.ArgumentTypeError(f'{text}: sides must be within 16 to 8192 px')
-    return width, height
 
 
 def _check(arguments: argparse.Namespace) -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a scene from any pose: picture, depth, labels and normals in one pass."""
 
-import threading
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,7 +16,7 @@ from rocsafe_sim.engine.pipe import Pipe, open_pipe
 from rocsafe_sim.engine.shade import Shade
 from rocsafe_sim.engine.smoothing import smoothed
 from rocsafe_sim.engine.stage import EYE, Stage
-from rocsafe_sim.errors import EngineError
+from rocsafe_sim.engine.target import OneThread, make_buffer, pixels_of
 from rocsafe_sim.scene.environment import Environment, SceneObject
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
@@ -43,7 +42,7 @@ class Renderer:
     """
 
     def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
-        self._thread = threading.get_ident()
+        self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
         self.stage = Stage(environment, weather)
         self.stage.light(lighting)
@@ -53,7 +52,7 @@ class Renderer:
 
     def set_time(self, time_s: float) -> None:
         """Put what moves where it is at a time, seconds after the start; shadows follow."""
-        self._require_thread()
+        self.thread.require()
         if time_s != self._time_s and self.stage.has_motion:
             self.stage.move(time_s)
             self._shade.refresh()
@@ -64,21 +63,15 @@ class Renderer:
 
         `objects` are those of the environment, some in other places; what is missing is not drawn.
         """
-        self._require_thread()
+        self.thread.require()
         self.stage.arrange(objects)
         self.stage.light(lighting, weather)
         self._shade.relight(lighting)
 
     def camera(self, lens: PinholeCamera) -> 'Eye':
         """Return a camera of this scene."""
-        self._require_thread()
+        self.thread.require()
         return Eye(self, lens)
-
-    def _require_thread(self) -> None:
-        if threading.get_ident() != self._thread:
-            raise EngineError(
-                'the engine was asked from another thread than the one it started in'
-            )
 
 
 class Eye:
@@ -99,20 +92,7 @@ class Eye:
         self._engine = engine
 
     def _make_buffer(self, pipe: Pipe) -> Any:
-        properties = core.FrameBufferProperties()
-        properties.setRgbaBits(8, 8, 8, 8)
-        properties.setDepthBits(24)
-        properties.setAuxRgba(3)
-        size = core.WindowProperties.size(self.lens.image_width_px, self.lens.image_height_px)
-        buffer = pipe.engine.makeOutput(
-            pipe.host.getPipe(), 'eye', 0, properties, size, core.GraphicsPipe.BFRefuseWindow,
-            pipe.host.getGsg(), pipe.host,
-        )  # fmt: skip
-        if buffer is None:
-            raise EngineError(
-                f'no picture of {self.lens.image_width_px} x {self.lens.image_height_px} px: '
-                f'{pipe.renderer} refuses it'
-            )
+        buffer = make_buffer(pipe, self.lens, 'eye', aux_count=len(_PLANES) - 1)
         for texture, plane in zip(self._textures, _PLANES, strict=True):
             buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
             buffer.setClearActive(plane, True)
@@ -127,7 +107,7 @@ class Eye:
         position_enu : of the camera, metres, (3,).
         rotation_enu_from_optical : columns right, down, ahead, (3, 3).
         """
-        self._renderer._require_thread()
+        self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
         self._renderer.stage.sky.setPos(*(float(value) for value in position_enu))
         self._buffer.setActive(True)
@@ -141,12 +121,7 @@ class Eye:
         self._node.removeNode()
 
     def _plane(self, number: int) -> NDArray[np.uint8]:
-        """Return what a target holds: blue, green, red, alpha; the lowest row first."""
-        data = self._textures[number].getRamImage()
-        if not data:
-            raise EngineError('the engine returned no picture')
-        raw = np.frombuffer(memoryview(data).cast('B'), np.uint8)
-        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, 4)
+        return pixels_of(self._textures[number], self.lens)
 
     def _frame(self) -> Frame:
         labels = self._plane(2)

@@ -5,7 +5,6 @@ Two passes: the picture, and the number of the triangle in each pixel. Depth is 
 ray meets that triangle's plane, so it is exact where the label is.
 """
 
-import threading
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from rocsafe_sim.engine.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_sim.engine.outputs import Frame
 from rocsafe_sim.engine.pipe import Pipe, open_pipe
 from rocsafe_sim.engine.software_stage import KNOW, LOOK, SoftwareStage
-from rocsafe_sim.errors import EngineError
+from rocsafe_sim.engine.target import OneThread, make_buffer, pixels_of
 from rocsafe_sim.scene.environment import Environment
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, unit
@@ -38,7 +37,7 @@ class SoftwareRenderer:
     """
 
     def __init__(self, environment: Environment, lighting: Lighting) -> None:
-        self._thread = threading.get_ident()
+        self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
         self.stage = SoftwareStage(environment, lighting)
         self.stage.move(0.0)
@@ -46,19 +45,13 @@ class SoftwareRenderer:
 
     def set_time(self, time_s: float) -> None:
         """Put what moves where it is at a time, seconds after the start."""
-        self._require_thread()
+        self.thread.require()
         self.stage.move(time_s)
 
     def camera(self, lens: PinholeCamera) -> 'SoftwareEye':
         """Return a camera of this scene."""
-        self._require_thread()
+        self.thread.require()
         return SoftwareEye(self, lens)
-
-    def _require_thread(self) -> None:
-        if threading.get_ident() != self._thread:
-            raise EngineError(
-                'the engine was asked from another thread than the one it started in'
-            )
 
 
 class SoftwareEye:
@@ -78,20 +71,7 @@ class SoftwareEye:
         ]
 
     def _pass(self, name: str, mask: Any, state: Any) -> tuple[Any, Any]:
-        pipe = self._renderer.pipe
-        properties = core.FrameBufferProperties()
-        properties.setRgbaBits(8, 8, 8, 8)
-        properties.setDepthBits(24)
-        size = core.WindowProperties.size(self.lens.image_width_px, self.lens.image_height_px)
-        buffer = pipe.engine.makeOutput(
-            pipe.host.getPipe(), name, 0, properties, size, core.GraphicsPipe.BFRefuseWindow,
-            pipe.host.getGsg(), pipe.host,
-        )  # fmt: skip
-        if buffer is None:
-            raise EngineError(
-                f'no picture of {self.lens.image_width_px} x {self.lens.image_height_px} px: '
-                f'{pipe.renderer} refuses it'
-            )
+        buffer = make_buffer(self._renderer.pipe, self.lens, name)
         texture = core.Texture(name)
         buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam)
         sky = (*self._renderer.sky.tolist(), 1.0) if state is None else (0.0, 0.0, 0.0, 0.0)
@@ -113,7 +93,7 @@ class SoftwareEye:
         position_enu : of the camera, metres, (3,).
         rotation_enu_from_optical : columns right, down, ahead, (3, 3).
         """
-        self._renderer._require_thread()
+        self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
         for buffer, _ in self._passes:
             buffer.setActive(True)
@@ -130,13 +110,7 @@ class SoftwareEye:
         self._node.removeNode()
 
     def _plane(self, number: int) -> NDArray[np.uint8]:
-        """Return the pixels of a pass: blue, green, red, alpha; the lowest row first."""
-        texture = self._passes[number][1]
-        data = texture.getRamImage()
-        if not data:
-            raise EngineError('the engine returned no picture')
-        raw = np.frombuffer(memoryview(data).cast('B'), np.uint8)
-        return raw.reshape(self.lens.image_height_px, self.lens.image_width_px, -1)
+        return pixels_of(self._passes[number][1], self.lens)
 
     def _frame(self, position: Floats, rotation: Floats) -> Frame:
         triangles = self._renderer.stage.triangles
