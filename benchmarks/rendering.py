@@ -22,8 +22,7 @@ from rich.table import Table
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_sim.engine.lens import looking
-from rocsafe_sim.engine.renderer import Renderer
-from rocsafe_sim.engine.studio import open_renderer
+from rocsafe_sim.engine.studio import AnyRenderer, open_renderer
 from rocsafe_sim.scene.building import build
 from rocsafe_sim.scene.map_cache import default_folder
 from rocsafe_sim.scene.mesh import Floats
@@ -79,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _start(scene: Path, console: Console) -> Renderer:
+def _start(scene: Path, console: Console) -> AnyRenderer:
     """Return a renderer of `scene`, saying how long it took to be ready."""
     description = read_scene(scene)
     wall, cpu = time.perf_counter(), time.process_time()
@@ -94,7 +93,7 @@ def _start(scene: Path, console: Console) -> Renderer:
     return renderer
 
 
-def measured(renderer: Renderer, case: Case, frames: int) -> tuple[float, float]:
+def measured(renderer: AnyRenderer, case: Case, frames: int) -> tuple[float, float]:
     """Return CPU and wall time of a frame, s."""
     eye = renderer.camera(PinholeCamera(math.radians(60.0), case.width_px, case.height_px))
     for _ in range(WARM_UP_FRAMES):
