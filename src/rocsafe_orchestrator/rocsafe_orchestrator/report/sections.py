@@ -14,6 +14,7 @@ from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import line_sample
 from rocsafe_orchestrator.report.events import start_ns
 from rocsafe_orchestrator.report.map_data import MapData
+from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join
 from rocsafe_orchestrator.report.tables import facts
 from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
@@ -171,6 +172,7 @@ def details(record: RunRecord, summary: RunSummary) -> Markup:
             'Sources, as estimated',
             facts(_estimate_facts(record.estimates)) if record.estimates else None,
         ),
+        ('Map', facts(found) if (found := map_facts(record.path)) else None),
         ('Run', facts(_run_facts(record, summary))),
         ('Software', facts((name, text) for name, text in summary.versions.items())),
     )
