@@ -6,7 +6,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
-from rocsafe_ros import topics
+from rocsafe_ros import lockstep, topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 from rocsafe_ros.lockstep import Participant
 
@@ -35,6 +35,54 @@ def table(ros):
     for node in (world, drone):
         ros.executor.remove_node(node)
         node.destroy_node()
+
+
+@pytest.fixture
+def late(ros):
+    """A world's side, and a participant that does not hear everybody yet."""
+    world, drone = (Node(name, context=ros.context) for name in ('world', 'drone'))
+    late = type('Late', (), {'reports': [], 'is_ready': False})()
+    late.clock = topics.create_publisher(world, topics.CLOCK)
+    topics.create_subscription(world, topics.STEP_DONE, late.reports.append)
+    late.participant = Participant(drone, 'drone', lambda _ns: False, lambda: late.is_ready)
+    for node in (world, drone):
+        ros.executor.add_node(node)
+    ros.spin_until(lambda: late.clock.get_subscription_count() >= 1, DEADLINE_S)
+    yield late
+    for node in (world, drone):
+        ros.executor.remove_node(node)
+        node.destroy_node()
+
+
+def repetitions(late, monkeypatch):
+    """Return a list that grows with each repetition of the report, held back or not."""
+    seen = []
+    monkeypatch.setattr(lockstep, 'MOST_HELD_BACK', 3)
+    tell = late.participant._tell
+    late.participant._tell = lambda report: (seen.append(report), tell(report))
+    return seen
+
+
+def test_time_waits_for_who_is_not_ready(ros, late, monkeypatch):
+    """No report before all are heard, then all of them."""
+    seen = repetitions(late, monkeypatch)
+    tick(late, STEP_NS)
+    ros.spin_until(lambda: len(seen) == 2, DEADLINE_S)
+    assert late.reports == []
+    late.is_ready = True
+    ros.spin_until(lambda: late.reports, DEADLINE_S)
+    assert ns_of_stamp(late.reports[0].step) == STEP_NS
+    late.is_ready = False
+    tick(late, 2 * STEP_NS)
+    ros.spin_until(lambda: ns_of_stamp(late.reports[-1].step) == 2 * STEP_NS, DEADLINE_S)
+
+
+def test_nobody_is_waited_for_without_end(ros, late, monkeypatch):
+    """After so many repetitions the participant begins all the same."""
+    seen = repetitions(late, monkeypatch)
+    tick(late, STEP_NS)
+    ros.spin_until(lambda: late.reports, DEADLINE_S)
+    assert len(seen) == 4
 
 
 def tick(table, time_ns):

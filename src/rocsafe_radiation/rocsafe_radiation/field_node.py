@@ -52,11 +52,17 @@ class Detector:
         self._unanswered = 0
         self._reported_lost = 0
         self._readings = topics.create_publisher(node, topics.RADIATION, vehicle)
-        if options.uses_truth(vehicle):
-            topics.create_subscription(node, topics.GROUND_TRUTH_FIX, self._on_truth, vehicle)
-            topics.create_subscription(node, topics.FIX, self._on_fix, vehicle)
-        else:
-            topics.create_subscription(node, topics.FIX, self._on_lone_fix, vehicle)
+        pair = ((topics.GROUND_TRUTH_FIX, self._on_truth), (topics.FIX, self._on_fix))
+        lone = ((topics.FIX, self._on_lone_fix),)
+        self._fixes = [
+            topics.create_subscription(node, spec, callback, vehicle)
+            for spec, callback in (pair if options.uses_truth(vehicle) else lone)
+        ]
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the vehicle's fixes arrive when it sends them."""
+        return all(fixes.get_publisher_count() for fixes in self._fixes)
 
     def _on_fix(self, fix: NavSatFix) -> None:
         self._answer(self._pairing.add_left(ns_of_stamp(fix.header.stamp), fix))
@@ -105,7 +111,9 @@ class FieldNode(Node):
 
     In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due,
     so it reports a step done at once; a fix that comes later still gets a reading with its own
-    stamp. What it publishes depends on stamps and positions alone, never on the order of arrival.
+    stamp. Before its first report it waits until it hears all vehicles: what they send before
+    that may be lost. What it publishes depends on stamps and positions alone, never on the order
+    of arrival.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -118,7 +126,10 @@ class FieldNode(Node):
         ]
         self.create_service(topics.QUERY_FIELD.call_type, topics.QUERY_FIELD.name, self._on_query)
         if options.lock_step:
-            self._participant = Participant(self, self.get_name(), self._on_step)
+            self._participant = Participant(self, self.get_name(), self._on_step, self._hears_all)
+
+    def _hears_all(self) -> bool:
+        return all(detector.is_ready for detector in self._detectors)
 
     def _on_step(self, _time_ns: int) -> bool:
         return True

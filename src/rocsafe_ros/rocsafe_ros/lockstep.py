@@ -20,6 +20,8 @@ from rocsafe_ros.conversions import stamp_of_ns
 
 # Wall time after which a report is repeated; the world repeats its time as often.
 REPEAT_S = 0.5
+# So many repetitions of the first report are held back, at most, for who is not ready.
+MOST_HELD_BACK = 20
 
 
 class Participant:
@@ -31,13 +33,24 @@ class Participant:
     name: how the world knows the participant.
     on_step: gets the time in nanoseconds, does all the work of that step, publishing included,
         and returns whether it is idle, that is, has nothing to do until somebody asks.
+    is_ready: tells whether the participant hears all that it works with; until it does, but for
+        no longer than ten seconds, its first report is held back and so is simulated time.
     """
 
-    def __init__(self, node: Node, name: str, on_step: Callable[[int], bool]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        name: str,
+        on_step: Callable[[int], bool],
+        is_ready: Callable[[], bool] = lambda: True,
+    ) -> None:
         node.set_parameters([Parameter('use_sim_time', Parameter.Type.BOOL, True)])
         self._node = node
         self._name = name
         self._on_step = on_step
+        self._is_ready = is_ready
+        self._has_begun = False
+        self._held_back = 0
         self._last: StepDone | None = None
         self._has_news = False
         self._done = topics.create_publisher(node, topics.STEP_DONE)
@@ -58,7 +71,7 @@ class Participant:
         if self._last is None or self._last.is_idle == is_idle:
             return
         self._last.is_idle = is_idle
-        self._done.publish(self._last)
+        self._tell(self._last)
 
     def _on_jump(self, _jump: TimeJump) -> None:
         self._work(self._node.get_clock().now().nanoseconds)
@@ -67,9 +80,18 @@ class Participant:
         is_idle = self._on_step(time_ns)
         self._last = StepDone(step=stamp_of_ns(time_ns), participant=self._name, is_idle=is_idle)
         self._has_news = True
-        self._done.publish(self._last)
+        self._tell(self._last)
 
     def _repeat(self) -> None:
         if self._last is not None and not self._has_news:
-            self._done.publish(self._last)
+            self._held_back += not self._has_begun
+            self._tell(self._last)
         self._has_news = False
+
+    def _tell(self, report: StepDone) -> None:
+        if not self._has_begun:
+            self._has_begun = self._is_ready() or self._held_back >= MOST_HELD_BACK
+            if self._has_begun and not self._is_ready():
+                self._node.get_logger().warning(f'{self._name}: begins though not all are heard')
+        if self._has_begun:
+            self._done.publish(report)
