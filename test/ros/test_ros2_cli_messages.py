@@ -105,7 +105,7 @@ def test_csv_flattens_messages_in_messages():
     route = Route(vehicle='rav1', viewpoints=[Viewpoint(id=1), Viewpoint(id=2)])
     row = csv_text(route)
     assert row.startswith('rav1,0.0,0.0,0.0,1,0.0')
-    assert csv_text(Route()) == '0.0,0.0,0.0,,,,0.0,0.0,0.0,,,False,0.0,0.0'
+    assert csv_text(Route()) == '0.0,0.0,0.0,,,,0.0,0.0,0.0,,,False,0.0,0.0,0.0,False'
     assert csv_text(fix()).startswith('0,0,gps,-2,0,52.5,-1e-07,nan,1e+20,0.0')
 
 
