@@ -2,6 +2,7 @@
 """Fixtures of all tests."""
 
 import os
+import signal
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -51,6 +52,13 @@ def ros_stays_on_this_machine(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Keep discovery on the loopback interface and logs out of the home folder."""
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     os.environ['ROS_LOG_DIR'] = str(tmp_path_factory.mktemp('ros_log'))
+
+
+@pytest.fixture(scope='session', autouse=True)
+def ctrl_c_is_heard() -> None:
+    """Let children obey SIGINT also where a shell started the tests in its background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope='session')
