@@ -2,6 +2,7 @@
 # Every target sets up what it needs first; a second time that takes a moment.
 #   make mission SCENARIO=config/scenarios/other.yaml    another mission
 #   make test ARGS='test/geo -k area'                    some of the tests
+#   make test ARGS='-n 0 --pdb test/geo'                 in one process, to look into a failure
 #   make setup PYTHON=python3.11                         another Python than the first that fits
 
 SCENARIO ?= config/scenarios/derailment.yaml
@@ -29,7 +30,8 @@ mission: ## set up and fly the derailment mission
 test: ## set up and pass the tests
 	@sh tools/setup.sh --dev
 	@. ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
-	    python -m pytest -p pytest_timeout -p pytest_rerunfailures -p _hypothesis_pytestplugin $(ARGS)
+	    python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
+	    -p _hypothesis_pytestplugin -n 2 --dist loadgroup --no-loadscope-reorder $(ARGS)
 
 .PHONY: check
 check: ## set up and check style and types

@@ -20,15 +20,27 @@ settings.load_profile('rocsafe')
 POLL_S = 0.02
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give a test that talks to other processes a second try, which the summary lists.
+def is_system(item: pytest.Item) -> bool:
+    """Tell whether a test starts whole missions, which keep all cores busy."""
+    return item.get_closest_marker('system') is not None
 
-    A machine that stands still for seconds fails them all, whatever the code does. What is
-    computed in the test's own process has one try.
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give tests of processes a second try, and say which tests share one worker.
+
+    A machine that stands still for seconds fails all tests that talk to other processes,
+    whatever the code does; the summary lists what ran again. What is computed in the test's own
+    process has one try.
+
+    One worker flies the missions one after another, from the first moment as they take longest;
+    the other one does the remaining files meanwhile. xdist must read the groups later than this.
     """
     for item in items:
-        if 'ros' in getattr(item, 'fixturenames', ()) or item.get_closest_marker('system'):
+        if 'ros' in getattr(item, 'fixturenames', ()) or is_system(item):
             item.add_marker(pytest.mark.flaky(reruns=1))
+        item.add_marker(pytest.mark.xdist_group('missions' if is_system(item) else item.path.stem))
+    items.sort(key=lambda item: not is_system(item))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
