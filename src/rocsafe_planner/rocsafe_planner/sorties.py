@@ -10,6 +10,9 @@ from rocsafe_planner.flight_time import turn_s
 
 FloatArray = NDArray[np.float64]
 
+_MOST_RECUTS = 12
+_HAIR_S = 1e-6
+
 
 def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     """Return the flights of one vehicle: its order, cut where that costs least time.
@@ -33,10 +36,40 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
             f'{spec.name} needs {needed:.0f} s for its {len(order)} viewpoints: its endurance_s '
             f'is {spec.endurance_s:.0f} s{left}'
         )
-    flights = _Flights(problem, vehicle, order)
-    if spec.aloft is None:
-        return _cut(order, flights, spec.battery_swap_s)[1]
-    return _from_the_air(order, flights, spec.battery_swap_s)
+    if not problem.flight(vehicle).passes:
+        return _parts(problem, vehicle, order)
+    # Legs that share their corners are known together only: as long as they turn out to take
+    # longer than thought, less is asked of the batteries.
+    slack_s = 2.0 * turn_s(problem.flight(vehicle).performance)
+    for _ in range(_MOST_RECUTS):
+        parts = _parts(problem, vehicle, order, slack_s)
+        late_s = _late_s(problem, vehicle, parts)
+        if late_s <= 0.0:
+            return parts
+        slack_s += late_s + _HAIR_S
+    raise BeyondEnduranceError(
+        f'{spec.name} finds no flights within its endurance_s of {spec.endurance_s:.0f} s'
+    )
+
+
+def _parts(problem: FleetProblem, vehicle: int, order: Order, slack_s: float = 0.0) -> list[Order]:
+    """Return the flights by the times of single legs, with so much of each battery left."""
+    flights = _Flights(problem, vehicle, order, slack_s)
+    swap_s = problem.vehicles[vehicle].battery_swap_s or 0.0
+    if problem.vehicles[vehicle].aloft is None:
+        return _cut(order, flights, swap_s)[1]
+    return _from_the_air(order, flights, swap_s)
+
+
+def _late_s(problem: FleetProblem, vehicle: int, parts: list[Order]) -> float:
+    """Return by how much the worst of the flights is longer than its battery lasts."""
+    spec, last = problem.vehicles[vehicle], len(parts) - 1
+    worst = -np.inf
+    for number, part in enumerate(parts):
+        limit_s = spec.endurance_s if number else spec.first_endurance_s
+        motion = problem.motion(vehicle, part, is_first=number == 0, is_last=number == last)
+        worst = max(worst, motion.duration_s - limit_s)
+    return worst
 
 
 def _from_the_air(order: Order, flights: '_Flights', swap_s: float) -> list[Order]:
@@ -58,7 +91,7 @@ def _from_the_air(order: Order, flights: '_Flights', swap_s: float) -> list[Orde
 class _Flights:
     """Times of all flights over consecutive parts of an order."""
 
-    def __init__(self, problem: FleetProblem, vehicle: int, order: Order) -> None:
+    def __init__(self, problem: FleetProblem, vehicle: int, order: Order, slack_s: float) -> None:
         stops = np.array(order, dtype=np.intp)
         home = np.array([problem.home_site(vehicle)])
         start = np.array([problem.start_site(vehicle)])
@@ -78,9 +111,6 @@ class _Flights:
         )
         legs = problem.legs_s(vehicle, stops[:-1], stops[1:])
         self._elapsed = np.concatenate([[0.0], np.cumsum(legs)])
-        flight = problem.flight(vehicle)
-        # legs that share their corners are known together only: these may need a little more
-        slack_s = 2.0 * turn_s(flight.performance) if flight.passes else 0.0
         self.first_endurance_s -= slack_s
         self.endurance_s = self._spec.endurance_s - slack_s
 
