@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files of a plan, read back as other programs would."""
 
+import csv
 import dataclasses
+import itertools
 import json
 import math
 import os
@@ -15,6 +17,7 @@ from PIL import Image
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.area_files import read_area
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_planner.flight_summary import flight_stem
 from rocsafe_planner.plan_files import write_plan
 from rocsafe_planner.plan_geojson import plan_geojson
 from rocsafe_planner.planning import plan_survey
@@ -125,16 +128,17 @@ def test_kml_opens_as_folders_with_heights(plan, folder):
 
 
 def test_qgroundcontrol_mission(plan, folder):
-    """Take-off, then waypoint and photograph by turns, then return to launch."""
+    """Take-off, waypoint and photograph by turns, back above home, then return to launch."""
     document = json.loads((folder / 'plan-rav1.plan').read_text())
     assert (document['fileType'], document['version']) == ('Plan', 1)
     mission = document['mission']
     assert mission['plannedHomePosition'][:2] == [53.28, -9.07]
     items, route = mission['items'], plan.routes[0]
-    assert [item['command'] for item in items] == [22, *[16, 2000] * len(route.viewpoints), 20]
+    shots = [16, 2000] * len(route.viewpoints)
+    assert [item['command'] for item in items] == [22, *shots, 16, 20]
     assert [item['doJumpId'] for item in items] == list(range(1, len(items) + 1))
     assert all(len(item['params']) == 7 for item in items)
-    for item, viewpoint in zip(items[1:-1:2], route.viewpoints, strict=True):
+    for item, viewpoint in zip(items[1:-2:2], route.viewpoints, strict=True):
         hold, _, _, heading, latitude, longitude, altitude = item['params']
         assert (hold, heading, altitude, item['frame']) == (2.0, 0.0, 32.0, 3)
         assert latitude == pytest.approx(viewpoint.position.latitude_deg, abs=1e-9)
@@ -156,6 +160,7 @@ def test_equal_requests_give_equal_files(tmp_path):
         'plan.kml',
         'plan.geojson',
         'plan.gpx',
+        'plan.csv',
         'plan.svg',
         'plan.png',
         *flights,
@@ -192,15 +197,15 @@ def test_colours_of_both_formats_agree():
 
 
 def test_waypoints_come_back(plan, folder):
-    """A MAVLink list: home, take-off, way-point and photograph by turns, return."""
+    """A MAVLink list: home, take-off, way-point and photograph by turns, above home, return."""
     header, *lines = (folder / 'plan-rav1.waypoints').read_text().splitlines()
     assert header == 'QGC WPL 110'
     rows = [line.split('\t') for line in lines]
     assert all(len(row) == 12 for row in rows)
     assert [int(row[0]) for row in rows] == list(range(len(rows)))
     commands = [int(row[3]) for row in rows]
-    assert commands == [16, 22, *[16, 2000] * len(plan.routes[0].viewpoints), 20]
-    for row, viewpoint in zip(rows[2:-1:2], plan.routes[0].viewpoints, strict=True):
+    assert commands == [16, 22, *[16, 2000] * len(plan.routes[0].viewpoints), 16, 20]
+    for row, viewpoint in zip(rows[2:-2:2], plan.routes[0].viewpoints, strict=True):
         assert float(row[4]) == 2.0
         place = GeoPosition(float(row[8]), float(row[9]))
         assert distance_m(place, viewpoint.position) < 0.01
@@ -229,7 +234,11 @@ def test_dji_archive_comes_back(plan, folder):
         assert archive.namelist() == ['wpmz/template.kml', 'wpmz/waylines.wpml']
         roots = [ElementTree.fromstring(archive.read(n)) for n in archive.namelist()]  # noqa: S314
     for root, height in zip(roots, ('height', 'executeHeight'), strict=True):
-        marks = list(root.iter(f'{kml}Placemark'))
+        *marks, last = root.iter(f'{kml}Placemark')
+        home = plan.routes[0].vehicle.home
+        assert last.findtext(f'{kml}Point/{kml}coordinates').startswith(
+            f'{home.longitude_deg:.9f}'
+        )
         for mark, viewpoint in zip(marks, plan.routes[0].viewpoints, strict=True):
             place = mark.findtext(f'{kml}Point/{kml}coordinates').split(',')
             assert (
@@ -239,6 +248,94 @@ def test_dji_archive_comes_back(plan, folder):
             assert mark.findtext(f'{wpml}{height}') == '32'
             functions = [f.text for f in mark.iter(f'{wpml}actionActuatorFunc')]
             assert functions == ['gimbalRotate', 'hover', 'takePhoto']
+
+
+@pytest.fixture(scope='module')
+def relay(tmp_path_factory):
+    """Return a plan of small batteries, one home, landings at home, elsewhere and anywhere."""
+    small = {'endurance_s': 210.0, 'battery_swap_s': 60.0}
+    fleet = (
+        vehicle('back', **small),
+        vehicle('over', end=GeoPosition(53.2810, -9.0600), **small),
+        vehicle('away', is_open=True, **small),
+    )
+    plan = plan_survey(
+        request(vehicles=fleet, method='nearest_to_shortest', separation_m=5.0, height_agl_m=40.0)
+    )
+    folder = tmp_path_factory.mktemp('relay')
+    write_plan(plan, folder)
+    return plan, folder
+
+
+def test_the_table_says_when_each_flight_begins(relay):
+    """By the clock of the mission: delays, swaps, landings; the last one ends the mission."""
+    plan, folder = relay
+    rows = list(csv.DictReader((folder / 'plan.csv').open()))
+    begins = [float(row['takes_off_s']) for row in rows]
+    assert begins == sorted(begins)
+    assert len(rows) == sum(len(route.sorties) for route in plan.routes) > 3
+    assert max(float(row['lands_s']) for row in rows) == pytest.approx(plan.makespan_s, abs=0.05)
+    assert any(route.delay_s > 0.0 for route in plan.routes)
+    for route, end in zip(plan.routes, ('home', 'end', 'last viewpoint'), strict=True):
+        own = [row for row in rows if row['vehicle'] == route.vehicle.name]
+        assert float(own[0]['takes_off_s']) == pytest.approx(route.delay_s, abs=0.05)
+        assert [row['lands'] for row in own] == ['home'] * (len(own) - 1) + [end]
+        assert [row['battery_swap_s'] for row in own] == ['60.0'] * (len(own) - 1) + ['']
+        for row, after in itertools.pairwise(own):
+            pause = float(after['takes_off_s']) - float(row['lands_s'])
+            assert pause == pytest.approx(60.0, abs=0.11)
+        assert all((folder / f'{row["file"]}.waypoints').is_file() for row in own)
+
+
+def _landing(folder, stem):
+    """Return the last command and place of a flight in all three formats, and DJI's action."""
+    row = (folder / f'{stem}.waypoints').read_text().splitlines()[-1].split('\t')
+    item = json.loads((folder / f'{stem}.plan').read_text())['mission']['items'][-1]
+    with zipfile.ZipFile(folder / f'{stem}.kmz') as archive:
+        wayline = archive.read('wpmz/waylines.wpml').decode()
+    action = wayline.split('finishAction>')[1].split('<')[0]
+    last = wayline.rsplit('<coordinates>', 1)[1].split('<')[0]
+    assert int(row[3]) == item['command']
+    return int(row[3]), (float(row[8]), float(row[9])), action, last
+
+
+def test_flights_land_where_the_plan_says(relay):
+    """At home for a new battery; then at home, at the end, or at the last viewpoint."""
+    plan, folder = relay
+    for route in plan.routes:
+        stems = [flight_stem(route, number) for number in range(len(route.sorties))]
+        home, end = route.vehicle.home, route.vehicle.end
+        place = end or (route.viewpoints[-1].position if route.vehicle.is_open else home)
+        for stem in stems:
+            command, where, action, last = _landing(folder, stem)
+            if stem != stems[-1] or place == home:
+                assert (command, action) == (20, 'goHome')
+                assert last == f'{home.longitude_deg:.9f},{home.latitude_deg:.9f}'
+            else:
+                assert (command, action) == (21, 'autoLand')
+                assert where == pytest.approx((place.latitude_deg, place.longitude_deg))
+                assert last == f'{place.longitude_deg:.9f},{place.latitude_deg:.9f}'
+
+
+def test_maps_say_when_and_where_flights_land(relay):
+    """In KML, GPX and GeoJSON each flight says when it begins and where it lands."""
+    plan, folder = relay
+    kml = (folder / 'plan.kml').read_text()
+    assert '<name>over end</name>' in kml
+    assert '<name>back flight 2</name>' in kml
+    gpx = (folder / 'plan.gpx').read_text()
+    routes = [
+        f['properties']
+        for f in plan_geojson(plan)['features']
+        if f['properties']['kind'] == 'route'
+    ]
+    for said in routes:
+        assert said['description'] in kml
+        assert f'<desc>{said["description"]}</desc>' in gpx
+    assert 'lands at its last viewpoint after' in routes[-1]['description']
+    assert routes[0]['description'].endswith('and gets a new battery within 60 s')
+    heights = [float(part.split('<')[0]) for part in gpx.split('<ele>')[1:]]
+    assert heights == pytest.approx([52.0] * len(heights), abs=0.01)
 
 
 def test_flights_from_before_are_removed(plan, folder):

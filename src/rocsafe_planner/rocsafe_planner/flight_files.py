@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flights for other autopilots and apps: MAVLink way-point list, GPX track, DJI's KMZ.
+"""Flights for other autopilots and apps: MAVLink way-point list, GPX routes, DJI's KMZ.
 
-Heights are metres above the place of take-off.
+Heights are metres above the place of take-off, in GPX metres above the ellipsoid. A flight goes to
+above where it lands on its planned way and at its planned height, and lands there: what an
+autopilot does by itself on the way home (climb, fly straight) is left no room.
 """
 
 import math
@@ -11,7 +13,14 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from rocsafe_geo.angle import heading_of_yaw_rad
-from rocsafe_planner.flight_path import Stop, begins_aloft, flight_path, landing_place
+from rocsafe_planner.flight_path import (
+    Stop,
+    altitude_m,
+    begins_aloft,
+    flight_path,
+    landing_place,
+)
+from rocsafe_planner.flight_summary import flight_summary
 from rocsafe_planner.plan import Route
 
 # MAVLink common message set.
@@ -44,7 +53,7 @@ def flight_waypoints(route: Route, number: int) -> str:
     if not begins_aloft(route, number):
         above = _place(home.latitude_deg, home.longitude_deg, height)
         rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_TAKEOFF, (0.0,) * 4, above))
-    for stop in _between(route, number):
+    for stop in flight_path(route, number)[1:]:
         place = _place(stop.position.latitude_deg, stop.position.longitude_deg, stop.height_m)
         hold = route.vehicle.hover_s if stop.viewpoint else 0.0
         parameters = (hold, 0.0, 0.0, _heading_deg(stop))
@@ -84,8 +93,9 @@ def plan_gpx(routes: tuple[Route, ...]) -> str:
             line = SubElement(root, 'rte')
             suffix = f' flight {number + 1}' if number else ''
             SubElement(line, 'name').text = route.vehicle.name + suffix
+            SubElement(line, 'desc').text = flight_summary(route, number).text
             for stop in flight_path(route, number):
-                _gpx_point(line, stop)
+                _gpx_point(line, stop, altitude_m(route, stop))
     return _xml(root)
 
 
@@ -103,12 +113,6 @@ def flight_dji(route: Route, number: int) -> bytes:
     return content.getvalue()
 
 
-def _between(route: Route, number: int) -> tuple[Stop, ...]:
-    """Return the stops between home and the landing place, which is none of its own if open."""
-    stops = flight_path(route, number)[1:]
-    return stops if landing_place(route, number) is None else stops[:-1]
-
-
 def _place(
     latitude_deg: float = 0.0, longitude_deg: float = 0.0, height_m: float = 0.0
 ) -> tuple[float, float, float]:
@@ -122,23 +126,23 @@ def _heading_deg(stop: Stop) -> float:
     return round(math.degrees(heading_of_yaw_rad(stop.viewpoint.yaw_rad)), 6) % 360.0
 
 
-def _gpx_point(line: Element, stop: Stop) -> None:
+def _gpx_point(line: Element, stop: Stop, altitude_m: float) -> None:
     point = SubElement(
         line,
         'rtept',
         lat=f'{stop.position.latitude_deg:.9f}',
         lon=f'{stop.position.longitude_deg:.9f}',
     )
+    if not math.isnan(altitude_m):
+        SubElement(point, 'ele').text = f'{altitude_m:.3f}'
     if stop.viewpoint is not None:
-        if not math.isnan(stop.position.altitude_m):
-            SubElement(point, 'ele').text = f'{stop.position.altitude_m:.3f}'
         SubElement(point, 'name').text = str(stop.viewpoint.id)
 
 
 def _dji_document(route: Route, number: int, *, is_template: bool) -> Element:
     root = Element('kml', {'xmlns': _KML, 'xmlns:wpml': _WPML})
     document = SubElement(root, 'Document')
-    _dji_settings(document, route)
+    _dji_settings(document, route, number)
     folder = SubElement(document, 'Folder')
     if is_template:
         _wpml(folder, 'templateType', 'waypoint')
@@ -150,7 +154,7 @@ def _dji_document(route: Route, number: int, *, is_template: bool) -> Element:
         _wpml(folder, 'waylineId', '0')
     _wpml(folder, 'templateId', '0')
     _wpml(folder, 'autoFlightSpeed', f'{route.vehicle.cruise_speed_mps:g}')
-    for index, stop in enumerate(_between(route, number)):
+    for index, stop in enumerate(flight_path(route, number)[1:]):
         placemark = SubElement(folder, 'Placemark')
         place = f'{stop.position.longitude_deg:.9f},{stop.position.latitude_deg:.9f}'
         SubElement(SubElement(placemark, 'Point'), 'coordinates').text = place
@@ -162,11 +166,12 @@ def _dji_document(route: Route, number: int, *, is_template: bool) -> Element:
     return root
 
 
-def _dji_settings(document: Element, route: Route) -> None:
+def _dji_settings(document: Element, route: Route, number: int) -> None:
+    lands_at_home = landing_place(route, number) == route.vehicle.home
     settings = SubElement(document, 'wpml:missionConfig')
     for name, text in (
         ('flyToWaylineMode', 'safely'),
-        ('finishAction', 'noAction' if route.vehicle.is_open else 'goHome'),
+        ('finishAction', 'goHome' if lands_at_home else 'autoLand'),
         ('exitOnRCLost', 'executeLostAction'),
         ('executeRCLostAction', 'goBack'),
         ('takeOffSecurityHeight', f'{route.flight_height_m:g}'),

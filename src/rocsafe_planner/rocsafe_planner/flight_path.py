@@ -76,6 +76,18 @@ def flight_path(route: Route, number: int) -> tuple[Stop, ...]:
     return tuple(stops)
 
 
+def altitude_m(route: Route, stop: Stop) -> float:
+    """Return the altitude of a stop above the ellipsoid, NaN if it is not known.
+
+    That of a home or an end is the ground's, above which the vehicle is.
+    """
+    ground_m = route.ground_altitude_m
+    if stop.viewpoint is None and math.isnan(ground_m):
+        known = [view.position.altitude_m - view.height_agl_m for view in route.viewpoints[:1]]
+        ground_m = known[0] if known else route.vehicle.home.altitude_m
+    return stop.position.altitude_m if stop.viewpoint else ground_m + stop.height_m
+
+
 def _stop(route: Route, position: GeoPosition, viewpoint: Viewpoint | None = None) -> Stop:
     height = position.altitude_m - route.ground_altitude_m
     if math.isnan(height):

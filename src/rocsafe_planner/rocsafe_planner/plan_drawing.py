@@ -2,6 +2,7 @@
 """A picture of a plan as shapes on a canvas: regions, footprints, exclusions, routes, legend."""
 
 import math
+import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -11,9 +12,10 @@ from numpy.typing import NDArray
 from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.flight_path import flight_path
+from rocsafe_planner.flight_path import flight_path, landing_place
+from rocsafe_planner.flight_summary import flight_summary
 from rocsafe_planner.objective import OBJECTIVE_UNITS, OBJECTIVE_VALUES, objective_gap
-from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.plan import Route, SurveyPlan
 from rocsafe_planner.route_colors import EXCLUSION_COLOR, route_color
 
 Pixels = tuple[tuple[float, float], ...]
@@ -22,6 +24,7 @@ WIDTH_PX = 1200
 _MARGIN_PX = 40.0
 _LINE_PX = 22
 _TEXT_PX = 16
+_LINE_LETTERS = 130
 _MAP_PX = (WIDTH_PX - 2 * _MARGIN_PX, 900.0)
 _INK = '#222222'
 _REGION_FILL = '#e8ece4'
@@ -70,8 +73,9 @@ class Drawing:
 def plan_drawing(plan: SurveyPlan) -> Drawing:
     """Return the picture of a plan, north up."""
     sheet = _Sheet(plan)
-    marks = (*_ground(plan, sheet), *_routes(plan, sheet), *_legend(plan, sheet))
-    lines = 5 + len(plan.routes)
+    facts = _facts(plan)
+    marks = (*_ground(plan, sheet), *_routes(plan, sheet), *_legend(plan, sheet, facts))
+    lines = 2 + len(facts) + len(plan.routes)
     height = int(sheet.bottom_px + _MARGIN_PX + _LINE_PX * lines)
     return Drawing(width_px=WIDTH_PX, height_px=height, marks=marks)
 
@@ -111,7 +115,7 @@ def _all_rings(plan: SurveyPlan) -> Iterator[Sequence[GeoPosition]]:
     for zone in plan.request.exclusions:
         yield zone.boundary
     for route in plan.routes:
-        yield [route.vehicle.home]
+        yield [route.vehicle.home, *([route.vehicle.end] if route.vehicle.end else [])]
         for number in range(len(route.sorties)):
             yield [stop.position for stop in flight_path(route, number)]
         for viewpoint in route.viewpoints:
@@ -152,36 +156,59 @@ def _routes(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot]:
         (home,) = sheet.pixels([route.vehicle.home])
         yield Dot(centre=home, radius=7.0, fill=_INK)
         yield Dot(centre=home, radius=5.0, fill=color)
+        for place in sheet.pixels(_landings(route) or ()):
+            yield Dot(centre=place, radius=7.0, fill=color)
+            yield Dot(centre=place, radius=4.0, fill='#ffffff')
 
 
-def _legend(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot | Label]:
-    y = sheet.bottom_px + _MARGIN_PX
-    yield from _scale_bar(sheet, y)
+def _landings(route: Route) -> list[GeoPosition]:
+    """Return where a vehicle lands at last, unless that is its home."""
+    if not route.sorties or landing_place(route, len(route.sorties) - 1) == route.vehicle.home:
+        return []
+    return [flight_path(route, len(route.sorties) - 1)[-1].position]
+
+
+def _facts(plan: SurveyPlan) -> list[str]:
+    """Return lines about the whole plan."""
     name = plan.request.regions[0].area.name or 'survey'
     gap = 100.0 * plan.gap_fraction
     photographs = f'{plan.viewpoint_count} photographs, {100.0 * plan.covered_fraction:.1f} % of'
     is_time = plan.request.objective == 'longest_time'
     claim = f', at most {gap:.1f} % above optimal' if is_time else ' until all have landed'
     proof = f'no plan is shorter than {plan.lower_bound_s:.0f} s ({plan.lower_bound_method})'
-    for text in (
+    return [
         f'{name}: {photographs} {plan.region_area_m2 / 1e4:.2f} ha, method {plan.request.method}',
         f'{plan.makespan_s:.0f} s{claim}: {proof}',
-        _promises(plan),
-    ):
+        *textwrap.wrap(_promises(plan), _LINE_LETTERS),
+    ]
+
+
+def _legend(plan: SurveyPlan, sheet: _Sheet, facts: list[str]) -> Iterator[Shape | Dot | Label]:
+    y = sheet.bottom_px + _MARGIN_PX
+    yield from _scale_bar(sheet, y)
+    for text in facts:
         yield Label(place=(_MARGIN_PX, y), text=text)
         y += _LINE_PX
     for index, route in enumerate(plan.routes):
         yield Dot(centre=(_MARGIN_PX + 7.0, y - 5.0), radius=6.0, fill=route_color(index))
-        flights = f' in {len(route.sorties)} flights' if len(route.sorties) > 1 else ''
-        late = f', takes off after {route.delay_s:.0f} s' if route.delay_s else ''
         above = route.flight_height_m - plan.request.height_agl_m
         high = f', {above:g} m above the others' if above > 0.0 else ''
-        yield Label(
-            place=(_MARGIN_PX + 24.0, y),
-            text=f'{route.vehicle.name}: {len(route.viewpoints)} photographs, '
-            f'{route.length_m:.0f} m, {route.duration_s:.0f} s{flights}{late}{high}',
-        )
+        yield Label(place=(_MARGIN_PX + 24.0, y), text=_work(route) + high)
         y += _LINE_PX
+
+
+def _work(route: Route) -> str:
+    """Return what a vehicle does."""
+    if not route.sorties:
+        return f'{route.vehicle.name}: stays on the ground'
+    flights = f' in {len(route.sorties)} flights' if len(route.sorties) > 1 else ''
+    late = f', takes off after {route.delay_s:.0f} s' if route.delay_s else ''
+    lands = flight_summary(route, len(route.sorties) - 1).lands
+    where = '' if lands == 'home' else f', lands at its {lands}'
+    return (
+        f'{route.vehicle.name}: {len(route.viewpoints)} photographs, '
+        f'{route.length_m:.0f} m, {route.duration_s:.0f} s{flights}{late}{where}'
+    )
 
 
 def _promises(plan: SurveyPlan) -> str:

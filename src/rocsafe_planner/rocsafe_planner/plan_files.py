@@ -7,6 +7,7 @@ from pathlib import Path
 from rocsafe_geo.durable import write_whole
 from rocsafe_planner.document import Document
 from rocsafe_planner.flight_files import flight_dji, flight_waypoints, plan_gpx
+from rocsafe_planner.flight_summary import flight_stem, flight_table
 from rocsafe_planner.plan import SurveyPlan
 from rocsafe_planner.plan_drawing import plan_drawing
 from rocsafe_planner.plan_geojson import plan_geojson
@@ -21,11 +22,12 @@ _FLIGHT_SUFFIXES = ('.plan', '.waypoints', '.kmz')
 def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
     """Write the plan for maps, the vehicles' flights for autopilots and, last, `plan.json`.
 
-    For maps: `plan.kml`, `plan.geojson`, `plan.gpx`; pictures: `plan.svg`, `plan.png`. Flights:
-    `plan-<vehicle>.plan` for QGroundControl, `.waypoints` for MAVLink, `.kmz` for DJI, with `-2`
-    and so on before the extension after a battery swap. The folder is made if need be. Each file
-    is replaced as a whole. A vehicle without viewpoints gets a QGroundControl plan without items,
-    and flights from before are removed, so that none is flown by mistake.
+    For maps: `plan.kml`, `plan.geojson`, `plan.gpx`; pictures: `plan.svg`, `plan.png`; when each
+    flight begins: `plan.csv`. Flights: `plan-<vehicle>.plan` for QGroundControl, `.waypoints` for
+    MAVLink, `.kmz` for DJI, with `-2` and so on before the extension after a battery swap. The
+    folder is made if need be. Each file is replaced as a whole. A vehicle without viewpoints gets
+    a QGroundControl plan without items, and flights from before are removed, so that none is flown
+    by mistake.
 
     Raises
     ------
@@ -38,6 +40,7 @@ def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
         'plan.kml': plan_kml(plan).encode(),
         'plan.geojson': _json(plan_geojson(plan)),
         'plan.gpx': plan_gpx(plan.routes).encode(),
+        'plan.csv': flight_table(plan).encode(),
         'plan.svg': drawing_svg(drawing).encode(),
         'plan.png': drawing_png(drawing),
         **_flights(plan),
@@ -60,7 +63,7 @@ def _flights(plan: SurveyPlan) -> dict[str, bytes]:
     contents: dict[str, bytes] = {}
     for route in plan.routes:
         for number in range(max(1, len(route.sorties))):
-            stem = f'plan-{route.vehicle.name}' + (f'-{number + 1}' if number else '')
+            stem = flight_stem(route, number)
             document = flight_qgroundcontrol(route, number, plan.request.exclusions)
             contents[f'{stem}.plan'] = _json(document)
             if route.sorties:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plan for a map: GeoJSON (RFC 7946), styled by simplestyle-spec 1.1.
 
-Each feature's property `kind` says what it is: region, exclusion, route (one a flight), home,
+Each feature's property `kind` says what it is: region, exclusion, route (one a flight), home, end,
 viewpoint or footprint.
 Coordinates are WGS84 longitude, latitude, and altitude above the ellipsoid where it is known.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import shapely
@@ -16,6 +16,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.document import Document
 from rocsafe_planner.flight_path import flight_path
+from rocsafe_planner.flight_summary import flight_summary
 from rocsafe_planner.plan import Route, SurveyPlan, Viewpoint
 from rocsafe_planner.plan_json import quality_document
 from rocsafe_planner.route_colors import EXCLUSION_COLOR, route_color
@@ -28,7 +29,7 @@ def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
     features = [*_regions(plan), *(_exclusion(zone) for zone in plan.request.exclusions)]
     for index, route in enumerate(plan.routes):
         color = route_color(index)
-        features.append(_home(route, color))
+        features.extend(_stands(route, color))
         features.extend(_flight(route, number, color) for number in range(len(route.sorties)))
         for order, viewpoint in enumerate(route.viewpoints, start=1):
             features.append(_viewpoint(route, viewpoint, order, color))
@@ -66,13 +67,18 @@ def _exclusion(zone: SurveyArea) -> Document:
 
 
 def _flight(route: Route, number: int, color: str) -> Document:
-    sortie = route.sorties[number]
+    sortie, summary = route.sorties[number], flight_summary(route, number)
     properties = {
         'kind': 'route',
         'vehicle': route.vehicle.name,
         'flight': number + 1,
         'length_m': sortie.length_m,
         'duration_s': sortie.duration_s,
+        'takes_off_s': summary.takes_off_s,
+        'lands_s': summary.lands_s,
+        'begins': summary.begins,
+        'lands': summary.lands,
+        'description': summary.text,
         'viewpoint_count': len(sortie.viewpoints),
         'stroke': color,
         'stroke-width': 2,
@@ -82,14 +88,17 @@ def _flight(route: Route, number: int, color: str) -> Document:
     return _feature('LineString', places, properties)
 
 
-def _home(route: Route, color: str) -> Document:
-    properties = {
-        'kind': 'home',
-        'vehicle': route.vehicle.name,
-        'marker-color': color,
-        'marker-symbol': 'heliport',
-    }
-    return _feature('Point', _coordinates(route.vehicle.home), properties)
+def _stands(route: Route, color: str) -> Iterator[Document]:
+    """Yield where a vehicle takes off, and where it lands if that is a place of its own."""
+    for kind, place in (('home', route.vehicle.home), ('end', route.vehicle.end)):
+        properties = {
+            'kind': kind,
+            'vehicle': route.vehicle.name,
+            'marker-color': color,
+            'marker-symbol': 'heliport',
+        }
+        if place is not None:
+            yield _feature('Point', _coordinates(place), properties)
 
 
 def _viewpoint(route: Route, viewpoint: Viewpoint, order: int, color: str) -> Document:

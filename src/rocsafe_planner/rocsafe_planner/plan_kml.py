@@ -6,7 +6,9 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.flight_path import begins_aloft, flight_path
+from rocsafe_planner.flight_summary import flight_summary
 from rocsafe_planner.plan import Route, SurveyPlan
 from rocsafe_planner.plan_geojson import area_rings
 from rocsafe_planner.route_colors import kml_color
@@ -88,13 +90,13 @@ def _vehicle(document: Element, route: Route, index: int) -> None:
         'description',
         f'{len(route.viewpoints)} photographs, {route.length_m:.0f} m, {route.duration_s:.0f} s',
     )
-    home = (vehicle.home.longitude_deg, vehicle.home.latitude_deg)
-    home_mark = _placemark(folder, f'{vehicle.name} home', f'vehicle{index}')
-    icon_style = SubElement(SubElement(home_mark, 'Style'), 'IconStyle')
-    _text(SubElement(icon_style, 'Icon'), 'href', _HOME)
-    _geometry(home_mark, 'Point', [(*home, 0.0)])
+    for name, stand in (('home', vehicle.home), ('end', vehicle.end)):
+        if stand is not None:
+            _stand(_placemark(folder, f'{vehicle.name} {name}', f'vehicle{index}'), stand)
     for number in range(len(route.sorties)):
-        mark = _placemark(folder, f'{vehicle.name} route', f'vehicle{index}')
+        which = f'flight {number + 1}' if len(route.sorties) > 1 else 'route'
+        mark = _placemark(folder, f'{vehicle.name} {which}', f'vehicle{index}')
+        _text(mark, 'description', flight_summary(route, number).text)
         _geometry(mark, 'LineString', _line(route, number))
     if not route.sorties:
         return
@@ -103,6 +105,13 @@ def _vehicle(document: Element, route: Route, index: int) -> None:
         place = (viewpoint.position.longitude_deg, viewpoint.position.latitude_deg)
         mark = _placemark(shots, str(viewpoint.id), f'vehicle{index}')
         _geometry(mark, 'Point', [(*place, viewpoint.height_agl_m)])
+
+
+def _stand(mark: Element, place: GeoPosition) -> None:
+    """Mark a place on the ground where a vehicle takes off or lands."""
+    icon_style = SubElement(SubElement(mark, 'Style'), 'IconStyle')
+    _text(SubElement(icon_style, 'Icon'), 'href', _HOME)
+    _geometry(mark, 'Point', [(place.longitude_deg, place.latitude_deg, 0.0)])
 
 
 def _line(route: Route, number: int) -> list[tuple[float, float, float]]:

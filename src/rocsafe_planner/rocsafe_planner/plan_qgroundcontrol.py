@@ -2,12 +2,13 @@
 """One flight of a vehicle as a QGroundControl plan (`.plan`, file format version 1).
 
 Take-off, then at each viewpoint a waypoint with the vehicle's hover time as hold and one
-photograph, waypoints without one where legs bend, then return to launch, or land elsewhere.
-Exclusions are a geo-fence. A waypoint's heading is the planned one. Altitudes are relative
-to home (MAV_FRAME_GLOBAL_RELATIVE_ALT). QGroundControl wants the home's altitude above mean sea
-level, which a plan about the ellipsoid does not know: it is written as 0, and nothing is relative
-to it. Cruise speed is what QGroundControl estimates times with; set the vehicle's own parameter
-to the same value.
+photograph, waypoints without one where legs bend and above where it lands, then return to launch,
+or land elsewhere. When to take off it cannot say: see `flight_summary`. Exclusions are a
+geo-fence. A waypoint's heading is the planned one. Altitudes are relative to home
+(MAV_FRAME_GLOBAL_RELATIVE_ALT). QGroundControl wants the home's altitude above mean sea level,
+which a plan about the ellipsoid does not know: it is written as 0, and nothing is relative to it.
+Cruise speed is what QGroundControl estimates times with; set the vehicle's own parameter to the
+same value.
 """
 
 import math
@@ -76,7 +77,7 @@ def _items(route: Route, number: int) -> list[Document]:
     items = [] if begins_aloft(route, number) else [takeoff]
     way = flight_path(route, number)[1:]
     landing = landing_place(route, number)
-    for stop in way if landing is None else way[:-1]:
+    for stop in way:
         items.extend(_stop(stop, route.vehicle.hover_s))
     items.append(_landing(home, landing or way[-1].position))
     return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]
