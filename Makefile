@@ -31,7 +31,7 @@ test: ## set up and pass the tests
 	@sh tools/setup.sh --dev
 	@. ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
 	    python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
-	    -p _hypothesis_pytestplugin -n 2 --dist loadgroup --no-loadscope-reorder $(ARGS)
+	    -p _hypothesis_pytestplugin -n 2 --dist loadscope $(ARGS)
 
 .PHONY: check
 check: ## set up and check style and types

@@ -20,27 +20,30 @@ settings.load_profile('rocsafe')
 POLL_S = 0.02
 
 
-def is_system(item: pytest.Item) -> bool:
-    """Tell whether a test starts whole missions, which keep all cores busy."""
-    return item.get_closest_marker('system') is not None
-
-
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give tests of processes a second try, and say which tests share one worker.
+    """Give a test that talks to other processes a second try, which the summary lists.
 
-    A machine that stands still for seconds fails all tests that talk to other processes,
-    whatever the code does; the summary lists what ran again. What is computed in the test's own
-    process has one try.
-
-    One worker flies the missions one after another, from the first moment as they take longest;
-    the other one does the remaining files meanwhile. xdist must read the groups later than this.
+    A machine that stands still for seconds fails them all, whatever the code does. What is
+    computed in the test's own process has one try.
     """
     for item in items:
-        if 'ros' in getattr(item, 'fixturenames', ()) or is_system(item):
+        if 'ros' in getattr(item, 'fixturenames', ()) or item.get_closest_marker('system'):
             item.add_marker(pytest.mark.flaky(reruns=1))
-        item.add_marker(pytest.mark.xdist_group('missions' if is_system(item) else item.path.stem))
-    items.sort(key=lambda item: not is_system(item))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Let one worker fly all missions, and share the other tests by files.
+
+    A mission keeps all cores busy: two at once would only wait for each other.
+    """
+    from xdist.scheduler import LoadScopeScheduling
+
+    class MissionsTogether(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return 'missions' if nodeid.startswith('test/system/') else nodeid.split('::')[0]
+
+    return MissionsTogether(config, log)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
