@@ -46,7 +46,7 @@ from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import SourceEstimate, localize
 from rocsafe_radiation.nuclide import nuclide
 from rocsafe_radiation.photons import material
-from rocsafe_radiation.sequential_test import sequential_evidence
+from rocsafe_radiation.sequential_decision import sequential_evidence
 from rocsafe_radiation.shielding import Box
 from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.survey import Survey

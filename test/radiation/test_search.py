@@ -14,7 +14,7 @@ from rocsafe_radiation.inquiry import Inquiry
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import Localization, SourceEstimate, localize
-from rocsafe_radiation.sequential_test import SequentialEvidence, sequential_evidence
+from rocsafe_radiation.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.waypoint_choice import log_volume, next_waypoints
 

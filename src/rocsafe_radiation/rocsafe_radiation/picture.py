@@ -22,7 +22,7 @@ from rocsafe_radiation.localization import (
     LocalizationOptions,
     localize,
 )
-from rocsafe_radiation.sequential_test import SequentialEvidence, sequential_evidence
+from rocsafe_radiation.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.stopping import StoppingRule, Verdict
 from rocsafe_radiation.survey import Survey
 from rocsafe_radiation.waypoint_choice import Waypoint, candidate_places, next_waypoints

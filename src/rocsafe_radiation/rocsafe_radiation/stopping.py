@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 
 from rocsafe_radiation.localization import Localization
-from rocsafe_radiation.sequential_test import SequentialEvidence
+from rocsafe_radiation.sequential_decision import SequentialEvidence
 
 CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
 
