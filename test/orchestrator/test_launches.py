@@ -15,7 +15,9 @@ from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
+from rocsafe_orchestrator.processes.node_parameters import localizer_parameters
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
+from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.radiation_blocks import Material, Nuclide, RadiationBlock
@@ -27,6 +29,7 @@ from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.options import FieldOptions
 from rocsafe_radiation.photons import AIR, materials
+from rocsafe_radiation.provider import provider_of
 from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
@@ -228,6 +231,35 @@ def test_a_scenario_of_shapes_and_shields_makes_a_field(small: Callable[..., Pat
     assert survey.field.model == 'shielded'
     assert survey.field.shielding is not None
     assert not survey.background.is_cosmic
+
+
+def test_the_ground_of_a_scenario_reaches_field_localizer_and_command(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """The truth is the scene's ground, what is known the elevation model; else level ground."""
+    level = read_scenario(small())
+    assert 'terrain_file' not in field_parameters(level)
+    assert ground_options(level) == (f'--ground={level.origin.ground_altitude_m}',)
+    survey = level.survey.model_copy(update={'terrain_file': '/dem.tif'})
+    camera = level.camera.model_copy(update={'backend': 'engine', 'scene_file': '/hill.yaml'})
+    followed = level.model_copy(update={'survey': survey})
+    in_scene = level.model_copy(update={'camera': camera})
+    both = followed.model_copy(update={'camera': camera})
+    for scenario, truth, known in (
+        (followed, '/dem.tif', '/dem.tif'),
+        (in_scene, '/hill.yaml', '/hill.yaml'),
+        (both, '/hill.yaml', '/dem.tif'),
+    ):
+        field, localizer = field_parameters(scenario), localizer_parameters(scenario, run)
+        assert (field['terrain_file'], localizer['terrain_file']) == (truth, known)
+        assert f'--terrain={known}' in ground_options(scenario)
+        for given in (field, localizer):
+            is_scene = given['terrain_file'] == '/hill.yaml'
+            assert given['terrain_provider'] == (SCENE_HEIGHTS if is_scene else '')
+            homes = [vehicle.home[0] for vehicle in scenario.vehicles]
+            origin = [scenario.origin_position().latitude_deg]
+            assert given['terrain_latitudes_deg'] == (origin if is_scene else homes)
+    assert callable(provider_of('terrain_provider', SCENE_HEIGHTS))
 
 
 def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Path]) -> None:

@@ -109,22 +109,27 @@ class LocalGround:
     homes
         Their altitudes, where known, are those of the ground: the terrain's are shifted by the
         mean difference, so that it does not matter above what the raster counts.
+
+    Attributes
+    ----------
+    shift_m
+        By which they are shifted.
     """
 
     def __init__(self, terrain: Terrain, frame: LocalFrame, homes: list[GeoPosition]) -> None:
         self._terrain, self._frame = terrain, frame
         known = [home for home in homes if home.altitude_m == home.altitude_m]
-        self._shift = 0.0
+        self.shift_m = 0.0
         if known:
             heights = self._known(
                 [h.latitude_deg for h in known], [h.longitude_deg for h in known]
             )
-            self._shift = float(np.mean([h.altitude_m for h in known] - heights))
+            self.shift_m = float(np.mean([h.altitude_m for h in known] - heights))
 
     def altitudes_m(self, places: FloatArray) -> FloatArray:
         """Return the altitudes of the ground at places (n, 2) of the plane."""
         geodetic = self._frame.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
-        return self._known(geodetic[:, 0], geodetic[:, 1]) + self._shift
+        return self._known(geodetic[:, 0], geodetic[:, 1]) + self.shift_m
 
     def ups_m(self, places: FloatArray) -> FloatArray:
         """Return the ground's height above the frame's origin at places (n, 2)."""
@@ -145,7 +150,7 @@ class LocalGround:
             raise self._unknown(geodetic[0])
         # What is not known may be as high as anything that is.
         known: FloatArray = np.where(np.isnan(tops), np.nanmax(tops), tops)
-        ups = known + self._shift - self._frame.origin.altitude_m
+        ups = known + self.shift_m - self._frame.origin.altitude_m
         return Relief(low, cell, ups, clearance_m)
 
     def _raise(self, tops: FloatArray, low: FloatArray, cell: float, geodetic: FloatArray) -> None:

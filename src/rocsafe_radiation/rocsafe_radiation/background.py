@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_radiation.ground import GroundHeights
+
 Array = NDArray[np.float64]
 METRES_PER_DEGREE = 111_320.0
 # Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it
@@ -31,9 +33,10 @@ class Background:
     terrestrial_usvh: mean at the ground, microsievert per hour; 0: none.
     variation: standard deviation of its logarithm.
     length_m: over which it varies.
-    ground_altitude_m: of the ground, above the ellipsoid.
+    ground_altitude_m: of the ground, above the ellipsoid, where `ground` does not know better.
     is_cosmic: cosmic rays add their part.
     seed: of the waves.
+    ground: who knows the height of ground that is not level.
     """
 
     terrestrial_usvh: float = 0.0
@@ -42,6 +45,7 @@ class Background:
     ground_altitude_m: float = 0.0
     is_cosmic: bool = False
     seed: int = 0
+    ground: GroundHeights | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.terrestrial_usvh <= 1e6:
@@ -58,12 +62,19 @@ class Background:
     ) -> Array:
         """Return the background at n points, microsievert per hour, shape (n,)."""
         altitudes = np.asarray(altitudes_m, np.float64)
-        heights = np.maximum(altitudes - self.ground_altitude_m, 0.0)
+        heights = np.maximum(altitudes - self._ground_m(latitudes_deg, longitudes_deg), 0.0)
         ground = np.exp(self._waves(latitudes_deg, longitudes_deg) - self.variation**2 / 2.0)
         rates = self.terrestrial_usvh * ground * np.exp(-heights / TERRESTRIAL_DECAY_M)
         if self.is_cosmic:
             rates = rates + COSMIC_USVH * np.exp(np.clip(altitudes / COSMIC_GROWTH_M, -1.0, 6.0))
         return np.asarray(rates)
+
+    def _ground_m(self, latitudes_deg: Array, longitudes_deg: Array) -> Array | float:
+        """Return the altitude of the ground below points."""
+        if self.ground is None:
+            return self.ground_altitude_m
+        known = self.ground.altitudes_m(latitudes_deg, longitudes_deg)
+        return np.where(np.isfinite(known), known, self.ground_altitude_m)
 
     def _waves(self, latitudes_deg: Array, longitudes_deg: Array) -> Array:
         """Return a sum of plane waves of random direction, length and phase, shape (n,)."""

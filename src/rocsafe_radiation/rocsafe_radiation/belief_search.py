@@ -97,11 +97,11 @@ class _Grid:
     shape: tuple[int, int]
 
     @classmethod
-    def over(cls, survey: Survey, ground_up_m: float) -> '_Grid':
+    def over(cls, survey: Survey, source_height_m: float) -> '_Grid':
         places = survey.positions_enu_m[:, :2]
         low, extent = places.min(axis=0), np.ptp(places, axis=0)
         cell = max(
-            CELL_HEIGHTS * survey.height_m(ground_up_m),
+            CELL_HEIGHTS * survey.height_m(source_height_m),
             math.sqrt(float(np.prod(extent + 1.0)) / LARGEST_GRID),
             SMALLEST_CELL_M,
         )
@@ -215,18 +215,19 @@ def _source(
     strength, log_std = _strength(centre, survey, options)
     spread = grid.cell_m**2 / 12.0 + centres.var(axis=0) / len(cluster)
     covariance = np.diag([*spread.tolist(), options.source_up_std_m**2, log_std**2])
+    place = survey.ground.raised(np.array([[*centre.tolist(), options.source_up_m]]))[0]
     log_odds = [math.log(p / (1.0 - p)) for p in probabilities[tuple(cells.T)].tolist() if p < 1.0]
     return SourceEstimate(
-        position_enu_m=np.array([*centre.tolist(), options.source_up_m]),
+        position_enu_m=place,
         dose_rate_at_1m_usvh=strength,
-        joint_covariance=covariance,
+        joint_covariance=survey.ground.tilted(covariance, place),
         detection_llr=max(log_odds, default=math.inf) if len(log_odds) == len(cells) else 700.0,
     )
 
 
 def _strength(centre: Array, survey: Survey, options: LocalizationOptions) -> tuple[float, float]:
     """Return the strength that explains the readings around, and the deviation of its log."""
-    place = np.array([*centre.tolist(), options.source_up_m])
+    place = survey.ground.raised(np.array([[*centre.tolist(), options.source_up_m]]))[0]
     kernel: Kernel = options.kernel
     squares = ((survey.positions_enu_m - place) ** 2).sum(axis=1)
     added = survey.exposures * kernel.values(squares)

@@ -17,9 +17,9 @@ LARGEST_GRID = 6000
 SMALLEST_STRENGTH_USVH = 1e-3
 
 
-def candidate_grid(survey: Survey, ground_up_m: float) -> Array:
+def candidate_grid(survey: Survey, source_height_m: float) -> Array:
     """Return places to try, east and north, shape (m, 2): a grid over the readings and around."""
-    height = survey.height_m(ground_up_m)
+    height = survey.height_m(source_height_m)
     low = survey.positions_enu_m[:, :2].min(axis=0) - MARGIN_HEIGHTS * height
     high = survey.positions_enu_m[:, :2].max(axis=0) + MARGIN_HEIGHTS * height
     area = float(np.prod(high - low))
@@ -31,10 +31,11 @@ def candidate_grid(survey: Survey, ground_up_m: float) -> Array:
 
 def grid_kernel(survey: Survey, setting: Setting, grid: Array) -> Array:
     """Return counts of each reading for 1 uSv/h at 1 m at each place of `grid`, shape (m, n)."""
-    squares = (survey.positions_enu_m[:, 2] - setting.source_up_m) ** 2
+    ups = survey.ground.ups_at(grid) + setting.source_up_m
+    squares = np.subtract.outer(ups, survey.positions_enu_m[:, 2]) ** 2
     for axis in range(2):
         offsets = np.subtract.outer(grid[:, axis], survey.positions_enu_m[:, axis])
-        squares = squares + offsets * offsets
+        squares += offsets * offsets
     return setting.kernel.values(squares) * survey.exposures
 
 

@@ -63,9 +63,10 @@ def dose_map(
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
     east = np.arange(low[0], high[0] + cell, cell, dtype=np.float64)
     north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
-    mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north)
+    ups = _ups(survey, east, north)
+    mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north, ups)
     generator = np.random.default_rng([seed, 0xD05E])
-    draws = np.stack([_drawn(found, kernel, east, north, generator) for _ in range(SAMPLES)])
+    draws = np.stack([_drawn(found, kernel, east, north, ups, generator) for _ in range(SAMPLES)])
     rest = residual(found, survey, kernel, east, north)
     if rest is not None:
         mean *= np.exp(rest.log_mean)
@@ -93,12 +94,24 @@ def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Arr
     return low, high
 
 
+def _ups(survey: Survey, east: Array, north: Array) -> Array | None:
+    """Return how high the nodes lie, one metre above the ground; None if that is level."""
+    if survey.ground.is_level:
+        return None
+    return survey.ground.ups_at(np.stack(np.meshgrid(east, north), axis=-1)) + HEIGHT_M
+
+
 def _drawn(
-    found: Localization, kernel: Kernel, east: Array, north: Array, generator: np.random.Generator
+    found: Localization,
+    kernel: Kernel,
+    east: Array,
+    north: Array,
+    ups: Array | None,
+    generator: np.random.Generator,
 ) -> Array:
     background = max(0.0, generator.normal(found.background_usvh, found.background_std_usvh))
     sources = [_shifted(source, generator) for source in found.sources]
-    return grid_dose_rates_usvh(sources, background, kernel, east, north)
+    return grid_dose_rates_usvh(sources, background, kernel, east, north, ups)
 
 
 def _shifted(source: SourceEstimate, generator: np.random.Generator) -> SourceEstimate:
@@ -118,16 +131,25 @@ def grid_dose_rates_usvh(
     kernel: Kernel,
     east: Array,
     north: Array,
+    ups: Array | None = None,
 ) -> Array:
-    """Return the dose rate 1 m above the ground at all nodes, shape (north, east)."""
+    """Return the dose rate at all nodes, shape (north, east).
+
+    `ups` says how high these are, of the same shape; None: all 1 m above level ground.
+    """
     total: Array = np.full((north.size, east.size), background_usvh)
     for source in sources:
         x, y, up = source.position_enu_m
-        columns, rows = (east - x) ** 2 + (HEIGHT_M - up) ** 2, (north - y) ** 2
+        columns, rows = (east - x) ** 2, (north - y) ** 2
+        if ups is None:
+            columns += (HEIGHT_M - up) ** 2
         # Some rows at a time: their arrays stay in the cache of a core.
         for start in range(0, north.size, ROWS_AT_A_TIME):
             block = slice(start, start + ROWS_AT_A_TIME)
-            values = kernel.values(np.add.outer(rows[block], columns))
+            squares = np.add.outer(rows[block], columns)
+            if ups is not None:
+                squares += (ups[block] - up) ** 2
+            values = kernel.values(squares)
             values *= source.dose_rate_at_1m_usvh
             total[block] += values
     return total

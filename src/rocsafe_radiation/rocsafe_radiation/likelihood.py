@@ -4,8 +4,8 @@
 Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
 ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Where the law of the dose
 rate is in doubt, too, the tilt t of a `LawDeviation` changes it. Parameters: c0, ch, c_j, t,
-then for each source east, north, up and the logarithm of its strength. Fitted by damped Fisher
-scoring.
+then for each source east, north, height above the ground there and the logarithm of its strength.
+Fitted by damped Fisher scoring.
 
 Errors of position and gain make counts scatter by a share rho of what the sources add, beyond
 Poisson. They enter as weights w = 1 / (1 + rho^2 e^2 / n), taken from the data (e: excess over
@@ -52,8 +52,8 @@ class Setting:
     Attributes
     ----------
     kernel: of all sources.
-    source_up_m, source_up_std_m: height of sources as known before; a standard deviation of 0
-        keeps it.
+    source_up_m, source_up_std_m: height of sources above the ground as known before; a standard
+        deviation of 0 keeps it.
     background_std: of each c_j as known before; 0: the background is the same everywhere.
     rho: share of the excess by which counts scatter beyond Poisson.
     tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
@@ -85,8 +85,8 @@ class Likelihood:
     def __init__(self, survey: Survey, setting: Setting, basis: Array) -> None:
         self.survey = survey
         self.setting = setting
-        ups = survey.positions_enu_m[:, 2]
-        below = (np.median(ups) - ups)[:, None] / GROUND_DECAY_M
+        heights = survey.heights_m
+        below = (np.median(heights) - heights)[:, None] / GROUND_DECAY_M
         bumps = basis if setting.background_std > 0.0 else basis[:, :0]
         self._deviation = LawDeviation(
             height_m=survey.height_m(setting.source_up_m),
@@ -120,7 +120,7 @@ class Likelihood:
         return (len(parameters) - self.head_size) // SOURCE_PARAMETERS
 
     def sources(self, parameters: Array) -> Array:
-        """Return east, north, up and log strength of each source, shape (sources, 4)."""
+        """Return east, north, height and log strength of each source, shape (sources, 4)."""
         return parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
 
     def background_usvh(self, parameters: Array) -> Array:
@@ -242,6 +242,7 @@ class Likelihood:
             parts[:, 3] = strengths * values
             if self.law.stop > self.law.start:
                 self._deviate(parameters[self.law], offsets, parts, slopes)
+            self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
         return np.asarray(slopes * exposures[:, None])
 
@@ -254,7 +255,7 @@ class Likelihood:
 
     def _offsets(self, sources: Array) -> Array:
         """Return the way from each source to each reading, shape (sources, 3, n)."""
-        return self._columns[None, :, :] - sources[:, :3, None]
+        return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
     def _step(self, information: Array, gradient: Array, damping: float) -> Array:
         matrix = information.copy()

@@ -35,8 +35,8 @@ class LocalizationOptions:
     Attributes
     ----------
     kernel: law of the dose rate.
-    source_up_m, source_up_std_m: height of sources in the mission frame and its standard
-        deviation; 0: exactly there.
+    source_up_m, source_up_std_m: height of sources above the ground and its standard deviation;
+        0: exactly there.
     largest_order: most sources looked for.
     """
 
@@ -187,9 +187,11 @@ def _estimate(
     position = source[:3].copy()
     if likelihood.setting.source_up_std_m == 0.0:
         position[UP] = likelihood.setting.source_up_m
+    ground = likelihood.survey.ground
+    position = ground.raised(position[None])[0]
     return SourceEstimate(
         position_enu_m=position,
         dose_rate_at_1m_usvh=float(np.exp(source[3])),
-        joint_covariance=own,
+        joint_covariance=ground.tilted(own, position),
         detection_llr=found.best.log_likelihood - without,
     )

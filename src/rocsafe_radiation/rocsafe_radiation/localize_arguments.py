@@ -37,6 +37,7 @@ def parser() -> argparse.ArgumentParser:
     )
     found.add_argument('file', type=Path, metavar='READINGS.csv')
     _add_physics(found.add_argument_group('what is known before'))
+    _add_ground(found.add_argument_group('how high the ground is'))
     _add_method(found.add_argument_group('how to search'))
     _add_output(found.add_argument_group('what to tell'))
     return found
@@ -69,6 +70,45 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         default=math.nan,
         metavar='M',
         help='metres above the ground, of a file without altitudes',
+    )
+
+
+def _add_ground(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        '--ground',
+        type=_number('ground', -1e3, 1e4),
+        default=math.nan,
+        metavar='M',
+        help='altitude of level ground, in the datum of the file (default: the lowest reading)',
+    )
+    group.add_argument(
+        '--terrain',
+        default='',
+        metavar='TIF',
+        help='GeoTIFF of the heights of ground that is not level, for a file of degrees',
+    )
+    group.add_argument(
+        '--terrain-at',
+        type=_number('terrain-at', -180.0, 1e4),
+        nargs=3,
+        action='append',
+        default=[],
+        metavar=('LAT', 'LON', 'ALT'),
+        help='a place on the ground with its altitude in the datum of the file: the heights of '
+        '--terrain are shifted to agree; may be given several times (default: same datum)',
+    )
+    group.add_argument(
+        '--terrain-provider',
+        default='',
+        metavar='MODULE:FUNCTION',
+        help='who reads the file of --terrain, for instance a scene, if it is no GeoTIFF',
+    )
+    group.add_argument(
+        '--terrain-seed',
+        type=int,
+        default=0,
+        metavar='N',
+        help='seed of a scene (default: 0)',
     )
 
 

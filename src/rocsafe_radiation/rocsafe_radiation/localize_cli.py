@@ -13,6 +13,7 @@ from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.dose_map import LARGEST_CELLS
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.ground import LEVEL, Ground, GroundError, ground_over
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.localization import Localization, LocalizationOptions
 from rocsafe_radiation.localize_arguments import AUTO, parser
@@ -23,6 +24,7 @@ from rocsafe_radiation.source_document import picture_document, place_of, source
 from rocsafe_radiation.spectral_window import background_shape
 from rocsafe_radiation.stopping import StoppingRule
 from rocsafe_radiation.survey import Survey, survey_of
+from rocsafe_radiation.terrain_options import TerrainOptions
 from rocsafe_radiation.waypoint_choice import Waypoint
 
 EXIT_OK, EXIT_REFUSED = 0, 2
@@ -32,8 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Read, localise, print, and return the exit code."""
     options = parser().parse_args(arguments)
     try:
-        readings = read_readings(options.file, options.height)
-        survey = _survey(readings, options.sensitivity)
+        readings = read_readings(options.file, options.height, options.ground)
+        survey = _survey(readings, options)
         picture = picture_of(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
         if options.out is not None:
             write_products(options.out, picture, readings.frame)
@@ -48,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        lines = [*_notes(readings), *_lines(picture.found, readings)]
+        lines = [*_notes(readings, options), *_lines(picture.found, readings)]
         lines += _advice(picture, places, readings)
         sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK
@@ -72,13 +74,52 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> PictureOpti
     )
 
 
-def _survey(readings: ReadingsFile, sensitivity: float) -> Survey:
-    survey = survey_of(readings.observations, sensitivity)
+def _survey(readings: ReadingsFile, options: argparse.Namespace) -> Survey:
+    survey = survey_of(readings.observations, options.sensitivity)
+    if survey.size and options.terrain:
+        survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
+        _require_above_ground(survey)
     reference = np.array(readings.reference_counts, np.float64)
     if not reference.sum() > 0.0:
         return survey
     shape = background_shape(survey.positions_enu_m, reference)
     return dataclasses.replace(survey, background_shape=shape)
+
+
+def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace) -> Ground:
+    """Return the ground of ``--terrain``.
+
+    Raises
+    ------
+    GroundError: in one line, why there is none.
+    """
+    if readings.frame is None:
+        raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
+    places = options.terrain_at
+    terrain = TerrainOptions(
+        terrain_file=options.terrain,
+        terrain_provider=options.terrain_provider,
+        terrain_seed=options.terrain_seed,
+        terrain_latitudes_deg=tuple(place[0] for place in places),
+        terrain_longitudes_deg=tuple(place[1] for place in places),
+        terrain_altitudes_m=tuple(place[2] for place in places),
+    )
+    try:
+        heights = terrain.heights()
+    except ValueError as error:
+        raise GroundError(str(error)) from error
+    if heights is None:
+        return LEVEL
+    return ground_over(heights, readings.frame, survey.positions_enu_m[:, :2])
+
+
+def _require_above_ground(survey: Survey) -> None:
+    height_m = float(np.median(survey.heights_m))
+    if height_m <= 0.0:
+        raise GroundError(
+            f'the readings are {-height_m:.1f} m below the terrain: must be above; give a place '
+            'of known altitude by --terrain-at if the datums differ'
+        )
 
 
 def _advice(picture: Picture, places: Sequence[Waypoint], readings: ReadingsFile) -> list[str]:
@@ -93,10 +134,16 @@ def _advice(picture: Picture, places: Sequence[Waypoint], readings: ReadingsFile
     return lines
 
 
-def _notes(readings: ReadingsFile) -> list[str]:
+def _notes(readings: ReadingsFile, options: argparse.Namespace) -> list[str]:
     notes = [f'{count} rows left out: {reason}' for reason, count in readings.dropped.items()]
     if readings.backward_steps:
         notes.append(f'the clock went backwards {readings.backward_steps} times; rows kept')
+    if readings.is_ground_guessed and not options.terrain:
+        lowest = readings.frame.origin.altitude_m if readings.frame else 0.0
+        notes.append(
+            f'the lowest reading, at {lowest:.1f} m, is taken for the ground: '
+            '--ground or --terrain may know better'
+        )
     return notes
 
 

@@ -9,6 +9,7 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_radiation.ground import GroundError
 from rocsafe_radiation.inquiry import Inquiry
 from rocsafe_radiation.localization import TooFewReadingsError
 from rocsafe_radiation.localization_job import LocalizationJob
@@ -21,7 +22,6 @@ from rocsafe_radiation.picture_conversions import (
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.reading_log import ReadingLog
 from rocsafe_radiation.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
@@ -48,7 +48,7 @@ class LocalizerNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('localizer', **node_options)
         self._options = declare_options(self, LocalizerOptions)
-        self._log = ReadingLog(self._options.origin(), self._options.sensitivity_cps_per_usvh)
+        self._log = self._options.log()
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
         self._job: LocalizationJob | None = None
@@ -106,9 +106,14 @@ class LocalizerNode(Node):
         if self._job is not None or len(self._log) <= self._fitted:
             return
         self._looks_to_wait = self._options.looks_a_fit(WATCH_PERIOD_S)
+        try:
+            survey = self._log.survey()
+        except GroundError as error:
+            self.get_logger().error(f'nothing localized: {error}', once=True)
+            return
         self._fitted = len(self._log)
         options = self._options.picture(self._log)
-        work = partial(picture_of, self._log.survey(), options, self._log.vehicles)
+        work = partial(picture_of, survey, options, self._log.vehicles)
         self._job = LocalizationJob(work)
 
     def _publish(self, job: LocalizationJob) -> None:
@@ -119,7 +124,7 @@ class LocalizerNode(Node):
         time_ns = self._log.newest_ns
         self._sources.publish(sources_message(picture, self._log.frame, time_ns))
         self._maps.publish(dose_map_message(picture.dose, time_ns))
-        self._cordons.publish(cordon_markers(picture.cordons, time_ns))
+        self._cordons.publish(cordon_markers(picture.cordons, picture.survey.ground, time_ns))
         if picture.belief is not None:
             self._beliefs.publish(belief_message(picture.belief, time_ns))
 

@@ -19,13 +19,14 @@ from rocsafe_radiation.order_search import LARGEST_ORDER
 from rocsafe_radiation.picture import PictureOptions
 from rocsafe_radiation.reading_log import ReadingLog
 from rocsafe_radiation.stopping import StoppingRule
+from rocsafe_radiation.terrain_options import TerrainOptions
 
 AUTO_MODEL = 'auto'
 MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LocalizerOptions:
+class LocalizerOptions(TerrainOptions):
     """Options of the localizer."""
 
     vehicles: tuple[str, ...] = field(
@@ -138,7 +139,7 @@ class LocalizerOptions:
         nuclide(self.nuclide)
         self.origin()
         self.levels()
-        self.picture(ReadingLog(self.origin()))
+        self.picture(self.log())
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -154,6 +155,15 @@ class LocalizerOptions:
             longitude_deg=self.origin_longitude_deg,
             altitude_m=self.origin_altitude_m,
         )
+
+    def log(self) -> ReadingLog:
+        """Return an empty log of readings.
+
+        Raises
+        ------
+        ValueError: in one line, if the origin or the terrain is wrong.
+        """
+        return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, self.heights())
 
     def looks_a_fit(self, look_period_s: float) -> int:
         """Return how many looks make a period."""

@@ -16,7 +16,6 @@ from rocsafe_radiation.field_assembly import (
     SHAPES,
     TRACK,
     SourceLists,
-    places_of,
     sources_of,
 )
 from rocsafe_radiation.shield_options import ShieldOptions
@@ -141,10 +140,6 @@ class FieldOptions(ShieldOptions):
         default=True,
         metadata={'doc': 'cosmic rays, which grow with altitude, are part of a background'},
     )
-    ground_altitude_m: float = field(
-        default=0.0,
-        metadata={'doc': 'altitude of the ground above the ellipsoid, metres', 'max': 1e4},
-    )
     detector: str = field(
         default=IDEAL,
         metadata={'doc': f'kind of detector: {", ".join(DETECTOR_NAMES)}'},
@@ -230,12 +225,13 @@ class FieldOptions(ShieldOptions):
             ground_altitude_m=self.ground_altitude_m,
             is_cosmic=self.background_cosmic,
             seed=self.seed,
+            ground=self.heights(),
         )
 
     def _source_lists(self) -> SourceLists:
         return SourceLists(
             names=self.source_names,
-            places=places_of(
+            places=self.placed(
                 [f'source {name}' for name in self.source_names],
                 self.source_latitudes_deg,
                 self.source_longitudes_deg,
@@ -247,7 +243,7 @@ class FieldOptions(ShieldOptions):
             ages_s=self.source_ages_s,
             shapes=self.source_shapes,
             corner_counts=self.source_corner_counts,
-            corners=places_of(
+            corners=self.placed(
                 [f'corner {index}' for index in range(len(self.corner_latitudes_deg))],
                 self.corner_latitudes_deg,
                 self.corner_longitudes_deg,

@@ -151,17 +151,18 @@ def _doubtful(picture: Picture, count: int, area: Polygon | None) -> tuple[Waypo
     places, doubts = evidence.places_m[inside], evidence.doubts[inside]
     if not len(places):
         return ()
-    ground = picture.options.known.source_up_m
-    height = survey.height_m(ground)
+    above = picture.options.known.source_up_m
+    height = survey.height_m(above)
     # Above 0 for `best_separated`, in the same order.
     ranks = doubts - doubts.min() + 1.0
     chosen = best_separated(places, ranks, count, height)
+    ups = survey.ground.ups_at(places[chosen]) + above + height
     return tuple(
         Waypoint(
-            position_enu_m=(float(places[k, 0]), float(places[k, 1]), ground + height),
+            position_enu_m=(float(places[k, 0]), float(places[k, 1]), float(up)),
             gain=float(np.exp(min(doubts[k], 0.0))),
         )
-        for k in chosen
+        for k, up in zip(chosen, ups, strict=True)
     )
 
 

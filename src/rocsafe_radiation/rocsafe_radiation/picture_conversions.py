@@ -19,6 +19,7 @@ from rocsafe_radiation.belief_search import BeliefMap
 from rocsafe_radiation.cordon import MEAN, Cordon
 from rocsafe_radiation.dose_map import DoseMap
 from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.ground import Ground
 from rocsafe_radiation.level_colours import level_rgb
 from rocsafe_radiation.localization import Localization, SourceEstimate
 from rocsafe_radiation.picture import Picture
@@ -28,6 +29,8 @@ from rocsafe_ros.conversions import point_of_position, stamp_of_ns
 # Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
 LOWEST_CELL_USVH, DECADES = 0.1, 6.0
 MAP_FRAME = 'map'
+# Lines in the ground could not be seen.
+LINE_HEIGHT_M = 0.1
 LINE_WIDTH_M = {True: 1.0, False: 0.4}
 
 
@@ -100,7 +103,7 @@ def _grid_message(
     return message
 
 
-def cordon_markers(found: Sequence[Cordon], time_ns: int) -> MarkerArray:
+def cordon_markers(found: Sequence[Cordon], ground: Ground, time_ns: int) -> MarkerArray:
     """Return each cordon as lines on the ground, thick by the mean, thin by the upper 95 %.
 
     The first marker takes away those of the message before.
@@ -112,13 +115,13 @@ def cordon_markers(found: Sequence[Cordon], time_ns: int) -> MarkerArray:
     for cordon in found:
         for part in cordon.area.geoms:
             for ring in (part.exterior, *part.interiors):
-                markers.append(_ring_marker(cordon, list(ring.coords), len(markers), stamp))
+                corners = np.array(ring.coords)[:, :2]
+                corners = np.column_stack([corners, ground.ups_at(corners) + LINE_HEIGHT_M])
+                markers.append(_ring_marker(cordon, corners, len(markers), stamp))
     return MarkerArray(markers=markers)
 
 
-def _ring_marker(
-    cordon: Cordon, corners: list[tuple[float, ...]], number: int, stamp: Time
-) -> Marker:
+def _ring_marker(cordon: Cordon, corners: NDArray[np.float64], number: int, stamp: Time) -> Marker:
     marker = Marker(type=Marker.LINE_STRIP, action=Marker.ADD, id=number)
     marker.header.stamp, marker.header.frame_id = stamp, MAP_FRAME
     marker.ns = f'{cordon.level_usvh:g} uSv/h {cordon.confidence}'
@@ -126,7 +129,7 @@ def _ring_marker(
     red, green, blue = level_rgb(cordon.level_usvh)
     marker.color = ColorRGBA(r=red / 255.0, g=green / 255.0, b=blue / 255.0, a=1.0)
     marker.pose.orientation.w = 1.0
-    marker.points = [Point(x=corner[0], y=corner[1], z=0.1) for corner in corners]
+    marker.points = [Point(x=x, y=y, z=z) for x, y, z in corners.tolist()]
     return marker
 
 

@@ -2,10 +2,11 @@
 """Readings of a flight as they come, each once, ready to be localised at any time."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.ground import LEVEL, GroundHeights, ground_over
 from rocsafe_radiation.survey import Observation, Survey, survey_of
 
 
@@ -48,11 +49,19 @@ class ReadingLog:
     origin: of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
         frame is about the first reading.
     sensitivity_cps_per_usvh: of the detectors; 0: from counts and dose rate.
+    heights: who knows the height of the ground; None: it is level, at the origin's altitude.
     """
 
-    def __init__(self, origin: GeoPosition, sensitivity_cps_per_usvh: float = 0.0) -> None:
+    def __init__(
+        self,
+        origin: GeoPosition,
+        sensitivity_cps_per_usvh: float = 0.0,
+        heights: GroundHeights | None = None,
+    ) -> None:
         self._origin = origin
         self._sensitivity = sensitivity_cps_per_usvh
+        self._heights = heights
+        self._ground = LEVEL
         self._observations: dict[tuple[str, int], Observation] = {}
         is_known = bool(origin.latitude_deg or origin.longitude_deg)
         self.frame = LocalFrame(origin) if is_known else None
@@ -93,5 +102,11 @@ class ReadingLog:
         return True
 
     def survey(self) -> Survey:
-        """Return all readings so far."""
-        return survey_of(tuple(self._observations.values()), self._sensitivity)
+        """Return all readings so far, over the ground as far as it is known."""
+        survey = survey_of(tuple(self._observations.values()), self._sensitivity)
+        if self._heights is None or self.frame is None or not survey.size:
+            return survey
+        places = survey.positions_enu_m[:, :2]
+        if not self._ground.reaches(places):
+            self._ground = ground_over(self._heights, self.frame, places)
+        return replace(survey, ground=self._ground)

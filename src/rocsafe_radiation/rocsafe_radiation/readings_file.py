@@ -55,6 +55,7 @@ class ReadingsFile:
     models: names of field models that the rows state.
     reference_counts: of each observation, in a window above the lines of the source; empty if
         the file has none.
+    is_ground_guessed: the lowest altitude is taken for that of the ground.
     """
 
     observations: tuple[Observation, ...]
@@ -63,6 +64,7 @@ class ReadingsFile:
     backward_steps: int
     models: frozenset[str]
     reference_counts: tuple[float, ...] = ()
+    is_ground_guessed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +78,9 @@ class _Columns:
     has_reference: bool
 
 
-def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
+def read_readings(
+    path: Path, height_m: float = math.nan, ground_altitude_m: float = math.nan
+) -> ReadingsFile:
     """Read a CSV file with a row of column names.
 
     Columns: ``latitude_deg``, ``longitude_deg``, ``altitude_m`` or ``east_m``, ``north_m``,
@@ -91,6 +95,8 @@ def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
     ----------
     path: the file.
     height_m: above the ground, of all readings of a file without altitudes, metres.
+    ground_altitude_m: of the ground, in the datum of the file's altitudes; NaN: the lowest of
+        these.
 
     Raises
     ------
@@ -100,7 +106,7 @@ def read_readings(path: Path, height_m: float = math.nan) -> ReadingsFile:
         with path.open(encoding='utf-8-sig', newline='') as stream:
             table = csv.DictReader(stream)
             columns = _columns(path, table.fieldnames or (), height_m)
-            return _read(table, columns, height_m)
+            return _read(table, columns, height_m, ground_altitude_m)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
 
@@ -136,7 +142,9 @@ def _columns(path: Path, names: Iterable[str], height_m: float) -> _Columns:
     )
 
 
-def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsFile:
+def _read(
+    table: Iterable[Row], columns: _Columns, height_m: float, ground_altitude_m: float
+) -> ReadingsFile:
     dropped: Counter[str] = Counter()
     kept: list[tuple[float, ...]] = []
     models: set[str] = set()
@@ -161,7 +169,11 @@ def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsF
         models.add((row.get('model') or '').strip())
         kept.append(values)
     array = np.array(kept, np.float64).reshape(len(kept), 8)
-    frame = _frame(array) if columns.place == GEODETIC_COLUMNS and kept else None
+    if not columns.up:
+        ground_altitude_m = 0.0
+    frame = None
+    if columns.place == GEODETIC_COLUMNS and kept:
+        frame = _frame(array, ground_altitude_m)
     return ReadingsFile(
         observations=_observations(array, frame),
         frame=frame,
@@ -169,6 +181,7 @@ def _read(table: Iterable[Row], columns: _Columns, height_m: float) -> ReadingsF
         backward_steps=backward,
         models=frozenset(models - {''}),
         reference_counts=tuple(array[:, 7].tolist()) if columns.has_reference else (),
+        is_ground_guessed=frame is not None and not math.isfinite(ground_altitude_m),
     )
 
 
@@ -203,13 +216,14 @@ def _number(text: str | None) -> float:
     return value if math.isfinite(value) else math.nan
 
 
-def _frame(array: NDArray[np.float64]) -> LocalFrame:
-    """Return a frame about the middle of all readings, at the altitude of the lowest."""
+def _frame(array: NDArray[np.float64], ground_altitude_m: float) -> LocalFrame:
+    """Return a frame about the middle of all readings, at the ground or the lowest of them."""
+    is_known = math.isfinite(ground_altitude_m)
     return LocalFrame(
         GeoPosition(
             latitude_deg=float(np.median(array[:, 0])),
             longitude_deg=float(np.median(array[:, 1])),
-            altitude_m=float(array[:, 2].min()),
+            altitude_m=ground_altitude_m if is_known else float(array[:, 2].min()),
         )
     )
 

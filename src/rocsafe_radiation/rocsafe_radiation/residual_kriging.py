@@ -41,8 +41,9 @@ def residual(
     found: Localization, survey: Survey, kernel: Kernel, east: Array, north: Array
 ) -> Residual | None:
     """Return the residual at all nodes, None where readings agree with the estimate."""
-    ground_up_m = float(np.median([s.position_enu_m[2] for s in found.sources] or [0.0]))
-    height = survey.height_m(ground_up_m)
+    sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
+    above = sources[:, 2] - survey.ground.ups_at(sources[:, :2])
+    height = survey.height_m(float(np.median(above)) if len(above) else 0.0)
     thin = _thinned(survey, 0.25 * height)
     expected = thin.exposures * _rates_usvh(found, thin, kernel)
     values = np.log((thin.counts + 0.5) / (expected + 0.5))

@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of what stands between sources and detectors."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.field_assembly import BoxLists, places_of, shielding_of
 from rocsafe_radiation.shielding import Shielding, joined
 from rocsafe_radiation.shielding_provider import provided_shielding
+from rocsafe_radiation.terrain_options import TerrainOptions, lifted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ShieldOptions:
+class ShieldOptions(TerrainOptions):
     """Boxes, as parallel lists, and a scene that somebody else knows."""
 
     box_materials: tuple[str, ...] = field(
@@ -61,6 +63,15 @@ class ShieldOptions:
         metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
     )
 
+    ground_altitude_m: float = field(
+        default=0.0,
+        metadata={
+            'doc': 'altitude of level ground above the ellipsoid, metres; with a terrain, that '
+            'above which sources and boxes are given: they are lifted to its ground',
+            'max': 1e4,
+        },
+    )
+
     def shield(self, seed: int) -> Shielding | None:
         """Return what stands in the way of rays, None if nothing does.
 
@@ -79,11 +90,27 @@ class ShieldOptions:
             parts.append(provided_shielding(self.shielding, self.shielding_file, seed, origin))
         return joined(parts)
 
+    def placed(
+        self,
+        names: Sequence[str],
+        latitudes: Sequence[float],
+        longitudes: Sequence[float],
+        altitudes: Sequence[float],
+    ) -> tuple[GeoPosition, ...]:
+        """Return places of parallel lists, as high above the ground as above level ground.
+
+        Raises
+        ------
+        ValueError: with the name of the wrong one, its value and the limit.
+        """
+        places = places_of(names, latitudes, longitudes, altitudes)
+        return lifted(places, self.heights(), self.ground_altitude_m)
+
     def box_lists(self) -> BoxLists:
         """Return the boxes described."""
         return BoxLists(
             materials=self.box_materials,
-            places=places_of(
+            places=self.placed(
                 [f'box {index}' for index in range(len(self.box_materials))],
                 self.box_latitudes_deg,
                 self.box_longitudes_deg,

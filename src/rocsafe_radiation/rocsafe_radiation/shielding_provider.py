@@ -4,11 +4,11 @@
 So things of a virtual environment shield, and this package knows of none.
 """
 
-import importlib
 from collections.abc import Callable
 from functools import lru_cache
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.provider import provider_of
 from rocsafe_radiation.shielding import Shielding
 
 # File, seed and origin of the mission -> what stands in the way.
@@ -24,11 +24,7 @@ def provided_shielding(name: str, file: str, seed: int, origin: GeoPosition) -> 
     ------
     ValueError: in one line, if there is no such function or it cannot say.
     """
-    module_name, _, function_name = name.partition(':')
-    try:
-        provider: ShieldingProvider = getattr(importlib.import_module(module_name), function_name)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise ValueError(f'shielding = {name!r} must be a module:function: {error}') from error
+    provider: ShieldingProvider = provider_of('shielding', name)
     try:
         return provider(file, seed, origin)
     except Exception as error:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_radiation.ground import LEVEL, Ground
+
 Array = NDArray[np.float64]
 # A reading without statistics of its own counts as that of a large scintillator, so that errors
 # of position and model, not counts, limit what is believed of it.
@@ -47,12 +49,14 @@ class Survey:
     background_shape: the background at each reading relative to its mean, as known from
         elsewhere, for instance from a window of the spectrum above the source's lines, shape
         (n,); None: even.
+    ground: below.
     """
 
     positions_enu_m: Array
     counts: Array
     exposures: Array
     background_shape: Array | None = None
+    ground: Ground = LEVEL
 
     def __post_init__(self) -> None:
         size = len(self.counts)
@@ -71,9 +75,17 @@ class Survey:
         """Number of readings."""
         return len(self.counts)
 
-    def height_m(self, ground_up_m: float) -> float:
-        """Return the median height above the ground, at least 1 m."""
-        return max(1.0, float(np.median(self.positions_enu_m[:, 2])) - ground_up_m)
+    @property
+    def heights_m(self) -> Array:
+        """Height of each reading above the ground below it, shape (n,)."""
+        ups = self.positions_enu_m[:, 2]
+        if self.ground.is_level:
+            return ups
+        return np.asarray(ups - self.ground.ups_at(self.positions_enu_m[:, :2]))
+
+    def height_m(self, source_height_m: float) -> float:
+        """Return the median height above sources so high above the ground, at least 1 m."""
+        return max(1.0, float(np.median(self.heights_m)) - source_height_m)
 
     def merged(self, cell_m: float) -> 'Survey':
         """Return a survey with one reading a cube of `cell_m`, at the mean place within.
@@ -94,6 +106,7 @@ class Survey:
             shape = np.bincount(owner, self.exposures * shape) / exposures
         return Survey(
             background_shape=shape,
+            ground=self.ground,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             exposures=exposures,

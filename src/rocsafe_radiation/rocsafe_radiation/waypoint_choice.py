@@ -62,17 +62,17 @@ def next_waypoints(
     return tuple(chosen)
 
 
-def candidate_places(survey: Survey, ground_up_m: float) -> Array:
-    """Return places over the survey at its own height, half a height apart, shape (n, 3)."""
-    height = survey.height_m(ground_up_m)
+def candidate_places(survey: Survey, source_height_m: float) -> Array:
+    """Return places at the height of a survey above its ground, half a height apart, (n, 3)."""
+    height = survey.height_m(source_height_m)
     low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)
     pitch = max(height / 2.0, math.sqrt(float(np.prod(high[:2] - low[:2]) / LARGEST_GRID)))
     # One reading more or less changes nothing.
     pitch = PITCH_STEP_M * math.ceil(pitch / PITCH_STEP_M)
     axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low[:2], high[:2], strict=True))
-    east, north = np.meshgrid(*axes)
-    ups = np.full(east.size, ground_up_m + round(height))
-    return np.stack([east.ravel(), north.ravel(), ups], axis=1)
+    east, north = (part.ravel() for part in np.meshgrid(*axes))
+    ups = survey.ground.ups_at(np.stack([east, north], axis=1)) + source_height_m + round(height)
+    return np.stack([east, north, ups], axis=1)
 
 
 def log_volume(found: Localization) -> float:

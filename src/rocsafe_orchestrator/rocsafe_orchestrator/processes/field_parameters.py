@@ -3,6 +3,7 @@
 
 from typing import Any
 
+from rocsafe_orchestrator.processes.terrain_parameters import true_terrain_parameters
 from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
 
@@ -36,6 +37,7 @@ def field_parameters(scenario: Scenario) -> Parameters:
         'background_length_m': radiation.background.length_m,
         'background_cosmic': radiation.background.cosmic,
         'ground_altitude_m': scenario.origin.ground_altitude_m,
+        **true_terrain_parameters(scenario),
         'seed': scenario.seed,
         'lock_step': True,
     }

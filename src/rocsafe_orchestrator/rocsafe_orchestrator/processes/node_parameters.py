@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from rocsafe_orchestrator.processes.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.camera_blocks import camera_parameters
 from rocsafe_orchestrator.scenario.scenario import Scenario
@@ -105,6 +106,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
+        **known_terrain_parameters(scenario),
         **_origin(scenario),
     }
 

@@ -91,12 +91,23 @@ def check(
     SceneError: one line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
-    works = ground_works(description, seed)
-    frame = LocalFrame(origin or _origin(description))
+    origin = origin or _origin(description)
+    frame = LocalFrame(origin)
     if description.terrain.orthophoto is not None:
         open_photo(description.terrain.orthophoto, frame)
-    terrain = make_terrain(_relief(description, seed, works, frame).heights)
+    terrain = terrain_of(description, seed, origin)
     return tuple(Placer(description, seed, frame, terrain).objects())
+
+
+def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) -> Terrain:
+    """Return the ground of a scene alone.
+
+    Raises
+    ------
+    SceneError: one line, if an entry cannot be made.
+    """
+    works = ground_works(description, seed)
+    return make_terrain(_relief(description, seed, works, LocalFrame(origin)).heights)
 
 
 def ground_works(description: SceneDescription, seed: int) -> tuple[GroundWork, ...]:
