@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from rocsafe_geo.area_files import read_area
+from rocsafe_geo.area_files import read_area, read_areas
 from rocsafe_geo.position import GeoPosition
 
 OUTER = [[-9.062, 53.279], [-9.056, 53.279], [-9.056, 53.283], [-9.062, 53.283], [-9.062, 53.279]]
@@ -241,3 +241,22 @@ def test_broken_files_of_others_give_one_line(tmp_path, name, content, message):
         read_area(path)
     assert str(caught.value).startswith(f'{path}: ')
     assert '\n' not in str(caught.value)
+
+
+def test_several_polygons_of_a_file(tmp_path):
+    """All are read, those without a name after the file; one polygon is several of one."""
+    path = tmp_path / 'fields.json'
+    named = {
+        'type': 'Feature',
+        'properties': {'name': 'north'},
+        'geometry': {'type': 'Polygon', 'coordinates': [OUTER]},
+    }
+    shapes = {'type': 'MultiPolygon', 'coordinates': [[OUTER], [INNER]]}
+    features = [{'type': 'Feature', 'properties': {}, 'geometry': shapes}, named]
+    path.write_text(json.dumps({'type': 'FeatureCollection', 'features': features}))
+    assert [area.name for area in read_areas(path)] == ['fields', 'fields 2', 'north']
+    path.write_text(json.dumps(named))
+    assert read_areas(path) == (read_area(path),)
+    path.write_text(json.dumps(POINT))
+    with pytest.raises(ValueError, match='has 0 polygons: must have 1 to 1000'):
+        read_areas(path)

@@ -15,6 +15,9 @@ from rocsafe_geo.position import GeoPosition
 MAX_FILE_BYTES = 10_000_000
 """A larger file is not a survey region drawn by hand."""
 
+MAX_AREAS = 1000
+"""More polygons are not regions drawn by hand."""
+
 _WGS84_NAMES = ('CRS84', 'EPSG::4326', 'EPSG:4326')
 
 # GeoJSON objects that hold others, and under which key.
@@ -33,18 +36,41 @@ def read_area(path: str | Path) -> SurveyArea:
         One line that starts with the path: unreadable file, unknown kind, not exactly one polygon,
         wrong coordinates, or whatever `SurveyArea` refuses.
     """
-    file = Path(path)
+    return _areas(Path(path), most=1)[0]
+
+
+def read_areas(path: str | Path) -> tuple[SurveyArea, ...]:
+    """Return all polygons of such a file, at least one and at most `MAX_AREAS`.
+
+    Those without a name are given the file's, with numbers from the second on.
+
+    Raises
+    ------
+    ValueError
+        As `read_area` does.
+    """
+    return _areas(Path(path), most=MAX_AREAS)
+
+
+def _areas(file: Path, most: int) -> tuple[SurveyArea, ...]:
     try:
         polygons = _reader_of(file)(_text_of(file))
-        if len(polygons) != 1:
-            raise ValueError(f'has {len(polygons)} polygons: must have exactly 1')  # noqa: TRY301
-        rings, name = polygons[0]
-        if not rings:
-            raise ValueError('has a polygon without coordinates')  # noqa: TRY301
-        return SurveyArea(rings[0], tuple(rings[1:]), name or file.stem)
+        if not 1 <= len(polygons) <= most:
+            limit = 'exactly 1' if most == 1 else f'1 to {most}'
+            raise ValueError(f'has {len(polygons)} polygons: must have {limit}')  # noqa: TRY301
+        return tuple(
+            _area(rings, name or (f'{file.stem} {number}' if number > 1 else file.stem))
+            for number, (rings, name) in enumerate(polygons, start=1)
+        )
     except (ValueError, RecursionError) as error:
         reason = 'is nested too deeply' if isinstance(error, RecursionError) else error
         raise ValueError(f'{file}: {reason}') from error
+
+
+def _area(rings: list[Ring], name: str) -> SurveyArea:
+    if not rings:
+        raise ValueError('has a polygon without coordinates')
+    return SurveyArea(rings[0], tuple(rings[1:]), name)
 
 
 def _reader_of(file: Path) -> Callable[[str], list[_NamedRings]]:

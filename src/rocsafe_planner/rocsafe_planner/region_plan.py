@@ -10,7 +10,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.area_files import read_area
+from rocsafe_geo.area_files import read_areas
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
@@ -27,7 +27,7 @@ CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 def plan_region(
     path: str | Path, drones: int = 3, height_agl_m: float = 32.0, **options: Any
 ) -> SurveyPlan:
-    """Return the plan for the region of a GeoJSON, KML, KMZ, QGroundControl or CSV file.
+    """Return the plan for the regions of a GeoJSON, KML, KMZ, QGroundControl or CSV file.
 
     Parameters
     ----------
@@ -47,17 +47,21 @@ def plan_region(
     PlannerError
         If there is no plan.
     """
-    area = read_area(Path(path))
+    areas = read_areas(Path(path))
     require_count('drones', drones, 1, 1000)
     values = {
         'camera': CAMERA,
         'vehicles': tuple(
-            drone(f'rav{number}', area.boundary[0]) for number in range(1, drones + 1)
+            drone(f'rav{number}', areas[0].boundary[0]) for number in range(1, drones + 1)
         ),
         **options,
     }
     return plan_survey(
-        SurveyRequest(regions=(SurveyRegion(area=area),), height_agl_m=height_agl_m, **values)
+        SurveyRequest(
+            regions=tuple(SurveyRegion(area=area) for area in areas),
+            height_agl_m=height_agl_m,
+            **values,
+        )
     )
 
 

@@ -40,6 +40,16 @@ def seconds(text: str) -> float:
     return _number(text, 0.0, 86_400.0, ' s')
 
 
+def fraction(text: str) -> float:
+    """Return an overlap; an error names value and limits."""
+    return _number(text, 0.0, 0.95, '')
+
+
+def vehicle_speed(text: str) -> float:
+    """Return a speed of a vehicle; an error names value and limits."""
+    return _number(text, 0.1, 100.0, ' m/s')
+
+
 def wind(text: str) -> float:
     """Return a component of the wind; an error names value and limits."""
     return _number(text, -100.0, 100.0, ' m/s')

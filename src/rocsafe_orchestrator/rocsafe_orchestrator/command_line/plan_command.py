@@ -2,6 +2,7 @@
 """`rocsafe plan`: who photographs what, without flying."""
 
 import json
+import re
 import subprocess
 import tempfile
 from collections.abc import Mapping
@@ -12,7 +13,8 @@ from typing import Any
 from rich.console import Console
 
 from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.area_files import read_area
+from rocsafe_geo.area_files import read_areas
+from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
 from rocsafe_orchestrator.processes.launches import find_executable
@@ -40,7 +42,8 @@ class PlanRequest:
     ----------
     files: scenarios and regions.
     method: routing method; empty: the scenario's, else the planner's own.
-    vehicles, height_agl_m: of a region, which says neither.
+    vehicles, height_agl_m, home: of a region, which says nothing of them; without a home they
+        start at its first corner.
     parent: folder below which the plans are written, None: nowhere.
     exclusions: region files that no leg crosses, besides the scenario's own.
     seed: of the search; None: the scenario's.
@@ -51,6 +54,7 @@ class PlanRequest:
     method: str = ''
     vehicles: int = 3
     height_agl_m: float = 32.0
+    home: tuple[float, float] | None = None
     parent: Path | None = None
     exclusions: tuple[Path, ...] = ()
     seed: int | None = None
@@ -66,7 +70,7 @@ def plan(request: PlanRequest, console: Console) -> int:
     ScenarioError: if a file is not valid.
     OrchestratorError: if there is no plan; the planner's reason is told.
     """
-    zones = tuple(region_block(_area(path)) for path in request.exclusions)
+    zones = tuple(region_block(area) for path in request.exclusions for area in areas_of(path))
     scenarios = [
         (path, _with_options(_scenario(path, request), request, zones)) for path in request.files
     ]
@@ -84,21 +88,27 @@ def plan(request: PlanRequest, console: Console) -> int:
 def _scenario(path: Path, request: PlanRequest) -> Scenario:
     if path.suffix.lower() not in REGION_SUFFIXES:
         return read_scenario(path)
-    area = _area(path)
-    first = area.boundary[0]
-    home = (first.latitude_deg, first.longitude_deg)
+    areas = areas_of(path)
+    first = areas[0].boundary[0]
+    home = request.home or (first.latitude_deg, first.longitude_deg)
+    try:
+        GeoPosition(*home)
+    except ValueError as error:
+        raise ScenarioError(f'--home: {error}') from error
     names = (f'rav{number}' for number in range(1, request.vehicles + 1))
     return Scenario(
-        name='region',
-        region=region_block(area),
+        name=re.sub('[^A-Za-z0-9_-]', '-', path.stem).lstrip('-_')[:64] or 'region',
+        region=region_block(areas[0]),
+        other_regions=tuple(map(region_block, areas[1:])),
         survey=SurveyBlock(height_agl_m=request.height_agl_m),
         vehicles=tuple(VehicleBlock(name=name, home=home) for name in names),
     )
 
 
-def _area(path: Path) -> SurveyArea:
+def areas_of(path: Path) -> tuple[SurveyArea, ...]:
+    """Return the polygons of a region file; ScenarioError saying what is wrong with it."""
     try:
-        return read_area(path)
+        return read_areas(path)
     except ValueError as error:
         raise ScenarioError(str(error)) from error
 

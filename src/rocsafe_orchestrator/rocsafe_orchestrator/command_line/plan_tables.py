@@ -34,7 +34,8 @@ def quality_table(path: Path, document: dict[str, Any]) -> Table:
     )
     nearest = document['minimum_separation_m']
     if nearest is not None:
-        table.add_row('nearest', f'{nearest:.1f} m between two vehicles in the air')
+        wish = '' if document['separation_m'] else '; --separation M keeps them apart'
+        table.add_row('nearest', f'{nearest:.1f} m between two vehicles in the air{wish}')
     return table
 
 
@@ -66,7 +67,14 @@ def route_table(document: dict[str, Any]) -> Table:
             str(len(route['sorties'])),
             f'{route["length_m"]:.0f} m',
             clock_text(route['duration_s']),
-            f'after {clock_text(route["delay_s"])}' if route['delay_s'] else 'at once',
+            _take_off_text(route),
             f'{route["flight_height_m"]:.0f} m',
         )
     return table
+
+
+def _take_off_text(route: dict[str, Any]) -> str:
+    """Return when a vehicle takes off first."""
+    if not route['sorties']:
+        return 'stays'
+    return f'after {clock_text(route["delay_s"])}' if route['delay_s'] else 'at once'

@@ -9,8 +9,7 @@ from typing import Any
 
 from rich.console import Console
 
-from rocsafe_geo.area_files import read_area
-from rocsafe_orchestrator.command_line.plan_command import asked_planner
+from rocsafe_orchestrator.command_line.plan_command import areas_of, asked_planner
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, ScenarioError
 from rocsafe_orchestrator.scenario.scenario_file import region_block
@@ -74,7 +73,11 @@ def planner_request(request: ReplanRequest, folder: Path) -> dict[str, Any]:
         'alive': _alive(request),
         'visited': _ids(request.visited),
         'new_places': [list(place) for place in request.new_places],
-        'new_exclusions': [_zone(path) for path in request.exclusions],
+        'new_exclusions': [
+            region_block(area).model_dump(exclude={'file', 'sensors'})
+            for path in request.exclusions
+            for area in areas_of(path)
+        ],
         'terrain_file': '' if request.terrain is None else str(request.terrain),
         'output_directory': str(folder),
     }
@@ -124,11 +127,3 @@ def _ids(text: str) -> list[int]:
             raise ScenarioError(f'--visited {part}: must be a number or a range such as 0-20')
         ids.extend(range(int(first), int(last or first) + 1))
     return ids
-
-
-def _zone(path: Path) -> dict[str, Any]:
-    try:
-        block = region_block(read_area(path))
-    except ValueError as error:
-        raise ScenarioError(str(error)) from error
-    return block.model_dump(exclude={'file', 'sensors'})
