@@ -191,9 +191,14 @@ class Spinner:
     def spin_for(self, duration_s: float) -> None:
         """Handle everything that comes within `duration_s`."""
         end = time.monotonic() + duration_s
-        while (left := end - time.monotonic()) > 0.0:
+        while (now := time.monotonic()) < end:
+            # Each look costs as much as ten messages, so it is not taken after every message.
             self._answers.spin_once(timeout_sec=0.0)
-            self._executor.spin_once(timeout_sec=min(left, ANSWER_PERIOD_S))
+            self._listen_until(min(end, now + ANSWER_PERIOD_S))
+
+    def _listen_until(self, end: float) -> None:
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
 
     def close(self) -> None:
         """Destroy the node."""

@@ -103,17 +103,17 @@ def _log_ratios(survey: Survey, added: Array, natural: Array, level: float) -> A
     `added` are the counts that a source at each place adds, shape (places, n).
     """
     counts = survey.counts
-    levels = np.full((len(added), 1), level)
+    levels = np.full(len(added), level)
     for _ in range(ROUNDS):
-        expected = levels * natural + added
+        inverse = 1.0 / (np.outer(levels, natural) + added)
         # The slope of the likelihood by the level falls ever less: from below, no step is too far.
-        shares = natural / expected
-        slopes = (counts * shares).sum(axis=1, keepdims=True) - natural.sum()
-        bends = (counts * shares * shares).sum(axis=1, keepdims=True)
+        slopes = inverse @ (counts * natural) - natural.sum()
+        bends = np.square(inverse, out=inverse) @ (counts * natural**2)
         levels = np.maximum(levels + slopes / np.maximum(bends, 1e-300), LOWEST_LEVEL * level)
-    expected = levels * natural + added
+    expected = np.outer(levels, natural) + added
     null = level * natural
-    return np.asarray((counts * np.log(expected / null) - (expected - null)).sum(axis=1))
+    excess = expected.sum(axis=1) - null.sum()
+    return np.asarray(np.log(expected / null) @ counts - excess)
 
 
 def _log_mean(logs: Array) -> float:
