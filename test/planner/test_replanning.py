@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rest of a survey, planned anew by those who are left."""
 
+import dataclasses
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -178,6 +180,29 @@ def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way():
     way_out = rest.routes[0].sorties[0].bends[0][0]
     assert way_out.longitude_deg < here.longitude_deg
     assert way_out.latitude_deg == pytest.approx(here.latitude_deg, abs=1e-7)
+
+
+@pytest.mark.parametrize('count', [1, 40])
+def test_an_open_route_out_of_a_new_exclusion(count):
+    """It leaves the zone and lands at its last viewpoint; with nothing to do it flies home."""
+    fleet = tuple(dataclasses.replace(v, is_open=True) for v in FLEET)
+    plan = plan_survey(request(vehicles=fleet, method='boustrophedon_minmax'))
+    here = offset(fleet[0].home, 60.0, 0.0)
+    ring = tuple(offset(here, e, n) for e, n in ((-30.0, -9.0), (30.0, -9.0), (0.0, 20.0)))
+    near = plan.routes[2].viewpoints[-1].position
+    left = {view.id for view in plan.routes[2].viewpoints[-count:]}
+    rest = replan(
+        plan,
+        Situation(
+            alive={'rav1': Aloft(position=here), 'rav3': Aloft(position=near)},
+            visited=frozenset(set(ids(plan)) - left),
+            new_exclusions=(SurveyArea(ring),),
+        ),
+    )
+    assert check_plan(rest) == []
+    assert set(ids(rest)) == left
+    assert set(leaving_exclusions_m(rest)) == {'rav1'}
+    assert rest.routes[0].vehicle.is_open == (len(rest.routes[0].viewpoints) > 0) == (count > 1)
 
 
 def test_battery_of_who_stands_at_home_counts():

@@ -39,7 +39,7 @@ def ups_m(plan: SurveyPlan, route: Route, number: int) -> FloatArray:
     ups = np.array([0.0 if is_level else place.altitude_m for place in track])
     from_air = number == 0 and route.vehicle.aloft is not None
     if is_level:
-        start, known = track[0].altitude_m, [v.position.altitude_m for v in route.viewpoints]
+        start, known = track[0].altitude_m, _levels_m(plan, route)
         if from_air and known and not math.isnan(start - known[0]):
             ups[0] = start - known[0]
         return ups
@@ -50,6 +50,15 @@ def ups_m(plan: SurveyPlan, route: Route, number: int) -> FloatArray:
         place = track[end]
         ups[end] = _ground_m(plan, place) + route.flight_height_m
     return ups
+
+
+def _levels_m(plan: SurveyPlan, route: Route) -> list[float]:
+    """Return the altitude of a route's flights as photographs of the plan tell it."""
+    return [
+        view.position.altitude_m - view.height_agl_m + route.flight_height_m
+        for other in plan.routes
+        for view in other.viewpoints[:1]
+    ]
 
 
 def _ground_m(plan: SurveyPlan, place: GeoPosition) -> float:

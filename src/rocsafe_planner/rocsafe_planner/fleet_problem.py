@@ -49,7 +49,7 @@ class FleetProblem:
         Above the ground, to climb to and to descend from.
     insides
         Where vehicles are that begin in an exclusion, which they leave to their start first,
-        shape (m, 2), NaN: in none.
+        shape (m, 3), NaN: in none; with an up of NaN at the height of the legs.
     start_ups_m
         Height of each start above the frame's origin, shape (m,), NaN: that of the legs.
     layers_m
@@ -182,8 +182,9 @@ class FleetProblem:
         """Return where a vehicle is that begins in an exclusion; None: it does not."""
         if self.insides is None or np.isnan(self.insides[vehicle, 0]):
             return None
-        east, north = self.insides[vehicle].tolist()
-        return east, north, float(self._air(vehicle).sites[self.start_site(vehicle), 2])
+        east, north, up = self.insides[vehicle].tolist()
+        over = float(self._air(vehicle).sites[self.start_site(vehicle), 2])
+        return east, north, over if np.isnan(up) else up
 
     def exit_m(self, vehicle: int) -> float:
         """Return the length of a vehicle's way out of the exclusion that it begins in."""

@@ -32,6 +32,9 @@ def plan_survey(
 ) -> SurveyPlan:
     """Return the plan of a request: the same request gives the same plan.
 
+    A vehicle with an open route that begins in an exclusion and has nothing to photograph would
+    land where it must not: the plan is that of the request in which it flies home.
+
     Raises
     ------
     ValueError
@@ -44,6 +47,13 @@ def plan_survey(
     site = survey_site(request)
     _go_on(on_progress)
     found = _found(site, request, on_progress)
+    stranded = _stranded(site, found)
+    if stranded:
+        homeward = tuple(
+            dataclasses.replace(v, is_open=v.is_open and k not in stranded)
+            for k, v in enumerate(request.vehicles)
+        )
+        return plan_survey(dataclasses.replace(request, vehicles=homeward), on_progress)
     apart = kept_apart(site, found.orders)
     makespan = max(route.finish_s for route in apart.routes)
     is_time = request.objective == DEFAULT_OBJECTIVE
@@ -64,6 +74,16 @@ def plan_survey(
         largest_hole_m2=sight.largest_hole_m2,
         minimum_separation_m=apart.separation_m,
     )
+
+
+def _stranded(site: SurveySite, found: Optimised) -> set[int]:
+    """Return who would land in an exclusion: it begins there, serves nobody, and is open."""
+    problem = site.problem
+    return {
+        k
+        for k, order in enumerate(found.orders)
+        if not order and problem.vehicles[k].is_open and problem.inside(k) is not None
+    }
 
 
 def _bound(

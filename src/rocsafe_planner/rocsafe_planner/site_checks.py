@@ -43,7 +43,7 @@ def check_stands(
     """
     for what, stands in zip(('start', 'home', 'end'), places, strict=True):
         for vehicle, is_free in zip(vehicles, airspace.holds(stands).tolist(), strict=True):
-            if not is_free and not (what == 'start' and _may_leave(vehicle)):
+            if not is_free and not (what == 'start' and vehicle.aloft is not None):
                 where = 'home' if what == 'start' and vehicle.aloft is None else what
                 raise ValueError(
                     f'{vehicle.name} {where} lies in an exclusion, or nearer to it than '
@@ -65,11 +65,6 @@ def exits(
     """
     moved, insides = starts.copy(), np.full(starts.shape, np.nan)
     for k in np.flatnonzero(~airspace.holds(starts)).tolist():
-        if _may_leave(vehicles[k]):
+        if vehicles[k].aloft is not None:
             moved[k], insides[k] = airspace.exit(starts[k]), starts[k]
     return moved, insides
-
-
-def _may_leave(vehicle: Vehicle) -> bool:
-    """Return whether a vehicle is in the air and flies on from there in any case."""
-    return vehicle.aloft is not None and not vehicle.is_open

@@ -147,10 +147,14 @@ def _problem_of(
     homes = places_of(frame, [vehicle.home for vehicle in vehicles])
     ends = places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles])
     sites = np.vstack([coverage.centres, starts, ends, homes])
+    start_ups = _start_ups_m(request, frame)
     detours = insides = None
     if airspace is not None:
         check_stands(vehicles, airspace, (starts, homes, ends))
         starts, insides = exits(vehicles, airspace, starts)
+        insides = np.column_stack([insides, start_ups])
+        # On their way out they come to the height of their legs.
+        start_ups = np.where(np.isnan(insides[:, 0]), start_ups, math.nan)
         sites = np.vstack([coverage.centres, starts, ends, homes])
         detours = airspace.detours(sites)
     ground = relief = None
@@ -169,7 +173,7 @@ def _problem_of(
         ends=ends,
         starts=starts,
         insides=insides,
-        start_ups_m=_start_ups_m(request, frame),
+        start_ups_m=None if np.isnan(start_ups).all() else start_ups,
         points=coverage.centres,
         height_m=request.height_agl_m,
         ground=ground,
@@ -181,15 +185,16 @@ def _problem_of(
     )
 
 
-def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray | None:
+def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
     """Return how high vehicles in the air are above the frame's origin, NaN where unknown."""
     if math.isnan(_ground_altitude_m(request)):
-        return None
-    ups = [
-        math.nan if v.aloft is None else v.aloft.position.altitude_m - frame.origin.altitude_m
-        for v in request.vehicles
-    ]
-    return None if all(math.isnan(up) for up in ups) else np.array(ups)
+        return np.full(len(request.vehicles), math.nan)
+    return np.array(
+        [
+            math.nan if v.aloft is None else v.aloft.position.altitude_m - frame.origin.altitude_m
+            for v in request.vehicles
+        ]
+    )
 
 
 def _may_visit(request: SurveyRequest, coverage: Coverage) -> NDArray[np.bool_] | None:
