@@ -27,7 +27,7 @@ def compile_kernels() -> None:
     problem = one_depot(points[:9], points[0], 2)
     routes = solve(problem, _QUICK).routes
     lane = Lane(tables_of(problem), 1.0, 0, 0, 0.0)
-    manner = Manner(hot=0.0, cold=-1.0, floor=0.2, width=0.02, ruins=0, long=0)
+    manner = Manner(hot=0.0, cold=-1.0, floor=0.2, width=0.02, sharper=0.0, ruins=0, long=0)
     lane.cross(plan_of(routes), plan_of(routes), [0], manner)
     home = Vehicle(start=2, end=2)
     # Nobody serves both neighbours of any order: no order can be cut, customers are assigned.

@@ -27,6 +27,11 @@ SMALL_RUINS = (600, 1500)
 """Of 4096 proposals, how many are ruin and recreate in cycles where there is a table of legs."""
 HASTY_RUINS, HASTE = 200, 5000
 """How many where there are fewer than so many proposals a customer in all."""
+SHARPER = 3.0
+"""Power of two by which the width of a cycle shrinks."""
+FLOORS, PATIENT_FLOORS, PATIENCE = (0.1, 0.2), (0.03, 0.1), 100_000
+"""Worths of short routes; and where there are so many proposals a customer in all. The less they
+are worth, the nearer comes the longest route to the least, and the longer the others stay hot."""
 RATES = (6e6, 2.5e6)
 """Proposals a second that are counted on before any were made: with a table of legs, without."""
 
@@ -69,6 +74,7 @@ class Schedule:
         self.is_single = share < 4 * LEAST_CYCLE
         self.hot_start = share > 2000
         self.has_time = share > HASTE
+        self.floors = PATIENT_FLOORS if share > PATIENCE else FLOORS
         self.full = (
             total if self.is_single else customers * min(max(share / 12, LEAST_CYCLE), MOST_CYCLE)
         )
@@ -133,8 +139,9 @@ class Schedule:
         return Manner(
             hot=hot,
             cold=-5.5,
-            floor=float(self.choices.choice([0.1, 0.2])),
+            floor=float(self.choices.choice(self.floors)),
             width=float(self.choices.choice([0.01, 0.02])),
+            sharper=SHARPER,
             ruins=self._ruins(),
             long=int(self.choices.choice([0, 3])),
         )

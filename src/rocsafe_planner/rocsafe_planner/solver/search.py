@@ -23,6 +23,8 @@ STEP = 256
 STRICTNESS = 100.0
 """Penalty for each unit of consumption above a limit: dearer than what it saves the longest route,
 or a search over small batteries settles on plans that no battery lasts for."""
+SHARPENING_FROM = 0.5
+"""Part of a cycle after which the width begins to shrink."""
 
 
 def power_of_two(exponent: float) -> float:
@@ -50,6 +52,8 @@ class Manner:
     """Worth of a unit of cost in a short route, against 1 in the longest."""
     width: float
     """Share of the target cost over which the worth rises from `floor` to 1."""
+    sharper: float
+    """Power of two by which the width has shrunk in the end."""
     ruins: int
     """Of 4096 proposals, how many are ruin and recreate."""
     long: int
@@ -89,8 +93,12 @@ class Lane:
         """Return the best routes since `begin`."""
         return self.best.order.copy(), self.best.lengths.copy()
 
-    def goal(self, manner: Manner) -> Goal:
-        """Return what to minimise: routes above the mean weigh more, up to twice at `width`."""
+    def goal(self, manner: Manner, progress: float) -> Goal:
+        """Return what to minimise: routes above the mean weigh more, up to twice at `width`.
+
+        In the end the longest route alone counts. As long as it is hot that would hinder, since no
+        customer could change routes any more: the width shrinks with the last temperatures only.
+        """
         if self.peak == 0:
             return Goal(
                 target=0.0,
@@ -100,6 +108,8 @@ class Lane:
                 vacancy=0.0,
                 strictness=STRICTNESS,
             )
+        late = max(0.0, (progress - SHARPENING_FROM) / (1 - SHARPENING_FROM))
+        width = manner.width * power_of_two(-manner.sharper * late)
         target = max(float(self.state.cost.mean()), self.far)
         spare = len(self.tables.needs) < len(self.tables.first)
         vacancy = 4 * target if self.alike and not spare else 0.0
@@ -107,7 +117,7 @@ class Lane:
             target=target,
             floor=manner.floor,
             steepness=0.0,
-            curvature=(1 - manner.floor) / (2 * manner.width * max(target, 1e-12)),
+            curvature=(1 - manner.floor) / (2 * width * max(target, 1e-12)),
             vacancy=vacancy,
             strictness=STRICTNESS,
         )
@@ -115,7 +125,8 @@ class Lane:
     def cross(self, one: Plan, other: Plan, chosen: list[int], manner: Manner) -> None:
         """Continue from a mix of two plans, forgetting the best routes of the last cycle."""
         order, lengths, missing = mix(one, other, chosen, self.alike)
-        complete(self.tables, self.state, self.goal(manner), order, lengths, missing, self.random)
+        goal = self.goal(manner, 0.0)
+        complete(self.tables, self.state, goal, order, lengths, missing, self.random)
         self.best.value[0] = np.inf
 
     def anneal(self, manner: Manner, progress: float, proposals: int, rate: float) -> None:
@@ -129,7 +140,7 @@ class Lane:
             ruins=manner.ruins,
             long=manner.long,
         )
-        aim = Aim(self.goal(manner), self.peak, self.share)
+        aim = Aim(self.goal(manner, progress), self.peak, self.share)
         anneal(self.tables, self.state, aim, self.best, Dice(self.random, THRESHOLDS), heat)
         self.proposals += proposals
 
