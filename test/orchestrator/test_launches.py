@@ -19,6 +19,7 @@ from rocsafe_orchestrator.processes.node_parameters import localizer_parameters
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
+from rocsafe_orchestrator.report.sections import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
@@ -280,3 +281,23 @@ def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Pat
     )
     (built,) = options.survey_field().field.sources
     assert built.sigma_usvps == pytest.approx(nuclide('Ir-192').sigma_usvps(50.0), rel=0.001)
+
+
+def test_a_real_drone_may_bring_its_own_detector(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """No field is simulated for it, nobody waits for one, and the report tells them apart."""
+    links = {
+        'vehicles[0].link': 'udp://127.0.0.1:14550',
+        'vehicles[0].drone': {'system': 1, 'detector': 'own'},
+        'vehicles[1].link': 'udp://127.0.0.1:14550',
+        'vehicles[1].drone': {'system': 2},
+    }
+    scenario = read_scenario(small(links))
+    parameters = field_parameters(scenario)
+    assert parameters['vehicles'] == parameters['vehicles_at_their_fix'] == ['rav2']
+    (field,) = (spec for spec in process_table(scenario, run) if spec.name == 'radiation_field')
+    assert {endpoint.vehicle for endpoint in field.readiness} == {'rav2'}
+    assert what_is_simulated(scenario) == (
+        'Real flight: rav1, rav2. Own detector: rav1. Simulated detector: rav2.'
+    )

@@ -16,12 +16,13 @@ SCENE_SHIELDING = 'rocsafe_sim.scene.shielding:scene_shielding'
 def field_parameters(scenario: Scenario) -> Parameters:
     """Return the parameters of the radiation field."""
     radiation, origin = scenario.radiation, scenario.origin_position()
+    metered = scenario.with_simulated_detector
     return {
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': [vehicle.name for vehicle in metered],
         # Nobody knows where a real vehicle truly is.
-        'vehicles_at_their_fix': [vehicle.name for vehicle in scenario.linked],
+        'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
         'start_time_s': scenario.clock.start.timestamp(),
         **_sources(scenario),
         **_boxes(scenario),

@@ -110,7 +110,8 @@ def _flight_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
 
 def _sensing_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
     radiation = tuple(
-        Endpoint(spec=topics.RADIATION, vehicle=name) for name in scenario.vehicle_names
+        Endpoint(spec=topics.RADIATION, vehicle=vehicle.name)
+        for vehicle in scenario.with_simulated_detector
     )
     return (
         _process(

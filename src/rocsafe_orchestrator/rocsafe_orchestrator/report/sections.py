@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sections of the report that are words and facts."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_orchestrator.products.run_record import Photograph, Plan, RunRecord
-from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.products.run_record import Photograph, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import line_sample
@@ -16,8 +14,13 @@ from rocsafe_orchestrator.report.events import start_ns
 from rocsafe_orchestrator.report.map_data import MapData
 from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join
+from rocsafe_orchestrator.report.run_facts import (
+    estimate_facts,
+    field_facts,
+    run_facts,
+    survey_facts,
+)
 from rocsafe_orchestrator.report.tables import facts
-from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
 
 OUTCOMES = {
@@ -27,10 +30,7 @@ OUTCOMES = {
     'unknown': ('?', 'Not finished'),
 }
 LIMITS = (
-    (
-        'Simulated flight and simulated detectors. Not for dosimetry, and no basis for a decision '
-        'on anybody’s exposure.'
-    ),
+    'Not for dosimetry, and no basis for a decision on anybody’s exposure.',
     (
         'Dose rates follow the field model of the scenario alone: no background, no shielding and '
         'no counting noise unless the model has them. They were measured in flight, not at the '
@@ -51,7 +51,6 @@ LIMITS = (
     'Positions are WGS84, altitudes above the ellipsoid, not above the sea.',
 )
 _NS_PER_S = 1_000_000_000
-_S_PER_H = 3600.0
 
 
 def header(record: RunRecord, summary: RunSummary) -> Markup:
@@ -163,17 +162,17 @@ def gallery(record: RunRecord, pictures: Mapping[str, str], zero_ns: int) -> Mar
 def details(record: RunRecord, summary: RunSummary) -> Markup:
     """Return how the survey was planned, what was simulated, and with which software."""
     columns = (
-        ('Survey', facts(_survey_facts(record.plan, summary)) if record.plan else None),
+        ('Survey', facts(survey_facts(record.plan, summary)) if record.plan else None),
         (
             'Radiation, as simulated',
-            facts(_field_facts(record.scenario)) if record.scenario else None,
+            facts(field_facts(record.scenario)) if record.scenario else None,
         ),
         (
             'Sources, as estimated',
-            facts(_estimate_facts(record.estimates)) if record.estimates else None,
+            facts(estimate_facts(record.estimates)) if record.estimates else None,
         ),
         ('Map', facts(found) if (found := map_facts(record.path)) else None),
-        ('Run', facts(_run_facts(record, summary))),
+        ('Run', facts(run_facts(record, summary))),
         ('Software', facts((name, text) for name, text in summary.versions.items())),
     )
     return card(
@@ -188,7 +187,7 @@ def details(record: RunRecord, summary: RunSummary) -> Markup:
 
 def limits(record: RunRecord, data: MapData | None) -> Markup:
     """Return what the figures do not say."""
-    notes = list(LIMITS)
+    notes = [what_is_simulated(record.scenario), *LIMITS]
     if data is not None and data.readings_per_point > 1:
         notes.append(
             f'Map and charts show the highest of every {data.readings_per_point} readings; '
@@ -198,6 +197,24 @@ def limits(record: RunRecord, data: MapData | None) -> Markup:
         notes.append('Flown tracks are the true positions of the simulation, readings lie where '
                      'the vehicle believed to be.')  # fmt: skip
     return card('Limits', element('ul', (element('li', note) for note in notes), class_='limits'))
+
+
+def what_is_simulated(scenario: Scenario | None) -> str:
+    """Return which flights and readings of the run are not real."""
+    if scenario is None or not scenario.linked:
+        return 'Simulated flight and simulated detectors.'
+    metered = scenario.with_simulated_detector
+    groups = {
+        'Real flight': scenario.linked,
+        'Simulated flight': scenario.simulated,
+        'Own detector': [vehicle for vehicle in scenario.vehicles if vehicle not in metered],
+        'Simulated detector': metered,
+    }
+    return ' '.join(
+        f'{what}: {", ".join(vehicle.name for vehicle in vehicles)}.'
+        for what, vehicles in groups.items()
+        if vehicles
+    )
 
 
 def footer(record: RunRecord) -> Markup:
@@ -221,121 +238,3 @@ def _stamps(summary: RunSummary, time: str) -> list[Content]:
     parts = [summary.scenario, time, f'seed {summary.seed}' if summary.seed is not None else '']
     shown: list[Content] = [element('span', part) for part in parts if part]
     return [*shown, element('code', summary.run)]
-
-
-def _survey_facts(plan: Plan, summary: RunSummary) -> list[tuple[str, Content]]:
-    fov = f'{math.degrees(plan.horizontal_fov_rad):.1f}°'
-    image = f'{plan.image_width_px} × {plan.image_height_px} px, {fov} across'
-    bound = f'{formats.duration(plan.lower_bound_s)} ({plan.lower_bound_method})'
-    overlap = f'{formats.percent(plan.overlap_fraction, 0)} ({plan.spacing_rule})'
-    return [
-        ('Method', plan.method),
-        ('Viewpoints', formats.whole(sum(len(route.viewpoints) for route in plan.routes))),
-        ('Height above ground', formats.length(plan.height_agl_m)),
-        ('Camera', image),
-        ('Overlap', overlap),
-        ('Spacing', f'{plan.spacing_m:.2f}{formats.GAP}m'),
-        ('Makespan', formats.duration(plan.makespan_s)),
-        ('Lower bound', bound),
-        ('Gap', f'at most {formats.upper_percent(plan.gap_fraction)} above optimal'),
-        ('Objective', plan.objective.replace('_', ' ')),
-        ('Nearest two vehicles', _nearest(plan, summary)),
-        *_flight_facts(plan),
-        ('Largest hole', _hole(plan)),
-        *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
-        ('Plan', element('code', plan.plan_id)),
-    ]
-
-
-def _flight_facts(plan: Plan) -> Iterator[tuple[str, Content]]:
-    """Yield what is special of the flights: late take-offs, battery changes."""
-    late = [f'{r.vehicle} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
-    if late:
-        yield 'Take-off delayed', ', '.join(late)
-    swaps = [f'{r.vehicle} {r.flights - 1} ×' for r in plan.routes if r.flights > 1]
-    if swaps:
-        yield 'Battery changes', ', '.join(swaps)
-
-
-def _nearest(plan: Plan, summary: RunSummary) -> str:
-    """Return the least distance of two vehicles in the air: planned, asked for and flown."""
-    words = []
-    if not math.isnan(plan.minimum_separation_m):
-        words.append(f'{formats.length(plan.minimum_separation_m)} by plan')
-    if plan.separation_m:
-        words.append(f'{formats.length(plan.separation_m)} asked for')
-    if summary.nearest is not None:
-        a, b = summary.nearest.vehicles
-        words.append(f'{formats.length(summary.nearest.distance_m)} flown ({a} and {b})')
-    return ', '.join(words) or 'never two in the air'
-
-
-def _hole(plan: Plan) -> str:
-    """Return the area of the largest part of the regions that no photograph is to show."""
-    if math.isnan(plan.largest_hole_m2):
-        return formats.UNKNOWN
-    return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
-
-
-def _field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
-    rows: list[tuple[str, Content]] = [
-        ('Model', scenario.radiation.model),
-        ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
-    ]
-    for source in scenario.radiation.sources:
-        place = formats.latitude_longitude(*source.place)
-        height = f'{source.height_m:g}{formats.GAP}m above ground'
-        shape = f', {source.shape_text}' if source.shape_text else ''
-        rows.append((source.name, f'{_strength(source)}; {place}, {height}{shape}'))
-    return rows
-
-
-def _estimate_facts(found: SourceEstimates) -> list[tuple[str, Content]]:
-    chances = ', '.join(
-        f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
-    )
-    rows: list[tuple[str, Content]] = [('Probability of 0, 1, ... sources', chances)]
-    for number, source in enumerate(found.sources, 1):
-        place = formats.latitude_longitude(
-            source.position.latitude_deg, source.position.longitude_deg
-        )
-        low, mean, high = (
-            formats.spaced(formats.dose_rate(rate))
-            for rate in (
-                source.dose_rate_at_1m_95_usvh[0],
-                source.dose_rate_at_1m_usvh,
-                source.dose_rate_at_1m_95_usvh[1],
-            )
-        )
-        long_m, short_m = source.ellipse_95_m
-        extent = f'within {long_m:.2g} x {short_m:.2g}{formats.GAP}m (95 %)'
-        rows.append(
-            (
-                f'Source {number}',
-                f'{place}, {extent}; {mean} at 1{formats.GAP}m ({low} to {high})',
-            )
-        )
-    return rows
-
-
-def _strength(source: SourceBlock) -> str:
-    if source.sigma_usvps is None:
-        return source.strength_text
-    at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
-    return f'{at_one_metre} at 1{formats.GAP}m'
-
-
-def _run_facts(record: RunRecord, summary: RunSummary) -> list[tuple[str, Content]]:
-    restarts = ', '.join(
-        f'{name} {count} ×' for name, count in summary.processes_restarted.items()
-    )
-    command = record.info.get('command')
-    line = ' '.join(map(str, command)) if isinstance(command, list) else str(command or '')
-    return [
-        ('Command', element('code', line) if line else ''),
-        ('Readings', formats.whole(summary.reading_count)),
-        ('Messages recorded', formats.whole(summary.message_count)),
-        ('Real-time factor', formats.figures(summary.real_time_factor or math.nan)),
-        ('Wall time', formats.duration(summary.wall_time_s)),
-        ('Processes restarted', restarts or 'none'),
-    ]

@@ -58,6 +58,11 @@ class Scenario(Block):
         """Real vehicles."""
         return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
 
+    @property
+    def with_simulated_detector(self) -> tuple[VehicleBlock, ...]:
+        """Vehicles whose readings are those of the simulated field."""
+        return tuple(v for v in self.vehicles if not v.link or v.drone.detector == 'simulated')
+
     def area(self) -> SurveyArea:
         """Return the region.
 

@@ -138,6 +138,8 @@ LINK_KEYS = frozenset({'link', 'drone'})
 class DroneBlock(Block):
     """More of a real vehicle: its MAVLink numbers, its camera's folder, its signing key.
 
+    `detector`: ``simulated``, which reads the simulated field at the vehicle's fix, or ``own``,
+    whose driver publishes ``radiation`` in the namespace of the vehicle.
     `geoid_separation_m`: of the geoid above the ellipsoid, where the vehicle does not tell.
     """
 
@@ -146,6 +148,7 @@ class DroneBlock(Block):
     image_folder: str = ''
     signing_key_file: str = ''
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
+    detector: Literal['simulated', 'own'] = 'simulated'
 
 
 class AutopilotBlock(Block):

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Facts of a run as names and texts: survey, radiation, estimates, processes."""
+
+import math
+from collections.abc import Iterator
+
+from rocsafe_orchestrator.products.run_record import Plan, RunRecord
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.products.summary import RunSummary
+from rocsafe_orchestrator.report import formats
+from rocsafe_orchestrator.report.markup import Content, element
+from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
+from rocsafe_orchestrator.scenario.scenario import Scenario
+
+_S_PER_H = 3600.0
+
+
+def survey_facts(plan: Plan, summary: RunSummary) -> list[tuple[str, Content]]:
+    """Return how the survey was planned."""
+    fov = f'{math.degrees(plan.horizontal_fov_rad):.1f}°'
+    image = f'{plan.image_width_px} × {plan.image_height_px} px, {fov} across'
+    bound = f'{formats.duration(plan.lower_bound_s)} ({plan.lower_bound_method})'
+    overlap = f'{formats.percent(plan.overlap_fraction, 0)} ({plan.spacing_rule})'
+    return [
+        ('Method', plan.method),
+        ('Viewpoints', formats.whole(sum(len(route.viewpoints) for route in plan.routes))),
+        ('Height above ground', formats.length(plan.height_agl_m)),
+        ('Camera', image),
+        ('Overlap', overlap),
+        ('Spacing', f'{plan.spacing_m:.2f}{formats.GAP}m'),
+        ('Makespan', formats.duration(plan.makespan_s)),
+        ('Lower bound', bound),
+        ('Gap', f'at most {formats.upper_percent(plan.gap_fraction)} above optimal'),
+        ('Objective', plan.objective.replace('_', ' ')),
+        ('Nearest two vehicles', _nearest(plan, summary)),
+        *_flight_facts(plan),
+        ('Largest hole', _hole(plan)),
+        *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
+        ('Plan', element('code', plan.plan_id)),
+    ]
+
+
+def _flight_facts(plan: Plan) -> Iterator[tuple[str, Content]]:
+    """Yield what is special of the flights: late take-offs, battery changes."""
+    late = [f'{r.vehicle} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
+    if late:
+        yield 'Take-off delayed', ', '.join(late)
+    swaps = [f'{r.vehicle} {r.flights - 1} ×' for r in plan.routes if r.flights > 1]
+    if swaps:
+        yield 'Battery changes', ', '.join(swaps)
+
+
+def _nearest(plan: Plan, summary: RunSummary) -> str:
+    """Return the least distance of two vehicles in the air: planned, asked for and flown."""
+    words = []
+    if not math.isnan(plan.minimum_separation_m):
+        words.append(f'{formats.length(plan.minimum_separation_m)} by plan')
+    if plan.separation_m:
+        words.append(f'{formats.length(plan.separation_m)} asked for')
+    if summary.nearest is not None:
+        a, b = summary.nearest.vehicles
+        words.append(f'{formats.length(summary.nearest.distance_m)} flown ({a} and {b})')
+    return ', '.join(words) or 'never two in the air'
+
+
+def _hole(plan: Plan) -> str:
+    """Return the area of the largest part of the regions that no photograph is to show."""
+    if math.isnan(plan.largest_hole_m2):
+        return formats.UNKNOWN
+    return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
+
+
+def field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
+    """Return the model of the radiation field and its sources."""
+    rows: list[tuple[str, Content]] = [
+        ('Model', scenario.radiation.model),
+        ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
+    ]
+    for source in scenario.radiation.sources:
+        place = formats.latitude_longitude(*source.place)
+        height = f'{source.height_m:g}{formats.GAP}m above ground'
+        shape = f', {source.shape_text}' if source.shape_text else ''
+        rows.append((source.name, f'{_strength(source)}; {place}, {height}{shape}'))
+    return rows
+
+
+def estimate_facts(found: SourceEstimates) -> list[tuple[str, Content]]:
+    """Return the sources that the readings tell of."""
+    chances = ', '.join(
+        f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
+    )
+    rows: list[tuple[str, Content]] = [('Probability of 0, 1, ... sources', chances)]
+    for number, source in enumerate(found.sources, 1):
+        place = formats.latitude_longitude(
+            source.position.latitude_deg, source.position.longitude_deg
+        )
+        low, mean, high = (
+            formats.spaced(formats.dose_rate(rate))
+            for rate in (
+                source.dose_rate_at_1m_95_usvh[0],
+                source.dose_rate_at_1m_usvh,
+                source.dose_rate_at_1m_95_usvh[1],
+            )
+        )
+        long_m, short_m = source.ellipse_95_m
+        extent = f'within {long_m:.2g} x {short_m:.2g}{formats.GAP}m (95 %)'
+        rows.append(
+            (
+                f'Source {number}',
+                f'{place}, {extent}; {mean} at 1{formats.GAP}m ({low} to {high})',
+            )
+        )
+    return rows
+
+
+def _strength(source: SourceBlock) -> str:
+    if source.sigma_usvps is None:
+        return source.strength_text
+    at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
+    return f'{at_one_metre} at 1{formats.GAP}m'
+
+
+def run_facts(record: RunRecord, summary: RunSummary) -> list[tuple[str, Content]]:
+    """Return how the run went."""
+    restarts = ', '.join(
+        f'{name} {count} ×' for name, count in summary.processes_restarted.items()
+    )
+    command = record.info.get('command')
+    line = ' '.join(map(str, command)) if isinstance(command, list) else str(command or '')
+    return [
+        ('Command', element('code', line) if line else ''),
+        ('Readings', formats.whole(summary.reading_count)),
+        ('Messages recorded', formats.whole(summary.message_count)),
+        ('Real-time factor', formats.figures(summary.real_time_factor or math.nan)),
+        ('Wall time', formats.duration(summary.wall_time_s)),
+        ('Processes restarted', restarts or 'none'),
+    ]
