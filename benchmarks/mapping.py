@@ -417,6 +417,7 @@ def _mapped_until(place: Path, kill_s: float) -> None:
         growing = LiveMap(MapOptions(ground_resolution_m=0.1), place / 'tiles', print)
         for shot in read_store(place, print):
             growing.receive(shot.record, shot.read_image)
+            growing.release_tiles()
             while growing.work():
                 pass
         os._exit(0)

@@ -21,6 +21,7 @@ def main() -> None:
     growing = LiveMap(MapOptions(ground_resolution_m=0.1), folder / 'tiles', print)
     for shot in read_store(store, print):
         growing.receive(shot.record, shot.read_image)
+        growing.release_tiles()
         while growing.work():
             pass
     growing.finish()

@@ -64,6 +64,7 @@ def test_work_comes_to_an_end(live):
     """When all is tied, drawn and adjusted there is nothing left to do."""
     for shot in texture.flight(1):
         receive(live, shot)
+    live.release_tiles()
     end = time.monotonic() + 20.0
     while live.work() or live.is_busy:
         assert time.monotonic() < end
@@ -87,6 +88,22 @@ def test_tiles_show_the_map_at_all_zooms(live, tmp_path):
     assert seen[finest - 1] == pytest.approx(seen[finest] / 4, rel=0.05)
     assert seen[finest - 2] == pytest.approx(seen[finest] / 16, rel=0.1)
     assert not list((tmp_path / 'tiles').rglob('*.part'))
+
+
+def test_tiles_are_drawn_once_for_all_photographs_of_a_round(live, tmp_path):
+    """Not before they are released, then all that is out of date, and nothing twice."""
+    for shot in texture.flight(1)[:2]:
+        receive(live, shot)
+    while live.work() or live.is_busy:
+        pass
+    assert live.has_stale_tiles
+    assert not (tmp_path / 'tiles').exists()
+    live.release_tiles()
+    assert not live.has_stale_tiles
+    rounds = 0
+    while live.work():
+        rounds += 1
+    assert rounds == len(list((tmp_path / 'tiles').rglob('*.png')))
 
 
 def test_a_photograph_without_a_fix_or_pixels_leaves_no_trace(live):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
-from rocsafe_mapping.alignment.projection import Views, transfer
+from rocsafe_mapping.alignment.projection import Views, carried, transfer
 from rocsafe_mapping.alignment.rotation import turned
 
 STEP = 1e-6
@@ -56,7 +56,7 @@ def residuals(change, index, which):
 def test_derivative_to_each_parameter(which, index):
     """A change of pose, focal length or distortion moves the residual as the Jacobian says."""
     plus, minus = residuals(STEP, index, which), residuals(-STEP, index, which)
-    measured = (plus.residuals_px - minus.residuals_px) / (2.0 * STEP)
+    measured = (plus.carried.residuals_px - minus.carried.residuals_px) / (2.0 * STEP)
     at = residuals(0.0, index, which)
     pose, lens = (at.first_pose, at.first_lens) if which == 0 else (at.second_pose, at.second_lens)
     analytic = np.concatenate([pose, lens], axis=2)[:, :, index]
@@ -68,7 +68,7 @@ def test_derivative_to_the_height():
     offsets = np.random.default_rng(7).uniform(-150.0, 150.0, (2, 5, 2))
     first = views(np.random.default_rng(0), seed_offsets=offsets[0])
     second = views(np.random.default_rng(1), seed_offsets=offsets[1])
-    up = transfer(first, second, np.full(5, 1.0 + STEP)).residuals_px
-    down = transfer(first, second, np.full(5, 1.0 - STEP)).residuals_px
-    at = transfer(first, second, np.full(5, 1.0))
+    up = carried(first, second, np.full(5, 1.0 + STEP)).residuals_px
+    down = carried(first, second, np.full(5, 1.0 - STEP)).residuals_px
+    at = carried(first, second, np.full(5, 1.0))
     assert at.height == pytest.approx((up - down) / (2.0 * STEP), abs=TOLERANCE)

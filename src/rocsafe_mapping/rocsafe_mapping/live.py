@@ -2,7 +2,8 @@
 """The map while photographs come in: each shown at once where its fix says, then where it fits.
 
 All work is in small pieces, so that a photograph that lands is never kept waiting: first what has
-landed is shown by its fix, then photographs are tied, then tiles are drawn.
+landed is shown by its fix, then photographs are tied, then tiles are drawn, those that were
+released: whoever owns the map says how often.
 """
 
 from collections import deque
@@ -23,7 +24,7 @@ from rocsafe_mapping.web_tiles import WebTiles
 # All photographs are adjusted together when there are so many times as many as the last time.
 GROWTH = 1.5
 FEWEST = 6
-# A photograph is drawn anew when a corner of it moved by so many of its pixels.
+# A photograph is drawn anew when a corner of it moved by so many pixels, its own or the map's.
 LEAST_MOVE_PX = 0.5
 
 
@@ -43,6 +44,7 @@ class LiveMap:
         self._tiles = None
         if tiles_directory is not None:
             self._tiles = WebTiles(self.maker, tiles_directory, options.ground_resolution_m)
+        self._resolution_m = options.ground_resolution_m
         self._notice = notice
         self._to_tie: deque[str] = deque()
         self._drawn_m: dict[str, FloatArray] = {}
@@ -110,8 +112,19 @@ class LiveMap:
         """Note that any photograph may have moved."""
         self._mark(tuple(self.maker.survey.photos))
 
+    @property
+    def has_stale_tiles(self) -> bool:
+        """Whether tiles are out of date and not released."""
+        return self._tiles is not None and self._tiles.is_stale
+
+    def release_tiles(self) -> None:
+        """Let `work` draw the tiles that are out of date now."""
+        if self._tiles is not None:
+            self._tiles.release()
+
     def draw_tiles(self) -> None:
         """Draw all tiles that are out of date."""
+        self.release_tiles()
         while self._redraw():
             pass
 
@@ -148,7 +161,8 @@ class LiveMap:
         """Note which photographs moved so far that they must be drawn again."""
         for name, sheet in self.maker.sheets(names).items():
             before = self._drawn_m.get(name)
-            least_m = LEAST_MOVE_PX * sheet.photo.ground_resolution_m
+            pixel_m = max(sheet.photo.ground_resolution_m, self._resolution_m)
+            least_m = LEAST_MOVE_PX * pixel_m
             if before is not None and abs(before - sheet.corners_m).max() < least_m:
                 continue
             self.preview.show(sheet)

@@ -30,14 +30,17 @@ from rocsafe_ros.run import run
 PAUSE_S = 0.001
 # Between two previews while photographs come.
 PREVIEW_S = 0.5
+# Between two rounds of drawing the tiles that changed, for those who look at them over the web.
+TILES_S = 2.0
 
 
 class MosaicNode(Node):
     """Shows each stored photograph on the map at once, then where it fits, and writes the map.
 
     Subscribes: ``shots/receipts``, ``region``. Publishes: ``mosaic`` with a preview, at most twice
-    a second. Service: ``mosaic/save`` places all that is stored, writes the GeoTIFF with its
-    quality and publishes it as final. A restarted node makes the map again from the store.
+    a second; draws tiles on disk every two seconds. Service: ``mosaic/save`` places all that is
+    stored, writes the GeoTIFF with its quality and publishes it as final. A restarted node makes
+    the map again from the store.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -63,6 +66,7 @@ class MosaicNode(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._worker = self.create_timer(PAUSE_S, self._on_worker, clock=steady)
         self.create_timer(PREVIEW_S, self._on_preview, clock=steady)
+        self.create_timer(TILES_S, self._on_tiles, clock=steady)
         self._find_stored()
 
     def destroy_node(self) -> None:
@@ -90,6 +94,11 @@ class MosaicNode(Node):
     def _on_preview(self) -> None:
         if self._live.preview.is_due:
             self._publish()
+
+    def _on_tiles(self) -> None:
+        if self._live.has_stale_tiles:
+            self._live.release_tiles()
+            self._worker.reset()
 
     def _on_save(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         try:

@@ -90,14 +90,14 @@ class Preview:
 
     def _composed(self, window: Window) -> NDArray[np.uint8]:
         best = np.zeros((window.height, window.width), np.float32)
-        bgra = np.zeros((window.height, window.width, 4), np.uint8)
+        bgr = np.zeros((window.height, window.width, 3), np.uint8)
         for _, view in sorted(self._views.items()):
             part = view.window.within(window)
             is_best = view.scores > best[part]
-            bgra[part][is_best, :3] = view.colours[is_best]
-            best[part][is_best] = view.scores[is_best]
-        bgra[..., 3] = np.where(best > 0.0, OPAQUE, 0)
-        return bgra
+            cv2.copyTo(view.colours, is_best.view(np.uint8), bgr[part])
+            np.maximum(best[part], view.scores, out=best[part])
+        alpha = np.where(best > 0.0, OPAQUE, 0).astype(np.uint8)
+        return np.dstack([bgr, alpha])
 
     def _fit(self, sheet: Sheet) -> MapGrid:
         """Return the preview's grid; the first photograph says how fine."""

@@ -6,6 +6,7 @@ file is replaced as a whole, so that a reader never sees half of one.
 """
 
 import math
+from collections import OrderedDict
 from pathlib import Path
 
 import cv2
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.drawing.seams import NOBODY
 from rocsafe_mapping.drawing.sheet import Sheet, drawn, scores
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mapmaker import Mapmaker
@@ -25,6 +27,8 @@ WORLD_M = math.pi * 6_378_137.0
 FINEST_ZOOM, COARSER_ZOOMS = 22, 6
 PNG_COMPRESSION = 2
 OPAQUE = 255
+# Halved tiles that are kept, 64 KiB each: the coarser tile above them is joined soon after.
+MOST_HALVES = 256
 Place = tuple[int, int, int]
 
 
@@ -45,8 +49,10 @@ class WebTiles:
         self._zoom = 0
         self._sheets: dict[str, Sheet] = {}
         self._at: dict[Place, set[str]] = {}
-        # By zoom; a dict keeps the order in which tiles went out of date.
+        # Dicts keep the order in which tiles went out of date; those to be drawn go by zoom.
+        self._stale: dict[Place, None] = {}
         self._dirty: dict[int, dict[Place, None]] = {}
+        self._halves: OrderedDict[Place, NDArray[np.uint8]] = OrderedDict()
 
     def move(self, sheet: Sheet, before_m: FloatArray | None) -> None:
         """Note that a photograph lies here now; `before_m` are its corners as last drawn."""
@@ -54,14 +60,29 @@ class WebTiles:
         if before_m is not None:
             for place in self._places(before_m):
                 self._at[place].discard(name)
-                self._mark(place)
+                self._stale[place] = None
         self._sheets[name] = sheet
         for place in self._places(sheet.corners_m):
             self._at.setdefault(place, set()).add(name)
+            self._stale[place] = None
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether tiles are out of date that are not released."""
+        return bool(self._stale)
+
+    def release(self) -> None:
+        """Let `draw_next` draw all tiles that are out of date now.
+
+        A tile changes with each photograph on it, and again when that is refined: drawn by the
+        round, it is drawn once for all of them.
+        """
+        for place in self._stale:
             self._mark(place)
+        self._stale.clear()
 
     def draw_next(self) -> bool:
-        """Draw one tile that is out of date; return whether there was one."""
+        """Draw one tile that was released; return whether there was one."""
         zooms = [zoom for zoom, places in self._dirty.items() if places]
         if not zooms:
             return False
@@ -70,6 +91,7 @@ class WebTiles:
         del self._dirty[max(zooms)][place]
         picture = self._drawn(place) if place[0] == self._zoom else self._joined(place)
         self._write(place, picture)
+        self._keep_half(place, picture)
         if place[0] > max(self._zoom - COARSER_ZOOMS, 0):
             self._mark((place[0] - 1, place[1] // 2, place[2] // 2))
         return True
@@ -107,36 +129,50 @@ class WebTiles:
         half = 2 ** (self._zoom - 1)
         window = Window((place[2] - half) * TILE_PX, (place[1] - half) * TILE_PX, TILE_PX, TILE_PX)
         grid = self._grid()
+        names = sorted(self._at.get(place, ()))
+        views = [self._sheets[name].seen(grid, window) for name in names]
         best = np.zeros((TILE_PX, TILE_PX), np.float32)
-        bgra = np.zeros((TILE_PX, TILE_PX, 4), np.uint8)
-        for name in sorted(self._at.get(place, ())):
-            sheet = self._sheets[name]
-            found = scores(sheet, grid, window)
-            is_best = found > best
-            if not np.any(is_best):
-                continue
-            image = self._maker.pictures.colour(name)
-            picture = drawn(sheet, image, grid, window, cv2.INTER_LINEAR)
-            bgra[is_best, :3] = picture[is_best]
-            best[is_best] = found[is_best]
-        bgra[..., 3] = np.where(best > 0.0, OPAQUE, 0)
-        return bgra
+        owner = np.full((TILE_PX, TILE_PX), NOBODY, np.int32)
+        for number, (name, seen) in enumerate(zip(names, views, strict=True)):
+            found = scores(self._sheets[name].photo.camera, seen)
+            owner[found > best] = number
+            np.maximum(best, found, out=best)
+        bgr = np.zeros((TILE_PX, TILE_PX, 3), np.uint8)
+        for number in np.unique(owner[owner != NOBODY]).tolist():
+            image = self._maker.pictures.colour(names[number])
+            picture = drawn(image, views[number], cv2.INTER_LINEAR)
+            cv2.copyTo(picture, (owner == number).view(np.uint8), bgr)
+        alpha = np.where(owner != NOBODY, OPAQUE, 0).astype(np.uint8)
+        return np.dstack([bgr, alpha])
 
     def _joined(self, place: Place) -> NDArray[np.uint8]:
         """Return the four finer tiles, halved."""
         zoom, x, y = place
-        whole = np.zeros((2 * TILE_PX, 2 * TILE_PX, 4), np.uint8)
+        whole = np.zeros((TILE_PX, TILE_PX, 4), np.uint8)
+        half = TILE_PX // 2
         for down in (0, 1):
             for right in (0, 1):
-                path = self.path_of((zoom + 1, 2 * x + right, 2 * y + down))
-                tile = cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.exists() else None
-                if tile is not None and tile.shape == (TILE_PX, TILE_PX, 4):
-                    part = slice(down * TILE_PX, (down + 1) * TILE_PX)
-                    whole[part, right * TILE_PX : (right + 1) * TILE_PX] = tile
-        small: NDArray[np.uint8] = cv2.resize(
-            whole, (TILE_PX, TILE_PX), interpolation=cv2.INTER_AREA
-        )
-        return small
+                tile = self._half((zoom + 1, 2 * x + right, 2 * y + down))
+                if tile is not None:
+                    rows = slice(down * half, (down + 1) * half)
+                    whole[rows, right * half : (right + 1) * half] = tile
+        return whole
+
+    def _half(self, place: Place) -> NDArray[np.uint8] | None:
+        """Return a tile at half its size, None if there is none."""
+        if place in self._halves:
+            return self._halves[place]
+        path = self.path_of(place)
+        tile = cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.exists() else None
+        if tile is None or tile.shape != (TILE_PX, TILE_PX, 4):
+            return None
+        return _halved(tile)
+
+    def _keep_half(self, place: Place, picture: NDArray[np.uint8]) -> None:
+        self._halves.pop(place, None)
+        self._halves[place] = _halved(picture)
+        if len(self._halves) > MOST_HALVES:
+            self._halves.popitem(last=False)
 
     def _write(self, place: Place, picture: NDArray[np.uint8]) -> None:
         path = self.path_of(place)
@@ -148,3 +184,9 @@ class WebTiles:
             part.replace(path)
         except OSError as error:
             raise MappingError(f'cannot write tile {path}: {error}') from error
+
+
+def _halved(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    half = (TILE_PX // 2, TILE_PX // 2)
+    small: NDArray[np.uint8] = cv2.resize(picture, half, interpolation=cv2.INTER_AREA)
+    return small

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 from rocsafe_mapping.alignment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
-from rocsafe_mapping.alignment.projection import Transfer
+from rocsafe_mapping.alignment.projection import Carried
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Lens, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid
 from rocsafe_mapping.alignment.ties import ties_of
@@ -110,7 +110,7 @@ def residuals_px(
 ) -> FloatArray:
     """Return the residuals (n, 2) of the ties that were held out, or of those that were not."""
     ties = ties_of(pairs, photos, held_out=held_out)
-    return ties.transferred(state).residuals_px if len(ties) else np.zeros((0, 2))
+    return ties.carried(state).residuals_px if len(ties) else np.zeros((0, 2))
 
 
 def standing_m(
@@ -120,11 +120,11 @@ def standing_m(
     ties = ties_of(pairs, photos, held_out=False)
     if not len(ties):
         return np.zeros((0, 2)), np.zeros(0)
-    moved = ties.transferred(state)
+    moved = ties.carried(state)
     return moved.ground_m, _rise(moved)
 
 
-def _rise(moved: Transfer) -> FloatArray:
+def _rise(moved: Carried) -> FloatArray:
     """Return the height above the surface that explains each residual best, metres."""
     sway = np.maximum(np.sum(moved.height**2, axis=1), 1e-9)
     rise: FloatArray = -np.sum(moved.height * moved.residuals_px, axis=1) / sway
@@ -157,7 +157,7 @@ def _settled(equations: Equations, state: State, most_steps: int) -> State:
 
 def _with_noise(equations: Equations, state: State) -> State:
     """Return `state` with the noise that its residuals show."""
-    moved = equations.ties.transferred(state)
+    moved = equations.ties.carried(state)
     along = moved.height / np.maximum(np.linalg.norm(moved.height, axis=1), 1e-9)[:, np.newaxis]
     across = np.column_stack([-along[:, 1], along[:, 0]])
     off_along = np.sum(moved.residuals_px * along, axis=1)
@@ -206,7 +206,7 @@ def _is_rough(photos: Mapping[str, Photo], state: State) -> bool:
 
 def _with_surface(equations: Equations, state: State) -> State:
     """Return `state` with the surface that its ties show."""
-    moved = equations.ties.transferred(state)
+    moved = equations.ties.carried(state)
     surface = state.surface
     if surface.is_level:
         height_m = np.median([pose.centre[2] for pose in state.poses.values()])

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
-from rocsafe_mapping.alignment.projection import LENS_SIZE, POSE_SIZE, Transfer
+from rocsafe_mapping.alignment.projection import LENS_SIZE, POSE_SIZE, Carried
 from rocsafe_mapping.alignment.rotation import tilt_and_yaw, turned
 from rocsafe_mapping.alignment.state import RADIAL_STD, Lens, State
 from rocsafe_mapping.alignment.ties import Index, Ties
@@ -97,8 +97,7 @@ class Equations:
 
     def cost(self, state: State) -> float:
         """Return what the adjustment makes least."""
-        moved = self.ties.transferred(state)
-        white = _whitened(moved, state)[0]
+        white = _whitened(self.ties.carried(state), state)[0]
         square = np.sum(white**2, axis=1)
         knee = TIE_KNEE**2
         ties = float(np.sum(2.0 * knee * (np.sqrt(1.0 + square / knee) - 1.0)))
@@ -110,7 +109,7 @@ class Equations:
     def rows(self, state: State) -> tuple[csr_matrix, FloatArray]:
         """Return Jacobian and residuals, weighted so that plain least squares is right."""
         moved = self.ties.transferred(state)
-        white, whiten = _whitened(moved, state)
+        white, whiten = _whitened(moved.carried, state)
         square = np.sum(white**2, axis=1)
         trust = (1.0 + square / TIE_KNEE**2) ** -0.25
         whiten = whiten * trust[:, np.newaxis, np.newaxis]
@@ -206,7 +205,7 @@ class Equations:
         return float(np.sum(self._lens_rows(state)[1] ** 2))
 
 
-def _whitened(moved: Transfer, state: State) -> tuple[FloatArray, FloatArray]:
+def _whitened(moved: Carried, state: State) -> tuple[FloatArray, FloatArray]:
     """Return the residuals over their noise (n, 2), and the matrices (n, 2, 2) that do it.
 
     The covariance s^2 I + z^2 b b^T, b the derivative to the height, has the inverse root

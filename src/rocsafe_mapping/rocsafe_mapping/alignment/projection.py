@@ -47,55 +47,111 @@ class Views:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Transfer:
-    """Residuals of n ties in pixels of the second photograph, and their derivatives.
+class Carried:
+    """Residuals of n ties in pixels of the second photograph.
 
     Attributes
     ----------
     residuals_px: where the first photograph's pixel falls less where it was seen, (n, 2).
     ground_m: (east, north) of the ties, (n, 2).
-    first_pose, second_pose: derivatives to centre and rotation, (n, 2, 6).
-    first_lens, second_lens: derivatives to log focal length, k1, k2, (n, 2, 3).
     height: derivatives to the ground's height, pixels a metre, (n, 2).
     """
 
     residuals_px: FloatArray
     ground_m: FloatArray
+    height: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transfer:
+    """Residuals of n ties and their derivatives.
+
+    Attributes
+    ----------
+    carried: the residuals.
+    first_pose, second_pose: derivatives to centre and rotation, (n, 2, 6).
+    first_lens, second_lens: derivatives to log focal length, k1, k2, (n, 2, 3).
+    """
+
+    carried: Carried
     first_pose: FloatArray
     second_pose: FloatArray
     first_lens: FloatArray
     second_lens: FloatArray
-    height: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Rays:
+    """Rays of the first photograph.
+
+    Attributes
+    ----------
+    directions, drop: east, north, up (n, 3), and how far down that is (n,).
+    slope: how far over the ground they get for each metre down, (n, 2).
+    """
+
+    directions: FloatArray
+    drop: FloatArray
+    slope: FloatArray
+
+
+def grounded(first: Views, heights_m: FloatArray) -> FloatArray:
+    """Return where the pixels of `first` meet ground at `heights_m` (n,): (n, 2)."""
+    return _met(first, _rays(first), heights_m)
+
+
+def carried(first: Views, second: Views, heights_m: FloatArray) -> Carried:
+    """Carry the ties' pixels from `first` over ground at `heights_m` (n,) into `second`."""
+    return _carried(first, second, _rays(first), heights_m)[0]
 
 
 def transfer(first: Views, second: Views, heights_m: FloatArray) -> Transfer:
     """Carry the ties' pixels from `first` over ground at `heights_m` (n,) into `second`."""
-    ray, bent = first.straightened()
-    directions = np.einsum('nij,nj->ni', first.rotations, _with_one(ray))
-    drop = np.maximum(-directions[:, 2], 1e-6)
-    slope = directions[:, :2] / drop[:, np.newaxis]
+    rays = _rays(first)
+    moved, seen, by_point = _carried(first, second, rays, heights_m)
     reach = first.centres[:, 2] - heights_m
-    ground = first.centres[:, :2] + slope * reach[:, np.newaxis]
     # Ground to the first camera: g moves by [I | slope] dc and by t [I | slope] dd.
-    lever = np.concatenate([np.broadcast_to(np.eye(2), (len(ray), 2, 2)), slope[:, :, None]], 2)
-    by_direction = lever * (reach / drop)[:, np.newaxis, np.newaxis]
-    point = np.column_stack([ground, heights_m])
-    seen, by_point = _seen(second, point)
-    straight, second_bent = second.straightened()
-    target = straight * second.focal_px[:, np.newaxis]
+    eye = np.broadcast_to(np.eye(2), (len(reach), 2, 2))
+    lever = np.concatenate([eye, rays.slope[:, :, None]], 2)
+    by_direction = lever * (reach / rays.drop)[:, np.newaxis, np.newaxis]
+    point = np.column_stack([moved.ground_m, heights_m])
     by_ground = by_point[:, :, :2]
-    first_pose = by_ground @ np.concatenate([lever, by_direction @ -_cross(directions)], 2)
-    second_pose = np.concatenate([-by_point, by_point @ _cross(point - second.centres)], 2)
+    turning = by_direction @ -_cross(rays.directions)
     by_ray = (by_ground @ by_direction @ first.rotations)[:, :, :2]
     return Transfer(
+        carried=moved,
+        first_pose=by_ground @ np.concatenate([lever, turning], 2),
+        second_pose=np.concatenate([-by_point, by_point @ _cross(point - second.centres)], 2),
+        first_lens=np.einsum('nij,njk->nik', by_ray, _ray_by_lens(first, first.straightened()[1])),
+        second_lens=_pixel_by_lens(second, seen, second.straightened()[1]),
+    )
+
+
+def _rays(first: Views) -> _Rays:
+    directions = np.einsum('nij,nj->ni', first.rotations, _with_one(first.straightened()[0]))
+    drop = np.maximum(-directions[:, 2], 1e-6)
+    return _Rays(directions=directions, drop=drop, slope=directions[:, :2] / drop[:, np.newaxis])
+
+
+def _met(first: Views, rays: _Rays, heights_m: FloatArray) -> FloatArray:
+    reach = first.centres[:, 2] - heights_m
+    ground: FloatArray = first.centres[:, :2] + rays.slope * reach[:, np.newaxis]
+    return ground
+
+
+def _carried(
+    first: Views, second: Views, rays: _Rays, heights_m: FloatArray
+) -> tuple[Carried, FloatArray, FloatArray]:
+    """Return the residuals, where the points are seen (n, 2), and its derivative (n, 2, 3)."""
+    ground = _met(first, rays, heights_m)
+    seen, by_point = _seen(second, np.column_stack([ground, heights_m]))
+    target = second.straightened()[0] * second.focal_px[:, np.newaxis]
+    moved = Carried(
         residuals_px=seen - target,
         ground_m=ground,
-        first_pose=first_pose,
-        second_pose=second_pose,
-        first_lens=np.einsum('nij,njk->nik', by_ray, _ray_by_lens(first, bent)),
-        second_lens=_pixel_by_lens(second, seen, second_bent),
-        height=by_point[:, :, 2] - np.einsum('nij,nj->ni', by_ground, slope),
+        height=by_point[:, :, 2] - np.einsum('nij,nj->ni', by_point[:, :, :2], rays.slope),
     )
+    return moved, seen, by_point
 
 
 def _seen(views: Views, points: FloatArray) -> tuple[FloatArray, FloatArray]:

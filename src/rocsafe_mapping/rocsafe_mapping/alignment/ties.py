@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo
-from rocsafe_mapping.alignment.projection import Transfer, Views, transfer
+from rocsafe_mapping.alignment.projection import (
+    Carried,
+    Transfer,
+    Views,
+    carried,
+    grounded,
+    transfer,
+)
 from rocsafe_mapping.alignment.state import Lens, State
 
 Index = NDArray[np.int64]
@@ -39,8 +46,18 @@ class Ties:
     def __len__(self) -> int:
         return len(self.first)
 
+    def carried(self, state: State) -> Carried:
+        """Return residuals on the ground of `state`."""
+        first, second = self._views(state)
+        return carried(first, second, _heights(first, state))
+
     def transferred(self, state: State) -> Transfer:
         """Return residuals and derivatives on the ground of `state`."""
+        first, second = self._views(state)
+        return transfer(first, second, _heights(first, state))
+
+    def _views(self, state: State) -> tuple[Views, Views]:
+        """Return both ends of the ties."""
         poses = [state.poses[name] for name in self.names]
         lenses = [state.lenses.get(lens, Lens()) for lens in self.lenses]
         focal = self.focal_px * np.exp([lens.log_focal for lens in lenses])
@@ -60,13 +77,16 @@ class Ties:
                 (self.second, self.second_offsets_px),
             )
         )
-        heights: FloatArray = np.zeros(len(self))
-        moved = transfer(first, second, heights)
-        if not state.surface.is_level:
-            for _ in range(2):
-                heights = state.surface.at(moved.ground_m)
-                moved = transfer(first, second, heights)
-        return moved
+        return first, second
+
+
+def _heights(first: Views, state: State) -> FloatArray:
+    """Return the height of the ground (n,) that the first photograph's pixels show."""
+    heights: FloatArray = np.zeros(len(first.centres))
+    if not state.surface.is_level:
+        for _ in range(2):
+            heights = state.surface.at(grounded(first, heights))
+    return heights
 
 
 def ties_of(pairs: Sequence[Pair], photos: Mapping[str, Photo], *, held_out: bool) -> Ties:

@@ -117,9 +117,7 @@ class MapGrid:
         rows, columns = window.height // step + 1, window.width // step + 1
         west, north = float(window.column), float(window.row)
         east, south = west + (columns - 1) * step, north + (rows - 1) * step
-        corners = self.ground_of(
-            np.array([west, east, west, east]), np.array([north, north, south, south])
-        ).reshape(2, 2, 2)
+        corners = _corners(self, (west, east), (north, south))
         x = np.linspace(0.0, 1.0, columns)[np.newaxis, :, np.newaxis]
         y = np.linspace(0.0, 1.0, rows)[:, np.newaxis, np.newaxis]
         top = corners[0, 0] * (1.0 - x) + corners[0, 1] * x
@@ -142,6 +140,15 @@ def utm_epsg(latitude_deg: float, longitude_deg: float) -> int:
         )
     zone = min(int((longitude_deg + 180.0) // UTM_ZONE_DEG) + 1, UTM_ZONES)
     return zone + (UTM_SOUTH_EPSG if latitude_deg < 0.0 else UTM_NORTH_EPSG)
+
+
+@lru_cache(maxsize=64)
+def _corners(grid: MapGrid, columns: tuple[float, float], rows: tuple[float, float]) -> FloatArray:
+    """Return the local ground (2, 2, 2) of four grid places: all photographs of a tile ask it."""
+    (west, east), (north, south) = columns, rows
+    return grid.ground_of(
+        np.array([west, east, west, east]), np.array([north, north, south, south])
+    ).reshape(2, 2, 2)
 
 
 @lru_cache(maxsize=4)

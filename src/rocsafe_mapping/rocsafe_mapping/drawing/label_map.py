@@ -47,7 +47,8 @@ def label_tiles(
                     f'{name}: label image is {labels.shape[1]} x {labels.shape[0]} pixels, the '
                     f'photograph {camera.width_px} x {camera.height_px}'
                 )
-            picture = drawn(sheets[name], labels, renderer.grid, tile, cv2.INTER_NEAREST)
+            seen = sheets[name].seen(renderer.grid, tile)
+            picture = drawn(labels, seen, cv2.INTER_NEAREST)
             found[index == number] = picture[index == number]
         if np.any(index != NOBODY):
             yield tile, found

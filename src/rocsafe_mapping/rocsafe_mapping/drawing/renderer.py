@@ -117,7 +117,8 @@ class Renderer:
 
     def _drawn(self, name: str, window: Window) -> NDArray[np.uint8]:
         sheet = self._sheets[name]
-        picture = drawn(sheet, self._pictures.colour(name), self.grid, window, cv2.INTER_LINEAR)
+        seen = sheet.seen(self.grid, window)
+        picture = drawn(self._pictures.colour(name), seen, cv2.INTER_LINEAR)
         gain = self.gains[name]
         if max(abs(factor - 1.0) for factor in gain) < 1e-3:
             return picture

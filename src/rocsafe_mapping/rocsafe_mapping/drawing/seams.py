@@ -62,10 +62,11 @@ def coarse_view(sheet: Sheet, image: NDArray[np.uint8], grid: MapGrid) -> Coarse
     window = grid.window_of(sheet.corners_m)
     height, width = (-(-side // LATTICE_PX) * LATTICE_PX for side in (window.height, window.width))
     window = Window(window.row, window.column, height, width)
+    seen = sheet.seen(grid, window)
     return CoarseView(
         window=window,
-        colours=drawn(sheet, image, grid, window, cv2.INTER_LINEAR),
-        scores=scores(sheet, grid, window),
+        colours=drawn(image, seen, cv2.INTER_LINEAR),
+        scores=scores(sheet.photo.camera, seen),
     )
 
 

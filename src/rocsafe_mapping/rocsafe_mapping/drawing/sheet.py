@@ -12,6 +12,7 @@ from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose, footprint
 from rocsafe_mapping.alignment.state import Lens
 from rocsafe_mapping.alignment.surface import Surface
 from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.shot import Intrinsics
 
 # The place in the photograph is computed at every so many pixels of the map, and drawn straight
 # between: the error is far below a tenth of a pixel.
@@ -20,6 +21,21 @@ LATTICE_PX = 16
 EDGE_SHARE = 0.04
 LONGEST_REACH = 1.7
 Shares = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Where in a photograph the pixels of a window are seen, (height, width) each.
+
+    Attributes
+    ----------
+    across, down: pixels of the photograph.
+    cosines: squared cosines of the angles off nadir.
+    """
+
+    across: Shares
+    down: Shares
+    cosines: Shares
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,23 +88,24 @@ class Sheet:
             bent = limited / (1.0 + self.lens.k1 * square + self.lens.k2 * square**2)
         return bent
 
-    def lattice(self, grid: MapGrid, window: Window) -> tuple[FloatArray, FloatArray]:
-        """Return pixels (rows, columns, 2) and cosines^2 at every 16th edge of `window`."""
+    def seen(self, grid: MapGrid, window: Window) -> Seen:
+        """Return where the pixels of `window`, whose sides are multiples of 16, are seen."""
         ground = grid.ground_lattice(window, LATTICE_PX)
         pixels, cosines = self.pixels_of(ground.reshape(-1, 2))
-        return pixels.reshape(ground.shape), cosines.reshape(ground.shape[:2])
+        pixels = pixels.reshape(ground.shape)
+        return Seen(
+            across=spread_lattice(pixels[..., 0], window),
+            down=spread_lattice(pixels[..., 1], window),
+            cosines=spread_lattice(cosines.reshape(ground.shape[:2]), window),
+        )
 
 
-def drawn(
-    sheet: Sheet, image: NDArray[np.uint8], grid: MapGrid, window: Window, interpolation: int
-) -> NDArray[np.uint8]:
-    """Return `image` over `window`, whose sides are multiples of 16; edges are drawn outwards."""
-    pixels, _ = sheet.lattice(grid, window)
-    across = spread_lattice(pixels[..., 0], window)
-    down = spread_lattice(pixels[..., 1], window)
+def drawn(image: NDArray[np.uint8], seen: Seen, interpolation: int) -> NDArray[np.uint8]:
+    """Return what a photograph, `image`, shows at the places `seen`; edges are drawn outwards."""
+    across, down = seen.across, seen.down
     # A map coarser than the photograph would skip pixels of it.
     step = abs(across[0, 0] - across[0, -1]) + abs(down[0, 0] - down[0, -1])
-    shrink = int(step / max(window.width - 1, 1) / 1.1)
+    shrink = int(step / max(across.shape[1] - 1, 1) / 1.1)
     if shrink >= 2 and interpolation != cv2.INTER_NEAREST:
         size = (max(image.shape[1] // shrink, 1), max(image.shape[0] // shrink, 1))
         scale = np.float32(size[0] / image.shape[1]), np.float32(size[1] / image.shape[0])
@@ -100,45 +117,31 @@ def drawn(
     return picture
 
 
-def scores(sheet: Sheet, grid: MapGrid, window: Window) -> Shares:
-    """Return how well the photograph shows each pixel of `window`: 0 not at all, 1 best.
+def scores(camera: Intrinsics, seen: Seen) -> Shares:
+    """Return how well a photograph shows each place of `seen`: 0 not at all, 1 best.
 
     The squared cosine of the angle off nadir, falling to zero at the edges of the photograph.
     """
-    pixels, cosines = sheet.lattice(grid, window)
-    camera = sheet.photo.camera
-    across = spread_lattice(pixels[..., 0], window)
-    down = spread_lattice(pixels[..., 1], window)
-    to_side = np.minimum(across + 0.5, camera.width_px - 0.5 - across)
-    to_end = np.minimum(down + 0.5, camera.height_px - 0.5 - down)
+    half_width, half_height = np.float32(0.5 * camera.width_px), np.float32(0.5 * camera.height_px)
+    to_side = half_width - np.abs(seen.across + (np.float32(0.5) - half_width))
+    to_end = half_height - np.abs(seen.down + (np.float32(0.5) - half_height))
     ramp = np.float32(EDGE_SHARE * min(camera.width_px, camera.height_px))
     edge = np.clip(np.minimum(to_side, to_end) / ramp, 0.0, 1.0)
-    found: Shares = spread_lattice(cosines, window) * edge
+    found: Shares = seen.cosines * edge
     return found
 
 
 def spread_lattice(values: FloatArray, window: Window) -> Shares:
     """Return values at every 16th pixel edge of `window`, brought to its pixels' centres."""
     rows, columns = values.shape
-    # Pixel centres in units of the lattice; cv2.resize has no such corners, an affine map has.
-    matrix = np.array([[1.0 / LATTICE_PX, 0.0, 0.5 / LATTICE_PX],
-                       [0.0, 1.0 / LATTICE_PX, 0.5 / LATTICE_PX]])  # fmt: skip
     if rows < 2 or columns < 2:
         raise ValueError(f'window = {window} must have sides of at least {LATTICE_PX}')
-    return np.asarray(_bilinear(values.astype(np.float32), matrix, window))
-
-
-def _bilinear(values: Shares, matrix: FloatArray, window: Window) -> Shares:
-    """Return `values` at an affine lattice of places, exactly; OpenCV rounds to 1/32."""
-    x = np.float32(matrix[0, 0]) * np.arange(window.width, dtype=np.float32) + np.float32(
-        matrix[0, 2]
+    # `resize` puts the values at the middles of 16 pixels, not at their edges.
+    whole = cv2.resize(
+        values.astype(np.float32),
+        (columns * LATTICE_PX, rows * LATTICE_PX),
+        interpolation=cv2.INTER_LINEAR,
     )
-    y = np.float32(matrix[1, 1]) * np.arange(window.height, dtype=np.float32) + np.float32(
-        matrix[1, 2]
-    )
-    column = np.minimum(x.astype(int), values.shape[1] - 2)
-    row = np.minimum(y.astype(int), values.shape[0] - 2)
-    x = x - column.astype(np.float32)
-    y = (y - row.astype(np.float32))[:, np.newaxis]
-    across = values[:, column] * (1 - x) + values[:, column + 1] * x
-    return across[row] * (1 - y) + across[row + 1] * y
+    half = LATTICE_PX // 2
+    spread: Shares = whole[half : half + window.height, half : half + window.width]
+    return spread
