@@ -203,13 +203,13 @@ def test_a_camera_is_as_high_as_its_altitude_says(altitude_off_m, up_m, std_m):
     assert photo.vertical_std_m == pytest.approx(std_m, rel=1e-6)
 
 
-def test_many_ties_are_thinned_evenly(usual, monkeypatch):
+def test_many_ties_are_thinned_evenly(usual):
     """A limit bounds memory: each pair keeps its share of ties."""
     _, maker, alignment, _ = usual
     pairs = maker.survey.used_pairs
     whole = ties.ties_of(pairs, alignment.photos, held_out=False)
-    monkeypatch.setattr(ties, 'MOST_TIES', len(whole) // 3)
-    thinned = ties.ties_of(pairs, alignment.photos, held_out=False)
+    most = len(whole) // 3
+    thinned = ties.ties_of(pairs, alignment.photos, held_out=False, most=most)
     assert 0.2 * len(whole) < len(thinned) <= len(whole) / 3 + len(pairs)
     assert set(zip(thinned.first, thinned.second, strict=True)) == set(
         zip(whole.first, whole.second, strict=True)

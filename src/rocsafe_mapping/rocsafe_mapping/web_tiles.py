@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.seams import NOBODY
-from rocsafe_mapping.drawing.sheet import Sheet, drawn, scores
+from rocsafe_mapping.drawing.sheet import LATTICE_PX, Sheet, drawn, scores
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mapmaker import Mapmaker
 
@@ -129,19 +129,22 @@ class WebTiles:
         half = 2 ** (self._zoom - 1)
         window = Window((place[2] - half) * TILE_PX, (place[1] - half) * TILE_PX, TILE_PX, TILE_PX)
         grid = self._grid()
-        names = sorted(self._at.get(place, ()))
-        views = [self._sheets[name].seen(grid, window) for name in names]
         best = np.zeros((TILE_PX, TILE_PX), np.float32)
         owner = np.full((TILE_PX, TILE_PX), NOBODY, np.int32)
-        for number, (name, seen) in enumerate(zip(names, views, strict=True)):
-            found = scores(self._sheets[name].photo.camera, seen)
-            owner[found > best] = number
-            np.maximum(best, found, out=best)
+        views = []
+        for number, name in enumerate(sorted(self._at.get(place, ()))):
+            sheet = self._sheets[name]
+            at = grid.window_of(sheet.corners_m).cut(window).widened(LATTICE_PX)
+            seen, part = sheet.seen(grid, at), at.within(window)
+            found = scores(sheet.photo.camera, seen)
+            owner[part][found > best[part]] = number
+            np.maximum(best[part], found, out=best[part])
+            views.append((name, seen, part))
         bgr = np.zeros((TILE_PX, TILE_PX, 3), np.uint8)
         for number in np.unique(owner[owner != NOBODY]).tolist():
-            image = self._maker.pictures.colour(names[number])
-            picture = drawn(image, views[number], cv2.INTER_LINEAR)
-            cv2.copyTo(picture, (owner == number).view(np.uint8), bgr)
+            name, seen, part = views[number]
+            picture = drawn(self._maker.pictures.colour(name), seen, cv2.INTER_LINEAR)
+            cv2.copyTo(picture, (owner[part] == number).view(np.uint8), bgr[part])
         alpha = np.where(owner != NOBODY, OPAQUE, 0).astype(np.uint8)
         return np.dstack([bgr, alpha])
 

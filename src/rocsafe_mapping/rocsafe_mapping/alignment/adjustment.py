@@ -20,7 +20,7 @@ from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
 from rocsafe_mapping.alignment.projection import Carried
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Lens, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid
-from rocsafe_mapping.alignment.ties import ties_of
+from rocsafe_mapping.alignment.ties import MOST_TIES, ties_of
 
 MOST_STEPS = 12
 LARGEST_TIE_STD_PX = 4.0
@@ -37,6 +37,8 @@ SURFACE_ROUNDS, TRUSTING_ROUNDS = 8, 6
 LEAST_FIXES = 6
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.15, 8.0
 SAMPLES = 16
+# Ties of an adjustment of few photographs: the next one of all makes it exact.
+MOST_WINDOW_TIES = 1200
 FIRST_DAMPING, LARGEST_DAMPING = 1e-6, 1e6
 LEAST_GAIN = 1e-4
 
@@ -55,7 +57,8 @@ def adjusted(
     free: photographs whose pose may change, None for all. With it lenses, surface and noise stay.
     """
     names = tuple(sorted(state.poses if free is None else free))
-    ties = ties_of(pairs, photos, held_out=False)
+    most = MOST_TIES if free is None else MOST_WINDOW_TIES
+    ties = ties_of(pairs, photos, held_out=False, most=most)
     unknowns = Unknowns.of(photos, names, with_lenses=free is None)
     if free is not None:
         return _settled(Equations(photos, ties, unknowns), state, MOST_STEPS // 3)

@@ -4,6 +4,7 @@
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,11 @@ from rocsafe_mapping.alignment.photo import FloatArray
 
 ComplexArray = NDArray[np.complex128]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 ROUNDS = 12
+# Values that move by less have converged: radians, logarithms, or heights.
+CONVERGED = 1e-6
+MOST_FULL = 120
 # What a loop of shifts may be off before a pair is disbelieved, over the flying height; tilts
 # alone move them by a tenth of it.
 SHIFT_SHARE, LARGEST_SHIFT_SHARE = 0.03, 0.25
@@ -84,24 +89,13 @@ def averaged(
     wanted = logs.imag if wrapped else logs.real
     strength = np.sqrt([len(edge.pair) for edge in edges])
     values = guess.copy()
-    rows = np.arange(len(edges))
     for _ in range(ROUNDS):
         off = wanted - (values[first] - values[second])
         off = np.angle(np.exp(1j * off)) if wrapped else off
         weight = strength / (1.0 + (off / scale) ** 2)
-        design = coo_matrix(
-            (
-                np.concatenate([weight, -weight]),
-                (np.tile(rows, 2), np.concatenate([first, second])),
-            ),
-            shape=(len(edges), count),
-        ).tocsr()[:, 1:]
-        if count == 1:
-            break
-        normal = (design.T @ design).tocsc()
-        step = spsolve(normal, design.T @ (weight * off))
-        values[1:] += step
-        if np.max(np.abs(step)) < 1e-6:
+        step = _fitted(count, second, first, weight**2, off)
+        values += step
+        if np.max(np.abs(step)) < CONVERGED:
             break
     return values
 
@@ -116,19 +110,39 @@ def chained(
     first = np.array([edge.first for edge in edges])
     second = np.array([edge.second for edge in edges])
     strength = np.sqrt([len(edge.pair) for edge in edges])
-    rows = np.arange(len(edges))
     places = np.zeros(count, complex)
     off = np.zeros(len(edges))
     for _ in range(ROUNDS):
         weight = strength / np.sqrt(1.0 + (off / (SHIFT_SHARE * height_m)) ** 2)
-        entries = np.concatenate([weight, -weight])
-        design = coo_matrix(
-            (entries, (np.tile(rows, 2), np.concatenate([second, first]))),
-            shape=(len(edges), count),
-        ).tocsr()[:, 1:]
-        wanted = np.column_stack([(weight * shifts).real, (weight * shifts).imag])
-        solved = spsolve((design.T @ design).tocsc(), design.T @ wanted)
-        solved = np.asarray(solved).reshape(-1, 2)
-        places[1:] = solved[:, 0] + 1j * solved[:, 1]
+        moved = _fitted(count, first, second, weight**2, shifts)
+        step, places = float(np.max(np.abs(moved - places))), moved
         off = np.abs(places[second] - places[first] - shifts)
+        if step < CONVERGED * height_m:
+            break
     return places, off < LARGEST_SHIFT_SHARE * height_m
+
+
+def _fitted(
+    count: int, first: IntArray, second: IntArray, weight: FloatArray, wanted: NDArray[Any]
+) -> NDArray[Any]:
+    """Return the values (count,) whose differences, second less first, fit `wanted` (n,) best.
+
+    The first value is 0. Small graphs are solved as full matrices: sparse ones take longer to be
+    put together than to be solved.
+    """
+    pull = weight * wanted
+    right = np.zeros(count, wanted.dtype)
+    np.add.at(right, second, pull)
+    np.add.at(right, first, -pull)
+    rows = np.concatenate([first, second, first, second])
+    columns = np.concatenate([first, second, second, first])
+    entries = np.concatenate([weight, weight, -weight, -weight])
+    values = np.zeros(count, wanted.dtype)
+    if count <= MOST_FULL:
+        full = np.bincount(rows * count + columns, entries, count * count).reshape(count, count)
+        values[1:] = np.linalg.solve(full[1:, 1:], right[1:])
+    else:
+        graph = coo_matrix((entries, (rows, columns)), shape=(count, count)).tocsc()[1:, 1:]
+        parts = spsolve(graph, np.column_stack([right[1:].real, right[1:].imag]))
+        values[1:] = parts[:, 0] if wanted.dtype == float else parts @ [1.0, 1.0j]
+    return values

@@ -89,13 +89,19 @@ def _heights(first: Views, state: State) -> FloatArray:
     return heights
 
 
-def ties_of(pairs: Sequence[Pair], photos: Mapping[str, Photo], *, held_out: bool) -> Ties:
-    """Return the ties of `pairs` that were held out, or those that were not."""
+def ties_of(
+    pairs: Sequence[Pair],
+    photos: Mapping[str, Photo],
+    *,
+    held_out: bool,
+    most: int = MOST_TIES,
+) -> Ties:
+    """Return about `most` ties of `pairs` that were held out, or of those that were not."""
     names = tuple(sorted({pair.first for pair in pairs} | {pair.second for pair in pairs}))
     index = {name: number for number, name in enumerate(names)}
     chosen = [pair.is_held_out == held_out for pair in pairs]
     # Many photographs hold each other well with fewer ties: memory stays bounded.
-    every = -(-sum(int(mask.sum()) for mask in chosen) // MOST_TIES)
+    every = -(-sum(int(mask.sum()) for mask in chosen) // most)
     if every > 1:
         chosen = [mask & (np.cumsum(mask) % every == 1) for mask in chosen]
     counts = [int(mask.sum()) for mask in chosen]

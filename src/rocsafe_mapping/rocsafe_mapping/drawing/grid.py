@@ -45,11 +45,27 @@ class Window:
         row, column = self.row - other.row, self.column - other.column
         return slice(row, row + self.height), slice(column, column + self.width)
 
+    def part(self, rows: slice, columns: slice) -> 'Window':
+        """Return the window of some rows and columns, counted from its own first."""
+        return Window(
+            self.row + rows.start, self.column + columns.start,
+            rows.stop - rows.start, columns.stop - columns.start,
+        )  # fmt: skip
+
     def grown(self, margin: int) -> 'Window':
         """Return the window with `margin` more pixels on each side."""
         return Window(
             self.row - margin, self.column - margin,
             self.height + 2 * margin, self.width + 2 * margin,
+        )  # fmt: skip
+
+    def widened(self, grain: int) -> 'Window':
+        """Return the smallest window about this one whose edges are multiples of `grain`."""
+        row, column = self.row // grain * grain, self.column // grain * grain
+        return Window(
+            row, column,
+            -(-(self.row + self.height - row) // grain) * grain,
+            -(-(self.column + self.width - column) // grain) * grain,
         )  # fmt: skip
 
     @property

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The map, tile by tile: memory is that of a tile, of small pictures, and of a cache."""
 
+import math
 from collections.abc import Iterator, Mapping
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.drawing.blending import REACH_PX, blended
+from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.picture import Pictures
 from rocsafe_mapping.drawing.seams import (
@@ -94,17 +96,30 @@ class Renderer:
         is_seen = index[inner] != NOBODY
         if not np.any(is_seen):
             return None
-        numbers = [number for number in numbers if np.any(index == number)]
-        if len(numbers) == 1:
-            colours = self._drawn(self.names[numbers[0]], window)[inner]
+        masks = {number: index == number for number in numbers}
+        masks = {number: mask for number, mask in masks.items() if np.any(mask)}
+        if len(masks) == 1:
+            colours = self._drawn(self.names[next(iter(masks))], tile)
         else:
-            parts = [self._drawn(self.names[number], window) for number in numbers]
-            colours = blended(parts, [index == number for number in numbers])[inner]
+            colours = self._blended(window, masks)[inner]
         rgba = np.empty((*is_seen.shape, 4), np.uint8)
         rgba[..., :3] = colours[..., ::-1]
         rgba[..., 3] = np.where(is_seen, OPAQUE, 0)
         rgba[~is_seen] = 0
         return rgba
+
+    def _blended(self, window: Window, masks: dict[int, Mask]) -> NDArray[np.uint8]:
+        """Return photographs over `window`, each where its mask is: who owns most lies below."""
+        most = max(masks, key=lambda number: int(masks[number].sum()))
+        parts = []
+        for number, mask in masks.items():
+            if number == most:
+                continue
+            place = reach(mask)
+            at = window.part(*place)
+            picture = self._drawn(self.names[number], at)
+            parts.append(Part(place=place, picture=picture, mask=mask))
+        return blended(self._drawn(self.names[most], window), masks[most], parts)
 
     def owner_index(self, window: Window) -> NDArray[np.int32]:
         """Return the index in `names` of who is shown at each pixel of `window`, -1 for nobody."""
@@ -149,20 +164,25 @@ class Renderer:
     ) -> NDArray[np.int32]:
         """Return the label that is nearest at each pixel of `window`."""
         step = self._step
-        offset_x = (window.column + 0.5) / step - 0.5 - coarse.column
-        offset_y = (window.row + 0.5) / step - 0.5 - coarse.row
-        matrix = np.array([[1.0 / step, 0.0, offset_x], [0.0, 1.0 / step, offset_y]])
+        offset = np.array([window.column, window.row]) / step + (0.5 / step - 0.5)
+        offset -= [coarse.column, coarse.row]
         best = np.zeros((window.height, window.width), np.float32)
         index = np.full((window.height, window.width), NOBODY, np.int32)
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         for number in present:
+            is_here = labels == number
+            place, low = _spread_to(is_here, offset, step, window)
+            size = (place[1].stop - place[1].start, place[0].stop - place[0].start)
+            if min(size) <= 0:
+                continue
+            x, y = offset + low / step
+            matrix = np.array([[1.0 / step, 0.0, x], [0.0, 1.0 / step, y]])
             share = cv2.warpAffine(
-                (labels == number).astype(np.float32), matrix, (window.width, window.height),
-                flags=flags, borderMode=cv2.BORDER_REPLICATE,
+                is_here.astype(np.float32), matrix, size,
+                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
             )  # fmt: skip
-            is_more = share > best
-            index[is_more] = number
-            best[is_more] = share[is_more]
+            is_more = share > best[place]
+            index[place][is_more] = number
+            np.maximum(best[place], share, out=best[place])
         return index
 
     def _coarse_views(self) -> dict[str, CoarseView]:
@@ -170,6 +190,20 @@ class Renderer:
             name: coarse_view(self._sheets[name], self._pictures.colour(name), self.coarse)
             for name in self.names
         }
+
+
+def _spread_to(
+    is_here: NDArray[np.bool_], offset: FloatArray, step: int, window: Window
+) -> tuple[tuple[slice, slice], FloatArray]:
+    """Return where in `window` coarse pixels have any share, and its first column and row."""
+    slices, lows = [], []
+    for axis, size in ((0, window.width), (1, window.height)):
+        coarse = np.flatnonzero(is_here.any(axis=axis))
+        low = math.floor((coarse[0] - 1 - offset[axis]) * step)
+        high = math.ceil((coarse[-1] + 1 - offset[axis]) * step) + 1
+        slices.append(slice(min(max(low, 0), size), max(min(high, size), 0)))
+        lows.append(float(slices[-1].start))
+    return (slices[1], slices[0]), np.array(lows)
 
 
 def _evened(view: CoarseView, gain: tuple[float, float, float]) -> CoarseView:
