@@ -13,7 +13,7 @@ from rocsafe_mapping.errors import PlacementError
 from rocsafe_mapping.mapmaker import Mapmaker
 
 # Long side of a photograph, and of the whole picture.
-PHOTOGRAPH_PX = 112
+PHOTOGRAPH_PX = 96
 LONGEST_SIDE_PX = 1024
 # Favours time over size: a preview is sent once and forgotten.
 PNG_COMPRESSION = 1

@@ -103,5 +103,5 @@ def _corners(epsg: int, bounds_m: tuple[float, float, float, float]) -> str:
 
 def _png(rgba: NDArray[np.uint8]) -> bytes:
     _, png = cv2.imencode('.png', cv2.cvtColor(rgba, cv2.COLOR_RGBA2BGRA),
-                          [cv2.IMWRITE_PNG_COMPRESSION, 3])  # fmt: skip
+                          [cv2.IMWRITE_PNG_COMPRESSION, 1])  # fmt: skip
     return bytes(png)
