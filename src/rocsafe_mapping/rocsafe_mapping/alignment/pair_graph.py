@@ -110,14 +110,13 @@ def chained(
     first = np.array([edge.first for edge in edges])
     second = np.array([edge.second for edge in edges])
     strength = np.sqrt([len(edge.pair) for edge in edges])
-    places = np.zeros(count, complex)
+    places: NDArray[Any] = np.zeros(count, complex)
     off = np.zeros(len(edges))
     for _ in range(ROUNDS):
         weight = strength / np.sqrt(1.0 + (off / (SHIFT_SHARE * height_m)) ** 2)
-        moved = _fitted(count, first, second, weight**2, shifts)
-        step, places = float(np.max(np.abs(moved - places))), moved
+        before, places = places, _fitted(count, first, second, weight**2, shifts)
         off = np.abs(places[second] - places[first] - shifts)
-        if step < CONVERGED * height_m:
+        if np.max(np.abs(places - before)) < CONVERGED * height_m:
             break
     return places, off < LARGEST_SHIFT_SHARE * height_m
 
