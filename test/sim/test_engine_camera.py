@@ -23,6 +23,7 @@ from rocsafe_sim.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.options import RavOptions
 from rocsafe_sim.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.rav import Rav, RavParts
+from rocsafe_sim.scene.classes import class_number
 from rocsafe_sim.sensing_noise import SensorNoise
 
 DEPTH = np.array([[31.5, np.inf], [30.25, 2.0]], np.float32)
@@ -99,15 +100,37 @@ def test_depth_and_labels_as_messages():
 
 
 def test_the_label_table_names_every_instance():
-    """Sky and ground first, then the things in the order of their numbers."""
+    """The sky first, then the things in the order of their numbers, then ground by its class."""
     pytest.importorskip('panda3d', reason='panda3d is not installed')
-    from rocsafe_sim.engine.engine_camera import label_table
+    from rocsafe_sim.engine.engine_camera import GROUND_NUMBERS, label_table
 
     rows = json.loads(label_table(small_environment().objects))
-    assert [row['number'] for row in rows] == list(range(len(rows)))
-    assert rows[2] == {
+    things = [row['number'] for row in rows if row['name'] != 'ground']
+    assert things == [0, *range(2, len(things) + 1)]
+    assert rows[1] == {
         'number': 2, 'name': 'tank', 'class': 'tank_car', 'colour': [222, 226, 230]
     }  # fmt: skip
+    ground = {row['class']: row['number'] for row in rows if row['name'] == 'ground'}
+    assert ground['asphalt'] == GROUND_NUMBERS + class_number('asphalt')
+    assert max(ground.values()) < 65_535
+
+
+def test_ground_is_told_by_what_it_is():
+    """Road and grass have different numbers, things keep theirs."""
+    pytest.importorskip('panda3d', reason='panda3d is not installed')
+    from rocsafe_sim.engine.engine_camera import GROUND_NUMBERS, told_numbers
+    from rocsafe_sim.engine.outputs import Frame
+
+    road, grass, tank = (class_number(name) for name in ('asphalt', 'grass', 'tank_car'))
+    shape = (1, 3)
+    frame = Frame(
+        image=np.zeros((*shape, 3), np.uint8),
+        depth_m=np.ones(shape, np.float32),
+        numbers=np.array([[1, 1, 7]], np.uint32),
+        classes=np.array([[road, grass, tank]], np.uint8),
+        normals=np.zeros((*shape, 3), np.uint8),
+    )
+    assert told_numbers(frame).tolist() == [[GROUND_NUMBERS + road, GROUND_NUMBERS + grass, 7]]
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.camera import Truth
+from rocsafe_sim.engine.outputs import Frame
 from rocsafe_sim.engine.studio import Studio, open_renderer
 from rocsafe_sim.route import Enu
 from rocsafe_sim.scene.building import build
@@ -21,6 +22,8 @@ from rocsafe_sim.scene.scene_file import read_scene
 from rocsafe_sim.scenery.canvas import Image
 
 _NS_PER_S = 1e9
+# Far above the numbers of things; 65535 stays free, which stands for what 16 bits cannot hold.
+GROUND_NUMBERS = 65_279
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +108,7 @@ class EngineCamera:
         self._scene.set_time(time_ns)
         expose = self._studio.glance if is_quick else self._studio.expose
         frame = expose(np.array(position_enu), rotation_enu_from_optical)
-        self.truth = Truth(depth_m=frame.depth_m, numbers=frame.numbers)
+        self.truth = Truth(depth_m=frame.depth_m, numbers=told_numbers(frame))
         return frame.image
 
 
@@ -113,10 +116,24 @@ def _sun_time(start_ns: int) -> datetime | None:
     return datetime.fromtimestamp(start_ns / _NS_PER_S, timezone.utc) if start_ns else None
 
 
+def told_numbers(frame: Frame) -> NDArray[np.uint32]:
+    """Return the instances of a frame, the ground told apart by what it is: road, grass, water."""
+    ground = GROUND_NUMBERS + frame.classes.astype(np.uint32)
+    return np.where(frame.numbers == GROUND_NUMBER, ground, frame.numbers)
+
+
 def label_table(objects: tuple[SceneObject, ...]) -> str:
-    """Return the instances as JSON: number, name, class and colour (red, green, blue) of each."""
-    rows = [(SKY_NUMBER, 'sky', 'sky'), (GROUND_NUMBER, 'ground', 'grass')]
+    """Return the instances as JSON: number, name, class and colour (red, green, blue) of each.
+
+    Ground of each class has a number of its own, that of the class from 65279 on.
+    """
+    rows = [(SKY_NUMBER, 'sky', 'sky')]
     rows += [(thing.number, thing.name, thing.label) for thing in objects]
+    rows += [
+        (GROUND_NUMBERS + label.number, 'ground', label.name)
+        for label in CLASSES.values()
+        if label.number != SKY_NUMBER
+    ]
     keys = ('number', 'name', 'class', 'colour')
     return json.dumps(
         [dict(zip(keys, (*row, CLASSES[row[2]].colour), strict=True)) for row in rows]
