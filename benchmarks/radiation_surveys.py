@@ -3,6 +3,7 @@
 
 import argparse
 import math
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ EXTENT_M, PITCH_M, HEIGHT_M = 300.0, 15.0, 32.0
 SENSITIVITY, BACKGROUND_USVH = 550.0, 0.1
 OPTIONS = LocalizationOptions(source_up_m=0.0, source_up_std_m=0.0)
 CAESIUM_USVH_PER_GBQ = nuclide('Cs-137').dose_constant_usvh()
+# A number; the minus between the bounds of a range is none of its own.
+_NUMBER = re.compile(r'(?:(?<![\d.])-)?\d+(?:\.\d+)?(?:e[-+]?\d+)?')
 # What a detector takes off for dead time by itself.
 CORRECTED_DEAD_TIME_S = 5e-6
 
@@ -159,7 +162,24 @@ def print_table(
     parser.add_argument('--trials', type=int, default=200, metavar='N', help='surveys a row')
     parser.add_argument('--only', nargs='+', choices=list(parts), default=list(parts))
     arguments = parser.parse_args()
-    print(f'{"what":{width}} {"target":>10} {"measured":>10}')
+    print(f'{"what":{width}} {"target":>10} {"measured":>12}')
     for part in arguments.only:
         for what, target, measured in parts[part](arguments.trials):
-            print(f'{what:{width}} {target:>10} {measured:>10}', flush=True)
+            outcome = judged(target, measured)
+            print(f'{what:{width}} {target:>10} {measured:>12}  {outcome}'.rstrip(), flush=True)
+
+
+def judged(target: str, measured: str) -> str:
+    """Return ``met`` or ``missed``; empty without a target."""
+    if not target:
+        return ''
+    value, *limits = (float(part) for part in _NUMBER.findall(f'{measured} {target}'))
+    if target.startswith('<='):
+        is_met = value <= limits[-1]
+    elif target.startswith('>='):
+        is_met = value >= limits[-1]
+    elif target.startswith('>'):
+        is_met = value > limits[-1]
+    else:
+        is_met = limits[-2] <= value <= limits[-1]
+    return 'met' if is_met else 'missed'

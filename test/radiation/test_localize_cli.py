@@ -4,6 +4,7 @@
 import itertools
 import json
 import math
+from pathlib import Path
 
 import pytest
 
@@ -28,6 +29,12 @@ def table(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture(autouse=True)
+def _small_maps(monkeypatch):
+    """Maps of fewer cells are made faster."""
+    monkeypatch.setattr('rocsafe_radiation.localize_cli.LARGEST_CELLS', 10_000)
 
 
 def derailment():
@@ -55,6 +62,28 @@ def test_a_source_is_printed_with_its_place_and_its_ellipse(table, capsys):
     )
     assert math.hypot(found[0] - 120.0, found[1] - 170.0) < 2.0
     assert source['dose_rate_at_1m_usvh'] == pytest.approx(9250.0, rel=0.1)
+
+
+def test_a_guessed_ground_is_told_and_a_given_one_is_taken(table, capsys):
+    """A flight that does not begin on the ground needs its altitude."""
+    path = str(table(HEAD + ''.join(derailment().splitlines(keepends=True)[1:])))
+    assert main([path, '--model', 'paper', '--ground', '66']) == 0
+    text = capsys.readouterr().out
+    assert 'source 1: ' in text
+    assert 'is taken for the ground' not in text
+    readings = read_readings(Path(path))
+    assert readings.is_ground_guessed
+    assert readings.frame.origin.altitude_m == pytest.approx(98.0, abs=0.1)
+    assert not read_readings(Path(path), ground_altitude_m=66.0).is_ground_guessed
+
+
+def test_a_file_without_altitudes_was_flown_above_the_ground_not_on_it(table):
+    """All readings are as high as `--height` says."""
+    text = 'latitude_deg,longitude_deg,dose_rate_usvh\n53.28,-9.06,0.1\n53.281,-9.06,0.1\n'
+    found = read_readings(table(text), 32.0)
+    assert [one.position_enu_m[2] for one in found.observations] == pytest.approx(
+        [32.0, 32.0], abs=0.01
+    )
 
 
 def test_products_are_written(table, tmp_path, capsys):

@@ -58,6 +58,7 @@ class Setting:
     rho: share of the excess by which counts scatter beyond Poisson.
     tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
         that of the kernel.
+    has_shield: something may stand on one side of the sources.
     shade: probability that something shields a reading.
     """
 
@@ -67,6 +68,7 @@ class Setting:
     background_std: float = 0.0
     rho: float = 0.0
     tilt_std: float = 0.0
+    has_shield: bool = False
     shade: float = 0.0
 
 
@@ -91,6 +93,7 @@ class Likelihood:
         self._deviation = LawDeviation(
             height_m=survey.height_m(setting.source_up_m),
             tilt_std=setting.tilt_std,
+            has_shield=setting.has_shield,
         )
         stds = self._deviation.stds
         # The numbers of the law come last before the sources; to the background they add nothing.
@@ -169,13 +172,17 @@ class Likelihood:
 
     def dispersion(self, parameters: Array) -> float:
         """Return by how many standard deviations Pearson's chi^2 exceeds what Poisson allows."""
+        return self.misfit(parameters)[0]
+
+    def misfit(self, parameters: Array) -> tuple[float, float]:
+        """Return the same and Pearson's chi^2 over the degrees of freedom."""
         shaded = self._shaded(parameters)
         expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
         chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
         degrees = max(1, self.survey.size - len(parameters))
         # The variance of each term, 2 + 1/m, matters with few counts.
         spread = float(np.sqrt((2.0 + 1.0 / np.maximum(expected, 1e-3)).sum()))
-        return (chi2 - degrees) / spread
+        return (chi2 - degrees) / spread, chi2 / degrees
 
     def fit(self, start: Array, iterations: int = 40) -> Fit:
         """Return the maximum near `start`."""
@@ -250,7 +257,7 @@ class Likelihood:
         """Change the slopes of sources to those of a law that deviates, and add its own."""
         parts *= self._deviation.factors(numbers, offsets)[:, None]
         parts[:, :3] += parts[:, 3:] * self._deviation.slopes(numbers, offsets)
-        features = self._deviation.features(offsets)
+        features = self._deviation.features(numbers, offsets)
         slopes[:, self.law] = np.einsum('kn,jkn->nj', parts[:, 3], features)
 
     def _offsets(self, sources: Array) -> Array:
@@ -262,9 +269,8 @@ class Likelihood:
         diagonal = np.diag_indices_from(matrix)
         matrix[diagonal] += damping * matrix[diagonal] + 1e-12
         step: Array = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
-        step[: self.head_size] = np.clip(
-            step[: self.head_size], -LARGEST_LOG_STEP, LARGEST_LOG_STEP
-        )
+        head = step[: self.head_size]
+        np.clip(head, -LARGEST_LOG_STEP, LARGEST_LOG_STEP, out=head)
         sources = step[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
         limits = np.array([self._step_limit_m] * 3 + [LARGEST_LOG_STEP])
         np.clip(sources, -limits, limits, out=sources)

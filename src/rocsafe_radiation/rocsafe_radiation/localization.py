@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Likelihood, Setting
+from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood, Setting
 from rocsafe_radiation.mirror_image import covariance_with_images
-from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_ORDER, search
+from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_DISPERSION, LARGEST_ORDER, search
 from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
 
@@ -22,6 +22,8 @@ NORMAL_95 = 1.96
 FEWEST_READINGS = 8
 # Cells of this share of the height lose nothing that matters, and bound the time of a fit.
 CELL_HEIGHTS = 0.125
+# Measured of tank cars: benchmarks/localisation.py --only mismatched.
+WALL_ERROR_HEIGHTS = 0.04
 
 
 class TooFewReadingsError(RadiationError):
@@ -111,6 +113,7 @@ class Localization:
     dispersion: by how many standard deviations the misfit exceeds what the model allows.
     rho: share of the excess by which readings scatter beyond their counts.
     is_structured: the background varies from place to place.
+    is_shielded: something beside the sources takes part of their dose rate.
     method: name of the way it was found, one of `METHODS`.
     """
 
@@ -122,7 +125,25 @@ class Localization:
     dispersion: float
     rho: float
     is_structured: bool
+    is_shielded: bool = False
     method: str = ML_METHOD
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not as assumed, in words; empty: counts of sources over an even background."""
+        found = []
+        if self.is_shielded:
+            found.append('something beside the sources takes part of their dose rate')
+        if self.is_structured:
+            found.append('the background is uneven')
+        if self.rho > 0.0:
+            found.append(f'readings scatter by {self.rho:.0%} of the excess beyond their counts')
+        if self.dispersion >= LARGEST_DISPERSION:
+            found.append(
+                f'the readings differ from this by {self.dispersion:.0f} standard deviations more '
+                'than they may: ellipses are widened'
+            )
+        return tuple(found)
 
 
 def localize(survey: Survey, options: LocalizationOptions | None = None) -> Localization:
@@ -155,7 +176,7 @@ def require_enough(survey: Survey) -> None:
 
 def _described(found: OrderSearch, reading_count: int) -> Localization:
     likelihood, fit = found.likelihood, found.best
-    covariance = covariance_with_images(likelihood, fit)
+    covariance = _stated_covariance(likelihood, fit)
     estimates = [
         _estimate(likelihood, found, covariance, index)
         for index in range(likelihood.source_count(fit.parameters))
@@ -171,7 +192,26 @@ def _described(found: OrderSearch, reading_count: int) -> Localization:
         dispersion=likelihood.dispersion(fit.parameters),
         rho=setting.rho,
         is_structured=setting.background_std > 0.0,
+        is_shielded=setting.has_shield or setting.shade > 0.0,
     )
+
+
+def _stated_covariance(likelihood: Likelihood, fit: Fit) -> Array:
+    """Return the covariance of the parameters, larger where the model does not explain enough.
+
+    Misfits beyond what the model allows make the place less sure by their variance, as if all
+    readings scattered so much (quasi-likelihood, McCullagh and Nelder 1989, section 9.2). Beside
+    a wall, they add how far a real one moves sources that a straight one explains.
+    """
+    covariance = covariance_with_images(likelihood, fit)
+    if likelihood.dispersion(fit.parameters) >= LARGEST_DISPERSION:
+        covariance = covariance * max(1.0, likelihood.misfit(fit.parameters)[1])
+    if likelihood.setting.has_shield:
+        moved_m = WALL_ERROR_HEIGHTS * likelihood.survey.height_m(likelihood.setting.source_up_m)
+        for axis in range(2):
+            places = slice(likelihood.head_size + axis, None, SOURCE_PARAMETERS)
+            covariance[places, places] += moved_m**2 * np.eye(covariance[places, places].shape[0])
+    return covariance
 
 
 def _estimate(

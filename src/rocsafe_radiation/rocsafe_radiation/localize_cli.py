@@ -164,6 +164,7 @@ def _lines(found: Localization, readings: ReadingsFile) -> list[str]:
             f'{source["ellipse_95_m"][1]:.2f} m (95 %); '
             f'{source["dose_rate_at_1m_usvh"]:.4g} uSv/h at 1 m ({low:.4g} to {high:.4g})'
         )
+    lines += [f'not as assumed: {doubt}' for doubt in found.doubts]
     return lines if found.sources else [*lines, 'no source found']
 
 

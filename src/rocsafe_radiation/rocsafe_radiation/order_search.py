@@ -3,6 +3,7 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -60,10 +61,21 @@ SHADES: tuple[dict[str, Any], ...] = (
     {'rho': 0.1, 'shade': 0.3},
     {'rho': 0.1, 'shade': 0.6},
 )
+# A wall beside the sources, of which nobody knows, with and without other things about.
+WALLS: tuple[dict[str, Any], ...] = (
+    {'has_shield': True},
+    {'has_shield': True, 'rho': 0.2},
+    {'has_shield': True, 'rho': 0.05, 'shade': 0.3},
+)
+# Readings from which a wall takes their part draw a source away from it: by so many heights.
+WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
+WALL_SHARPNESS, WALL_SHIFTS_HEIGHTS = 10.0, (0.0, 0.3)
 # A single source with more evidence is not feigned by the ground.
 STRONG_EVIDENCE = 60.0
 # Pearson's chi^2 beyond this many standard deviations says that something is wrong.
 LARGEST_DISPERSION = 3.0
+# Beyond this it may be that something is wrong with a weak source.
+NOTABLE_DISPERSION = 0.5
 
 
 def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER) -> OrderSearch:
@@ -77,14 +89,19 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
     trial = _Trial(survey, setting)
     plain = trial.orders({}, largest_order)
     if plain.dispersion >= LARGEST_DISPERSION:
-        shaded = [trial.orders(one, largest_order, plain) for one in SHADES]
-        explained = [one.order for one in shaded if one.dispersion < LARGEST_DISPERSION]
+        hidden = [trial.orders(one, largest_order, plain) for one in SHADES]
+        if largest_order > 0:
+            hidden += trial.walled(plain)
+        explained = [one.order for one in hidden if one.dispersion < LARGEST_DISPERSION]
         # No more sources than explain the readings already.
         most = max(explained, default=largest_order)
-        others = [*(trial.orders(one, most, plain) for one in NUISANCES), *shaded]
+        others = [*(trial.orders(one, most, plain) for one in NUISANCES), *hidden]
     elif plain.order > 1:
         # Do fewer sources explain it as well, on uneven ground or with scattered readings?
-        others = [trial.orders(nuisance, plain.order - 1, plain) for nuisance in NUISANCES]
+        fewer = (*NUISANCES, WALLS[0])
+        others = [trial.orders(nuisance, plain.order - 1, plain) for nuisance in fewer]
+    elif plain.order == 1 and plain.dispersion >= NOTABLE_DISPERSION:
+        others = [trial.orders(one, 1, plain) for one in (UNEVEN, WALLS[0])]
     elif plain.order == 1 and plain.gain(1) < STRONG_EVIDENCE:
         others = [trial.orders(UNEVEN, 1, plain)]
     else:
@@ -131,16 +148,38 @@ class _Trial:
             scores.append(_score(likelihood, fit))
         return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
 
+    def walled(self, hints: OrderSearch) -> list[OrderSearch]:
+        """Return the best fits of one source beside a wall, each from the one before."""
+        found = [hints]
+        for nuisance in WALLS:
+            found.append(self.orders(nuisance, 1, found[-1]))
+        return found[1:]
+
 
 def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[Array]:
-    """Return a start with the sources of `hints` on even ground."""
+    """Return starts with the sources of `hints` on even ground, and its wall or any."""
     if hints is None or order >= len(hints.fits):
         return []
     fit = hints.fits[order]
     background = np.zeros(likelihood.head_size)
     background[:LEVEL_PARAMETERS] = fit.parameters[:LEVEL_PARAMETERS]
     sources = hints.likelihood.sources(fit.parameters)
+    if hints.likelihood.setting.has_shield:
+        background[likelihood.law] = fit.parameters[hints.likelihood.law]
+    elif likelihood.setting.has_shield:
+        return list(_walled(likelihood, background, sources))
     return [np.concatenate([background, sources.ravel()])]
+
+
+def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterator[Array]:
+    """Yield starts with a wall on each side of the sources, and these drawn towards it."""
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
+        towards = np.array([math.cos(angle), math.sin(angle)])
+        head, moved = background.copy(), sources.copy()
+        head[likelihood.law][-4:-2] = WALL_SHARPNESS * towards
+        moved[:, :2] += shift * height * towards
+        yield np.concatenate([head, moved.ravel()])
 
 
 def _with_one_more(
@@ -148,9 +187,11 @@ def _with_one_more(
 ) -> Fit | None:
     """Return the best fit found with one more source, None without any start."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    is_known = bool(hints) and likelihood.setting.has_shield
+    added = [] if is_known else _added(likelihood, fit.parameters, grid, kernel, height)
     starts = [
         *hints,
-        *_added(likelihood, fit.parameters, grid, kernel, height),
+        *added,
         *_split(likelihood, fit.parameters, 0.4 * height),
     ]
     if not starts:

@@ -53,6 +53,8 @@ def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) ->
         false_alarm_probability=rule.false_alarm,
         missed_probability=rule.missed,
         verdict=picture.verdict.reason,
+        misfit_standard_deviations=found.dispersion,
+        doubts=list(found.doubts),
     )
     message.header.stamp = stamp_of_ns(time_ns)
     message.header.frame_id = 'earth'

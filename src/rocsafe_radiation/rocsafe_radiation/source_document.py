@@ -25,6 +25,8 @@ def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, 
         'background_usvh': found.background_usvh,
         'background_std_usvh': found.background_std_usvh,
         'background_is_uneven': found.is_structured,
+        'is_shielded': found.is_shielded,
+        'doubts': list(found.doubts),
         'misfit_standard_deviations': round(found.dispersion, 3),
         'sources': [_source(source, frame) for source in found.sources],
     }

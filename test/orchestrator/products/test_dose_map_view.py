@@ -70,6 +70,7 @@ def estimates():
         reading_count=441,
         is_enough=True,
         verdict='1 source, placed within 3.0 m (95 %)',
+        doubts=('the background is uneven', 'a < b'),
     )
 
 
@@ -95,6 +96,7 @@ def test_tables_say_how_long_one_may_stay_and_what_was_found(folder):
     assert '8.33 d' in text
     assert '4.00 mSv/h to 6.00 mSv/h' in text
     assert 'The evidence is enough: 1 source, placed within 3.0 m (95 %).' in text
+    assert 'Not as assumed: the background is uneven; a &lt; b.' in text
 
 
 def test_without_a_map_there_is_no_section(folder, tmp_path):

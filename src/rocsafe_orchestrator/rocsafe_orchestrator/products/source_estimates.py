@@ -32,7 +32,10 @@ class SourceEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimates:
-    """All sources that the readings support, the probability of each number, if it is enough."""
+    """All sources that the readings support, the probability of each number, if it is enough.
+
+    `doubts` says what is not as the estimator assumes.
+    """
 
     sources: tuple[SourceEstimate, ...]
     source_count_probability: tuple[float, ...]
@@ -40,6 +43,7 @@ class SourceEstimates:
     reading_count: int
     is_enough: bool = False
     verdict: str = ''
+    doubts: tuple[str, ...] = ()
 
 
 def _localize(arguments: Sequence[str]) -> None:
@@ -94,6 +98,7 @@ def _estimates(content: dict[str, Any]) -> SourceEstimates:
         reading_count=content['reading_count'],
         is_enough=content.get('is_enough', False),
         verdict=content.get('verdict', ''),
+        doubts=tuple(content.get('doubts', ())),
     )
 
 

@@ -87,7 +87,9 @@ def _sentence(found: SourceEstimates) -> str:
     chance = chances[count] if count < len(chances) else 0.0
     text = f'{words}, with a probability of {100.0 * chance:.3g} %; background {background}.'
     enough = 'enough' if found.is_enough else 'not enough yet'
-    return f'{text} The evidence is {enough}: {found.verdict}.' if found.verdict else text
+    if found.verdict:
+        text = f'{text} The evidence is {enough}: {found.verdict}.'
+    return f'{text} Not as assumed: {"; ".join(found.doubts)}.' if found.doubts else text
 
 
 def _picture(path: Path, frame: LocalFrame) -> DosePicture | None:
