@@ -10,8 +10,9 @@ vec4 as_bytes(uint bits) {
     return vec4((bits >> 16) & 255u, (bits >> 8) & 255u, bits & 255u, bits >> 24) / 255.0;
 }
 
-void write_labels(float depth, int number, int kind, vec3 n) {
-    depth_bits = as_bytes(floatBitsToUint(depth));
+// Depth is that of the projection: 1 / w, of cameras with perspective.
+void write_labels(int number, int kind, vec3 n) {
+    depth_bits = as_bytes(floatBitsToUint(1.0 / gl_FragCoord.w));
     label_bits = as_bytes(uint(number) | uint(kind) << 24);
     normal_bits = vec4(0.5 + 0.5 * n, 1.0);
 }

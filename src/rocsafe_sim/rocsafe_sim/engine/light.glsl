@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light, shadows, haze and the tone curve, shared by all surfaces.
 
+// Compiled as needed, for a processor runs both sides of every branch: GLOSSY, WET, WATER, and FAR
+// where the finer shadow map ends.
+
+uniform mat4 p3d_ViewMatrixInverse;
 uniform vec3 sun_direction;
 uniform vec3 sun_light;
 uniform vec3 zenith;
@@ -22,30 +26,29 @@ vec3 sky(vec3 d) {
     return colour + sun_light * (0.05 * n8);
 }
 
+#ifdef FAR
+#define SHADOW_MAP far_shadow
+#define TO_SHADOW far_sun
+const float SLACK = 0.001;
+#else
+#define SHADOW_MAP near_shadow
+#define TO_SHADOW near_sun
+const float SLACK = 0.0006;
+#endif
+
 float shadow(vec3 world, float slope) {
-    vec3 at = (near_sun * vec4(world, 1.0)).xyz;
-    vec2 edge = abs(at.xy - 0.5);
-    if (max(edge.x, edge.y) < 0.497) {
-        vec2 texel = vec2(0.75) / vec2(textureSize(near_shadow, 0));
-        float z = at.z - 0.00035 - 0.0006 * slope;
-        return 0.25 * (texture(near_shadow, vec3(at.xy + texel * vec2(0.7, 0.3), z))
-                     + texture(near_shadow, vec3(at.xy + texel * vec2(-0.3, 0.7), z))
-                     + texture(near_shadow, vec3(at.xy + texel * vec2(-0.7, -0.3), z))
-                     + texture(near_shadow, vec3(at.xy + texel * vec2(0.3, -0.7), z)));
-    }
-    at = (far_sun * vec4(world, 1.0)).xyz;
-    edge = abs(at.xy - 0.5);
-    if (max(edge.x, edge.y) > 0.497) return 1.0;
-    return texture(far_shadow, vec3(at.xy, at.z - 0.0008 - 0.002 * slope));
+    vec3 at = (TO_SHADOW * vec4(world, 1.0)).xyz;
+    vec2 texel = vec2(0.75) / vec2(textureSize(SHADOW_MAP, 0));
+    float z = at.z - 0.6 * SLACK - SLACK * slope;
+    return 0.25 * (texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.7, 0.3), z))
+                 + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.3, 0.7), z))
+                 + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.7, -0.3), z))
+                 + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.3, -0.7), z)));
 }
 
 float one_shadow(vec3 world) {
-    vec3 at = (near_sun * vec4(world, 1.0)).xyz;
-    vec2 edge = abs(at.xy - 0.5);
-    if (max(edge.x, edge.y) < 0.497) return texture(near_shadow, vec3(at.xy, at.z - 0.0006));
-    at = (far_sun * vec4(world, 1.0)).xyz;
-    edge = abs(at.xy - 0.5);
-    return max(edge.x, edge.y) > 0.497 ? 1.0 : texture(far_shadow, vec3(at.xy, at.z - 0.001));
+    vec3 at = (TO_SHADOW * vec4(world, 1.0)).xyz;
+    return textureLod(SHADOW_MAP, vec3(at.xy, at.z - SLACK), 0.0);
 }
 
 float openness(vec3 world) {
@@ -60,6 +63,7 @@ vec3 lit(vec3 albedo, vec3 n, vec3 view, vec4 look, float sun_share, float open_
     float direct = max(facing, 0.0) + look.w * max(0.25 - 0.75 * facing, 0.0);
     vec3 ambient = mix(bounce, mix(horizon, zenith, 0.55) * 1.15, 0.5 + 0.5 * n.z) * open_share;
     vec3 colour = albedo * (sun_light * (direct * sun_share) + ambient);
+#ifdef GLOSSY
     float gloss = look.x;
     if (gloss > 0.09) {
         float grazing = 1.0 - max(dot(n, view), 0.0);
@@ -70,10 +74,11 @@ vec3 lit(vec3 albedo, vec3 n, vec3 view, vec4 look, float sun_share, float open_
         glint = pow(glint, look.y) * (0.012 * look.y + 0.15);
         colour += gloss * (fresnel * 1.6 * around * open_share + sun_light * (glint * sun_share));
     }
+#endif
     return colour;
 }
 
-vec3 seen(vec3 colour, vec3 to_eye, float range) {
+vec3 seen(vec3 colour, float range) {
     float clear = exp(-air.x * range);
     vec3 veil = horizon * 0.92 + sun_light * 0.02;
     colour = mix(veil, colour, clear) * air.z;

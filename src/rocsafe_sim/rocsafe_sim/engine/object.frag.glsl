@@ -4,8 +4,6 @@ in vec3 world;
 in vec3 normal;
 in vec4 tint;
 in vec2 place;
-in float depth;
-in vec3 to_eye;
 uniform ivec4 meta;             // class, instance, 0, 0
 uniform vec4 shift;             // of the dirt on this thing: no two alike
 uniform sampler2D grain;        // fine, blotchy, streaked, rust
@@ -15,6 +13,7 @@ void main() {
     int kind = int(tint.a * 255.0 + 0.5);
     vec4 look = looks[kind];
     vec3 n = normalize(normal);
+    vec3 to_eye = p3d_ViewMatrixInverse[3].xyz - world;
     float range = length(to_eye);
     vec3 view = to_eye / range;
     if (look.w > 0.0 && dot(n, view) < -0.2) n = -n;
@@ -27,6 +26,6 @@ void main() {
     look.x = min(1.0, look.x + 0.3 * air.y);
     float slope = 1.0 - max(dot(n, sun_direction), 0.0);
     vec3 colour = lit(albedo, n, view, look, shadow(world + 0.04 * n, slope), openness(world + n * 0.4));
-    picture = vec4(seen(colour, to_eye, range), 1.0);
-    write_labels(depth, meta.y, meta.x, n);
+    picture = vec4(seen(colour, range), 1.0);
+    write_labels(meta.y, meta.x, n);
 }

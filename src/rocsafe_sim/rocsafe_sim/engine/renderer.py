@@ -15,7 +15,7 @@ from rocsafe_sim.engine.outputs import Frame
 from rocsafe_sim.engine.pipe import Pipe, open_pipe
 from rocsafe_sim.engine.shade import Shade
 from rocsafe_sim.engine.smoothing import smoothed
-from rocsafe_sim.engine.stage import EYE, Stage
+from rocsafe_sim.engine.stage import EYE, FOCAL_PX, Stage
 from rocsafe_sim.engine.target import OneThread, make_buffer, pixels_of
 from rocsafe_sim.scene.environment import Environment, SceneObject
 from rocsafe_sim.scene.light import Lighting
@@ -29,6 +29,8 @@ _PLANES = (
 )
 # The class is the highest byte of a label, the instance the others.
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
+# Of the distances at which simpler meshes take over.
+_FINEST, _COARSEST = 0.55, 2.0
 
 
 class Renderer:
@@ -83,10 +85,11 @@ class Eye:
         engine = renderer.pipe.engine
         self._textures = [core.Texture(f'plane {number}') for number in range(len(_PLANES))]
         self._buffer = self._make_buffer(renderer.pipe)
-        node = core.Camera('eye', pinhole_lens(lens))
-        node.setScene(renderer.stage.root)
-        node.setCameraMask(EYE)
-        self._node = renderer.stage.root.attachNewNode(node)
+        self._camera = core.Camera('eye', pinhole_lens(lens))
+        self._camera.setScene(renderer.stage.root)
+        self._camera.setCameraMask(EYE)
+        self.resolve(lens.focal_px)
+        self._node = renderer.stage.root.attachNewNode(self._camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
         self._buffer.setActive(False)
         self._engine = engine
@@ -98,6 +101,11 @@ class Eye:
             buffer.setClearActive(plane, True)
             buffer.setClearValue(plane, core.LVecBase4f(0.0))
         return buffer
+
+    def resolve(self, focal_px: float) -> None:
+        """Draw things in the detail that a camera of another focal length resolves."""
+        scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
+        self._camera.setLodScale(scale)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose.
@@ -125,18 +133,13 @@ class Eye:
 
     def _frame(self) -> Frame:
         labels = self._plane(2)
-        numbers = _upright(labels.view(np.uint32)[..., 0]) & np.uint32(_NUMBER_MASK)
-        normals = _upright(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB))
-        image = _upright(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR))
+        numbers = np.bitwise_and(labels.view(np.uint32)[::-1, :, 0], np.uint32(_NUMBER_MASK))
+        normals = cv2.flip(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB), 0)
+        image = np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0))
         return Frame(
             image=smoothed(image, numbers, normals),
-            depth_m=_upright(self._plane(1).view(np.float32)[..., 0]),
+            depth_m=np.ascontiguousarray(self._plane(1).view(np.float32)[::-1, :, 0]),
             numbers=numbers,
-            classes=_upright(labels[..., _CLASS_BYTE]),
-            normals=normals,
+            classes=np.asarray(cv2.flip(cv2.extractChannel(labels, _CLASS_BYTE), 0)),
+            normals=np.asarray(normals),
         )
-
-
-def _upright(image: NDArray[Any]) -> NDArray[Any]:
-    """Return a copy with the uppermost row first."""
-    return np.ascontiguousarray(image[::-1])

@@ -10,7 +10,8 @@ from panda3d import core
 
 from rocsafe_sim.engine.lens import flat_lens, looking, node_matrix
 from rocsafe_sim.engine.pipe import Pipe
-from rocsafe_sim.engine.stage import BARE, SUN, Stage, shader
+from rocsafe_sim.engine.shading import shader
+from rocsafe_sim.engine.stage import BARE, SUN, Stage
 from rocsafe_sim.engine.upload import height_texture
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
@@ -81,6 +82,10 @@ class Shade:
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
         texture.setMagfilter(core.SamplerState.FTShadow)
+        # Nothing is known beyond the map: sunlit.
+        texture.setWrapU(core.SamplerState.WMBorderColor)
+        texture.setWrapV(core.SamplerState.WMBorderColor)
+        texture.setBorderColor(core.LVecBase4f(1.0))
         buffer = self._buffer(name, size, size, is_coloured=False)
         buffer.addRenderTexture(
             texture, core.GraphicsOutput.RTMBindOrCopy, core.GraphicsOutput.RTPDepth

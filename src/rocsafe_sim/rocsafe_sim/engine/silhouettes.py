@@ -11,7 +11,8 @@ from panda3d import core
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_sim.engine.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_sim.engine.renderer import Renderer
-from rocsafe_sim.engine.stage import ALONE, shader
+from rocsafe_sim.engine.shading import shader
+from rocsafe_sim.engine.stage import ALONE
 from rocsafe_sim.errors import EngineError
 from rocsafe_sim.scene.mesh import Floats
 

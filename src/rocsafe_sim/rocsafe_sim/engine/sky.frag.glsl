@@ -2,14 +2,10 @@
 // The sky, with clouds where the weather has them; number and class 0, infinitely far.
 in vec3 world;
 in vec3 normal;
-in vec4 tint;
-in vec2 place;
-in float depth;
-in vec3 to_eye;
 uniform sampler2D grain;
 
 void main() {
-    vec3 d = -normalize(to_eye);
+    vec3 d = normalize(world - p3d_ViewMatrixInverse[3].xyz);
     vec3 colour = sky(d);
     float sun = max(dot(d, sun_direction), 0.0);
     colour += sun_light * (pow(sun, 900.0) * 6.0 + pow(sun, 60.0) * 0.12);
@@ -22,5 +18,6 @@ void main() {
     vec3 shown = colour * air.z * 0.5;
     shown = shown * (2.51 * shown + 0.03) / (shown * (2.43 * shown + 0.59) + 0.14);
     picture = vec4(sqrt(clamp(shown, 0.0, 1.0)), 1.0);
-    write_labels(uintBitsToFloat(0x7f800000u), 0, 0, vec3(0.0));
+    write_labels(0, 0, vec3(0.0));
+    depth_bits = as_bytes(0x7f800000u);
 }

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Edges without steps: each is blended along itself, after the idea of FXAA (Lottes, 2009)."""
 
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +9,9 @@ Image = NDArray[np.uint8]
 
 # Edges of less contrast, absolute and of the brightness around, are left as they are.
 _LEAST, _LEAST_SHARE = 16.0, 0.14
+_BOUNDS = np.rint(np.maximum(np.arange(256) * _LEAST_SHARE, _LEAST)).astype(np.uint8)
 _REACH_PX = 6.0
+_BRIGHTNESS = np.array([0.114, 0.587, 0.299], np.float32)
 # Of the third component of a normal, of 255.
 _LEAST_TURN = 60
 
@@ -28,27 +28,37 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
     bright = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     kernel = np.ones((3, 3), np.uint8)
     high, low = cv2.dilate(bright, kernel), cv2.erode(bright, kernel)
-    bound = cv2.max(cv2.multiply(high, _LEAST_SHARE), _LEAST)
-    is_edge = _steps(numbers.astype(np.uint16)) > 0
-    is_edge |= _steps(np.ascontiguousarray(normals[..., 2])) > _LEAST_TURN
-    rows, columns = np.nonzero(is_edge & (cv2.subtract(high, low) > bound))
-    if not len(rows):
+    is_edge = _differs(numbers)
+    is_edge |= _steps(cv2.extractChannel(normals, 2)) > _LEAST_TURN
+    is_edge &= cv2.subtract(high, low) > cv2.LUT(high, _BOUNDS)
+    chosen = np.flatnonzero(is_edge)
+    if not len(chosen):
         return image
+    rows, columns = np.divmod(chosen, image.shape[1])
     along = _along(bright, rows, columns)
     close = 0.5 * (
         _at(image, rows, columns, along / -6.0) + _at(image, rows, columns, along / 6.0)
     )
     ends = 0.5 * (_at(image, rows, columns, -0.5 * along) + _at(image, rows, columns, 0.5 * along))
     wide = 0.5 * (close + ends)
-    shade = wide @ np.array([0.114, 0.587, 0.299], np.float32)
-    is_off = (shade < low[rows, columns]) | (shade > high[rows, columns])
+    shade = wide @ _BRIGHTNESS
+    is_off = (shade < low.ravel()[chosen]) | (shade > high.ravel()[chosen])
     result = image.copy()
-    result[rows, columns] = np.rint(np.where(is_off[:, None], close, wide)).astype(np.uint8)
+    found = np.where(is_off[:, None], close, wide)
+    result.reshape(-1, 3)[chosen] = np.rint(found).astype(np.uint8)
     return result
 
 
-def _steps(values: NDArray[np.uint16] | Image) -> NDArray[np.integer[Any]]:
-    """Return how far values differ among a pixel and its right and lower neighbours."""
+def _differs(values: NDArray[np.uint32]) -> NDArray[np.bool_]:
+    """Return whether a value differs from that to the left or above."""
+    found = np.zeros(values.shape, bool)
+    found[:, 1:] = values[:, 1:] != values[:, :-1]
+    found[1:] |= values[1:] != values[:-1]
+    return found
+
+
+def _steps(values: Image) -> Image:
+    """Return how far values differ among a pixel and those to the left and above."""
     kernel = np.ones((2, 2), np.uint8)
     return np.asarray(cv2.subtract(cv2.dilate(values, kernel), cv2.erode(values, kernel)))
 
@@ -57,8 +67,8 @@ def _along(
     bright: Image, rows: NDArray[np.intp], columns: NDArray[np.intp]
 ) -> NDArray[np.float32]:
     """Return the direction in which each edge runs, x right and y down, pixels, (n, 2)."""
-    across_x = cv2.Sobel(bright, cv2.CV_32F, 1, 0)[rows, columns]
-    across_y = cv2.Sobel(bright, cv2.CV_32F, 0, 1)[rows, columns]
+    across_x = cv2.Sobel(bright, cv2.CV_16S, 1, 0)[rows, columns].astype(np.float32)
+    across_y = cv2.Sobel(bright, cv2.CV_16S, 0, 1)[rows, columns].astype(np.float32)
     along = np.stack([-across_y, across_x], axis=1)
     least = np.maximum(np.minimum(np.abs(across_x), np.abs(across_y)), 8.0)
     return np.clip(along / least[:, None], -_REACH_PX, _REACH_PX)

@@ -85,6 +85,9 @@ class SoftwareEye:
         buffer.setActive(False)
         return buffer, texture
 
+    def resolve(self, focal_px: float) -> None:
+        """Do nothing: this pipe draws all things the same at any distance."""
+
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose.
 

@@ -2,7 +2,7 @@
 """The scene graph: terrain, things, grass and sky, with their shaders and textures."""
 
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 from zlib import crc32
 
@@ -10,37 +10,38 @@ import numpy as np
 from panda3d import core
 
 from rocsafe_sim.engine import upload
+from rocsafe_sim.engine.shading import Wardrobe
 from rocsafe_sim.scene.classes import class_number
+from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
 from rocsafe_sim.scene.grain import grain_tile
 from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
-from rocsafe_sim.scene.mesh import Floats
+from rocsafe_sim.scene.mesh import Floats, Mesh
 from rocsafe_sim.scene.parts.plants import LEAFY, coarser
 from rocsafe_sim.scene.shapes import ball
 from rocsafe_sim.scene.surfaces import LOOKS, Surface
 
 # Bits of the cameras that see a node; ALONE sees the ground and what it is shown.
 EYE, SUN, BARE, ALONE = (core.BitMask32.bit(number) for number in range(4))
-_FOLDER = Path(__file__).parent
 _INNER_CELLS, _OUTER_CELLS = 16, 12
-# Up to these distances, metres, leaves and grass are drawn in full, thinned, thinner.
-_LEAVES_M = (58.0, 120.0, 9000.0)
-_GRASS_M = (75.0,)
+# Up to these distances, metres, leaves and other things are drawn in full, simpler, simpler still,
+# and grass at all, by a camera of this focal length; a longer one sees as well from further.
+FOCAL_PX = 1100.0
+_LEAVES_M = (70.0, 140.0, 9000.0)
+_THINGS_M = (82.0, 160.0, 320.0, 9000.0)
+_GRASS_M = (80.0,)
+# A corner in each cube of so many metres is left of simpler things.
+_CELLS_M = (0.08, 0.16, 0.4)
+# Fewer triangles than these are not worth a simpler mesh.
+_FEW = 60
+# To this distance from the origin the finer shadow map surely reaches.
+_NEAR_M = 165.0
+# Surfaces whose gloss the programs do not leave out.
+_GLOSSY = {int(surface) for surface, look in LOOKS.items() if look.gloss > 0.09}
 # Drawing order: things from near to far, then the ground that they hide, the sky last.
 _THINGS, _GROUND, _SKY = 20, 30, 40
 _CLOUDS = {'clear': 0.8, 'overcast': 0.25, 'wet': 0.2, 'fog': 0.0, 'dusk': 0.9}
-
-
-def shader(name: str, *switches: str, vertex: str = 'surface') -> Any:
-    """Return the program whose fragment part is ``<name>.frag.glsl``, with `switches` defined."""
-    fragment = (_FOLDER / f'{name}.frag.glsl').read_text()
-    if '#version' not in fragment:
-        shared = [(_FOLDER / f'{part}.glsl').read_text() for part in ('labels', 'light')]
-        defined = [f'#define {switch}' for switch in switches]
-        fragment = '\n'.join(['#version 330', *defined, *shared, fragment])
-    source = (_FOLDER / f'{vertex}.vert.glsl').read_text()
-    return core.Shader.make(core.Shader.SLGLSL, source, fragment)
 
 
 class Stage:
@@ -57,10 +58,9 @@ class Stage:
             'near_first', core.CullBinManager.BTFrontToBack, _THINGS
         )
         self.root = core.NodePath('scene')
-        self.root.setShader(shader('object'))
         self.root.setShaderInput('grain', self._grain())
         self.root.setShaderInput('looks', _look_table())
-        self._foliage = shader('foliage')
+        self._wardrobe = Wardrobe()
         self._moving: list[tuple[SceneObject, Any]] = []
         self._weather = weather
         self.things: dict[int, Any] = {}
@@ -76,6 +76,7 @@ class Stage:
     def light(self, lighting: Lighting, weather: str | None = None) -> None:
         """Set the light, and the weather if another one is given."""
         self._weather = weather or self._weather
+        self._wardrobe.set_wet(is_wet=lighting.wetness > 0.0)
         for name in ('sun_direction', 'zenith', 'horizon', 'bounce'):
             self.root.setShaderInput(name, core.LVecBase3f(*getattr(lighting, name)))
         self.root.setShaderInput('sun_light', core.LVecBase3f(*lighting.sun))
@@ -115,32 +116,35 @@ class Stage:
         ground.setShaderInput('meta', core.LVecBase4i(*meta))
         terrain = environment.terrain
         inner, around = ground.attachNewNode('inner'), ground.attachNewNode('around')
-        inner.setShader(shader('ground', 'INNER', *moving))
-        around.setShader(shader('ground'))
+        self._wardrobe.dress(around, 'ground', 'FAR', 'GLOSSY', 'WATER')
         around.hide(BARE)
         _dress(inner, environment.inner)
         _dress(around, environment.outer)
         self.inner = inner
         for mesh in upload.grid_meshes(terrain.inner, _INNER_CELLS):
-            inner.attachNewNode(upload.geom_node('chunk', mesh))
+            chunk = inner.attachNewNode(upload.geom_node('chunk', mesh))
+            water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
+            self._wardrobe.dress(chunk, 'ground', 'INNER', *moving, *water)
         for mesh in upload.grid_meshes(terrain.outer, _OUTER_CELLS, terrain.inner):
             around.attachNewNode(upload.geom_node('chunk', mesh))
         for mesh in upload.grid_meshes(terrain.far, 200, terrain.outer):
             around.attachNewNode(upload.geom_node('far', mesh))
+        self._add_grass(environment.tufts)
+
+    def _add_grass(self, tufts: Sequence[Mesh]) -> None:
         grass = self.root.attachNewNode('grass')
         grass.hide(SUN | BARE | ALONE)
         grass.setTwoSided(True)
-        grass.setShader(self._foliage)
+        self._wardrobe.dress(grass, 'foliage')
         grass.setShaderInput('meta', core.LVecBase4i(class_number('grass'), GROUND_NUMBER, 0, 0))
-        grass.setShaderInput('shift', core.LVecBase4f(0.0))
         grass.setBin('near_first', 0)
-        for mesh in environment.tufts:
+        for mesh in tufts:
             _add_steps(
                 grass, [upload.geom_node('tufts', mesh)], mesh.bounds.mean(axis=0), _GRASS_M
             )
 
     def _add_objects(self, environment: Environment) -> None:
-        nodes: dict[int, list[Any]] = {}
+        shapes: dict[int, _Shape] = {}
         things = self.root.attachNewNode('things')
         things.setBin('near_first', 0)
         things.hide(BARE)
@@ -156,30 +160,74 @@ class Stage:
             )
             if thing.is_foliage:
                 parent.setTwoSided(True)
-                parent.setShader(self._foliage)
             for piece in thing.pieces:
-                _add_piece(parent, thing, piece, nodes)
+                key = id(piece.mesh)
+                if key not in shapes:
+                    shapes[key] = _shape(thing, piece.mesh)
+                placed = _add_piece(parent, thing, piece, shapes[key])
+                name = 'foliage' if thing.is_foliage else 'object'
+                self._wardrobe.dress(placed, name, *_switches(thing, piece, shapes[key]))
             if thing.path is not None:
                 self._moving.append((thing, parent))
 
     def _add_sky(self) -> None:
         dome = ball(6000.0, 24).flipped()
         self.sky = self.root.attachNewNode(upload.geom_node('sky', dome))
-        self.sky.setShader(shader('sky'))
+        self._wardrobe.dress(self.sky, 'sky')
         self.sky.setBin('fixed', _SKY)
         self.sky.setDepthWrite(False)
         self.sky.hide(SUN | BARE | ALONE)
 
 
-def _add_piece(parent: Any, thing: SceneObject, piece: Piece, nodes: dict[int, list[Any]]) -> None:
-    # Things that are alike share their mesh, also in the engine's memory.
-    key = id(piece.mesh)
-    if key not in nodes:
-        meshes = coarser(piece.mesh) if thing.label in LEAFY else [piece.mesh]
-        nodes[key] = [upload.geom_node(thing.name, mesh) for mesh in meshes]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shape:
+    """A mesh in the engine's memory, and simpler ones after it; things that are alike share it."""
+
+    nodes: list[Any]
+    bounds: Floats
+    is_glossy: bool
+
+
+def _shape(thing: SceneObject, mesh: Mesh) -> _Shape:
+    nodes = [upload.geom_node(thing.name, step) for step in _steps(thing, mesh)]
+    kinds = np.flatnonzero(np.bincount(mesh.colours[:, 3]))
+    return _Shape(nodes, mesh.bounds, not thing.is_foliage and bool(_GLOSSY & {*kinds.tolist()}))
+
+
+def _steps(thing: SceneObject, mesh: Mesh) -> list[Mesh]:
+    """Return a mesh as it is, and simpler ones for the distance."""
+    if thing.label in LEAFY:
+        return coarser(mesh)
+    if len(mesh.triangles) < _FEW:
+        return [mesh]
+    return [mesh, *(clustered(mesh, cell_m) for cell_m in _CELLS_M)]
+
+
+def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> Any:
     placed = parent.attachNewNode('piece')
     _place(placed, piece, is_moving=thing.path is not None)
-    _add_steps(placed, nodes[key], piece.mesh.bounds.mean(axis=0), _LEAVES_M)
+    ranges = _LEAVES_M if thing.label in LEAFY else _THINGS_M
+    _add_steps(placed, shape.nodes, shape.bounds.mean(axis=0), ranges)
+    return placed
+
+
+def _switches(thing: SceneObject, piece: Piece, shape: _Shape) -> tuple[str, ...]:
+    """Return the variant that a piece of a thing needs."""
+    if thing.path is None:
+        corners = np.array(np.meshgrid(*shape.bounds.T)).reshape(3, -1).T
+        places = corners @ piece.rotation.T + piece.offset
+    else:
+        places = thing.path.places
+    is_far = np.linalg.norm(places[:, :2], axis=1).max() > _NEAR_M
+    return (*(('FAR',) if is_far else ()), *(('GLOSSY',) if shape.is_glossy else ()))
+
+
+def _has_water(chunk: Mesh, ground: GroundMap) -> bool:
+    """Return whether there is water on a chunk of ground."""
+    low, high = chunk.bounds[:, :2]
+    sides = [np.arange(a, b, 2.0 * ground.texel_m) for a, b in zip(low, high, strict=True)]
+    places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    return bool(np.any(ground.classes_at(places) == class_number('water')))
 
 
 def _place(placed: Any, piece: Piece, *, is_moving: bool) -> None:

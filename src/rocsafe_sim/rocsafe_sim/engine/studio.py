@@ -92,13 +92,16 @@ class Studio:
 
     def glance(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose, drawn once; see `Eye.expose`."""
+        self._plain.resolve(self.lens.focal_px)
         return self._plain.expose(position_enu, rotation_enu_from_optical)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose, see `Eye.expose`."""
-        frame = self.glance(position_enu, rotation_enu_from_optical)
         if self._large is None:
-            return frame
+            return self.glance(position_enu, rotation_enu_from_optical)
+        # Labels of the very leaves that the picture shows.
+        self._plain.resolve(self._large.lens.focal_px)
+        frame = self._plain.expose(position_enu, rotation_enu_from_optical)
         large = self._large.expose(position_enu, rotation_enu_from_optical)
         size = (self.lens.image_width_px, self.lens.image_height_px)
         image = cv2.resize(large.image, size, interpolation=cv2.INTER_AREA)

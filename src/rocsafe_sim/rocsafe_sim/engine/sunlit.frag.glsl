@@ -2,10 +2,6 @@
 // Seen from straight above: how much sun and how much sky each place of the ground gets.
 in vec3 world;
 in vec3 normal;
-in vec4 tint;
-in vec2 place;
-in float depth;
-in vec3 to_eye;
 
 void main() {
     // Eight places around, wider where more stands in the way: soft edges.

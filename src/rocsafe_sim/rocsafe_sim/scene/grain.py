@@ -15,8 +15,8 @@ def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
     Each is shaped from white noise by its spectrum, and spread evenly over 0 to 255.
     """
     rng = np.random.default_rng(seed)
-    along = np.fft.fftfreq(TILE_PX, 1.0 / TILE_PX)
-    fx, fy = np.meshgrid(along, along)
+    across, along = (f(TILE_PX, 1.0 / TILE_PX) for f in (np.fft.rfftfreq, np.fft.fftfreq))
+    fx, fy = np.meshgrid(across, along)
     radius = np.hypot(fx, fy) + 1e-9
     fine = _shaped(rng, radius**-0.55 * (radius > 12.0))
     blotches = _shaped(rng, np.exp(-((radius / 60.0) ** 2)) * radius**-1.0 * (radius > 1.5))
@@ -28,8 +28,8 @@ def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
 
 
 def _shaped(rng: np.random.Generator, spectrum: Floats) -> Floats:
-    noise = np.fft.fft2(rng.standard_normal((TILE_PX, TILE_PX)))
-    return np.asarray(np.fft.ifft2(noise * spectrum).real)
+    noise = np.fft.rfft2(rng.standard_normal((TILE_PX, TILE_PX)))
+    return np.asarray(np.fft.irfft2(noise * spectrum))
 
 
 def _levelled(values: Floats) -> NDArray[np.uint8]:

@@ -47,7 +47,9 @@ class Mesh:
     @property
     def bounds(self) -> Floats:
         """Lowest and highest coordinates, (2, 3)."""
-        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+        # Coordinate by coordinate: several times as fast as along the rows.
+        columns = np.ascontiguousarray(self.points.T)
+        return np.stack([columns.min(axis=1), columns.max(axis=1)])
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> 'Mesh':
         """Return the mesh somewhere else."""

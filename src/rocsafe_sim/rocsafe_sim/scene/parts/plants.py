@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.mesh import Colour, Floats, Mesh, joined, unit
 from rocsafe_sim.scene.shapes import tube
 from rocsafe_sim.scene.surfaces import Surface
@@ -288,24 +289,28 @@ def tufts(
 
 # Classes of what `coarser` can thin.
 LEAFY = frozenset({'tree', 'hedge', 'shrub'})
-_STEPS = (4, 16)
+# One leaf of so many is drawn, and wood with one corner in cubes of so many metres.
+_STEPS = ((4, 0.25), (16, 0.7))
 
 
 def coarser(mesh: Mesh) -> list[Mesh]:
     """Return a plant as it is, and thinned for the distance: fewer, larger leaves."""
-    return [mesh, *(_thinned(mesh, step) for step in _STEPS)]
+    return [mesh, *(_thinned(mesh, step, cell_m) for step, cell_m in _STEPS)]
 
 
-def _thinned(mesh: Mesh, step: int) -> Mesh:
-    """Return a plant with one of `step` leaves, each as large as those it stands for."""
+def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
+    """Return a plant with one of `step` leaves, a triangle as large as those it stands for."""
     leaf = np.flatnonzero(mesh.colours[:, 3] == Surface.LEAF).reshape(-1, 4)[::step]
-    middle = mesh.points[leaf].mean(axis=1, keepdims=True)
+    stem, right, tip, left = np.moveaxis(mesh.points[leaf], 1, 0)
+    back = stem - 0.5 * (left + right)
+    points = np.stack([right + back, tip, left + back], axis=1)
+    middle = points.mean(axis=1, keepdims=True)
     # A little less than all their area: leaves overlap.
-    grown = middle + (mesh.points[leaf] - middle) * (0.88 * math.sqrt(step))
+    grown = middle + (points - middle) * (0.88 * math.sqrt(step))
+    triangles = np.arange(3 * len(leaf)).reshape(-1, 3)
+    crown = _selected(mesh, leaf[:, 1:].ravel(), triangles, grown.reshape(-1, 3))
     wood = mesh.colours[:, 3] != Surface.LEAF
-    base = 4 * np.arange(len(leaf))[:, None]
-    fans = np.concatenate([base + np.array([0, 1, 2]), base + np.array([0, 2, 3])])
-    return joined([_selected(mesh, leaf.ravel(), fans, grown.reshape(-1, 3)), _part(mesh, wood)])
+    return joined([crown, clustered(_part(mesh, wood), cell_m)]) if wood.any() else crown
 
 
 def _selected(mesh: Mesh, chosen: Floats, triangles: Floats, points: Floats) -> Mesh:
