@@ -15,7 +15,6 @@ from rocsafe_sim.engine.stage import BARE, SUN, Stage
 from rocsafe_sim.engine.upload import height_texture
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
-from rocsafe_sim.scene.terrain import INNER_HALF_M
 
 # Width of the shadow maps on the ground, metres and texels.
 _NEAR_M, _NEAR_PX = 360.0, 4096
@@ -141,7 +140,7 @@ class Shade:
 
     def _sunlit(self) -> Any:
         """Return how much sun and sky each place of the inner ground gets, drawn once."""
-        width, height = (2.0 * half for half in INNER_HALF_M)
+        west, south, width, height = self._stage.inner_area
         size = round(width / _SUNLIT_TEXEL_M), round(height / _SUNLIT_TEXEL_M)
         buffer = self._buffer('sunlit', *size)
         texture = core.Texture('sunlit')
@@ -150,7 +149,8 @@ class Shade:
         plane = core.GraphicsOutput.RTPColor
         buffer.addRenderTexture(texture, core.GraphicsOutput.RTMBindOrCopy, plane)
         lens = flat_lens(width, height, 2.0 * _ABOVE_M)
-        node = self._camera(buffer, lens, np.array([0.0, 0.0, _ABOVE_M]), _DOWN, 'sunlit')
+        above = np.array([west + 0.5 * width, south + 0.5 * height, _ABOVE_M])
+        node = self._camera(buffer, lens, above, _DOWN, 'sunlit')
         self._pipe.engine.renderFrame()
         self._pipe.engine.removeWindow(buffer)
         node.removeNode()

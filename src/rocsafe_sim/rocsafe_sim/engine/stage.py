@@ -121,6 +121,8 @@ class Stage:
         _dress(inner, environment.inner)
         _dress(around, environment.outer)
         self.inner = inner
+        self.inner_area = (environment.inner.west_m, environment.inner.south_m,
+                           *environment.inner.size_m)  # fmt: skip
         for mesh in upload.grid_meshes(terrain.inner, _INNER_CELLS):
             chunk = inner.attachNewNode(upload.geom_node('chunk', mesh))
             water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
