@@ -7,15 +7,17 @@ partners of two pairs until that no longer helps. Tours differ little, but the p
 at most half longer than the best does not hold.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_planner.fleet_problem import FleetProblem, Order
-from rocsafe_planner.forest import spanning_tree
 from rocsafe_planner.sensor_repair import with_sensors
 from rocsafe_planner.tour_splitting import min_max_parts
 
 FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
 
 _SWEEPS = 50
 _LEAST_GAIN_M = 1e-6
@@ -24,11 +26,30 @@ _LEAST_GAIN_M = 1e-6
 def christofides(problem: FleetProblem) -> list[Order]:
     """Cut Christofides' tour of all points where the longest route is shortest."""
     n = len(problem.points)
-    tree = spanning_tree(lambda i: problem.distances_m(i)[:n], np.zeros(n))[1]
+    tree = spanning_tree(lambda i: problem.distances_m(i)[:n], n)
     odd = np.flatnonzero(np.bincount(tree.ravel(), minlength=n) % 2)
     pairs = _matching(np.vstack([problem.distances_m(i)[odd] for i in odd])) if n > 1 else []
     edges = [(int(a), int(b)) for a, b in tree] + [(int(odd[a]), int(odd[b])) for a, b in pairs]
     return with_sensors(problem, min_max_parts(problem, _walk(n, edges)))
+
+
+def spanning_tree(row: Callable[[int], FloatArray], n: int) -> IndexArray:
+    """Return the edges (n - 1, 2) of the shortest tree (Prim, 1957), one row of lengths a time."""
+    edges = np.empty((n - 1, 2), dtype=np.intp)
+    is_outside = np.ones(n, dtype=bool)
+    is_outside[0] = False
+    nearest = np.where(is_outside, row(0), np.inf)
+    parents = np.zeros(n, dtype=np.intp)
+    for k in range(n - 1):
+        new = int(nearest.argmin())
+        edges[k] = (parents[new], new)
+        is_outside[new] = False
+        nearest[new] = np.inf
+        lengths = row(new)
+        is_nearer = is_outside & (lengths < nearest)
+        nearest[is_nearer] = lengths[is_nearer]
+        parents[is_nearer] = new
+    return edges
 
 
 def _matching(lengths: FloatArray) -> list[tuple[int, int]]:

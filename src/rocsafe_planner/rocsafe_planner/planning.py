@@ -4,8 +4,8 @@
 import dataclasses
 import math
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from rocsafe_planner.bound import LowerBound, lower_bound, trip_bound
 from rocsafe_planner.errors import PlanningCancelledError
 from rocsafe_planner.given_viewpoints import footprints_of
 from rocsafe_planner.keeping_apart import KeptApart, kept_apart
@@ -16,6 +16,9 @@ from rocsafe_planner.route_making import SECONDS_PER_HOUR
 from rocsafe_planner.routing import METHODS
 from rocsafe_planner.sight import Sight, sight
 from rocsafe_planner.survey_site import SurveySite, survey_site
+
+if TYPE_CHECKING:
+    from rocsafe_planner.bound import LowerBound
 
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
@@ -88,18 +91,17 @@ def _stranded(site: SurveySite, found: Optimised) -> set[int]:
 
 def _bound(
     site: SurveySite, found: Optimised, makespan_s: float, on_progress: Progress
-) -> LowerBound:
-    """Return the best bound of the makespan: that of the search, or of this package's own."""
+) -> 'LowerBound':
+    """Return the best bound of the makespan: that of the search, or a later one."""
+    # Loaded when it is asked for: see `_found`.
+    from rocsafe_planner.bound import LowerBound, lower_bound
+
     has_proof = site.request.objective == DEFAULT_OBJECTIVE and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
     if has_proof and len(site.problem.points) > MANY_POINTS:
-        # A forest of so many points takes longer than it is worth beside a proof.
-        own = trip_bound(site.problem)
-    else:
-        own = lower_bound(
-            site.problem, makespan_s, lambda seconds: on_progress(makespan_s, seconds)
-        )
-    return proven if has_proof and found.bound > own.makespan_s else own
+        return proven  # a forest of so many points takes longer than it is worth beside a proof
+    later = lower_bound(site.problem, makespan_s, lambda seconds: on_progress(makespan_s, seconds))
+    return proven if has_proof and found.bound > later.makespan_s else later
 
 
 def _sight(site: SurveySite, apart: KeptApart) -> Sight:

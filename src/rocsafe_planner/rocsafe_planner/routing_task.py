@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.motion import leg_duration_s
+from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
@@ -23,14 +23,24 @@ Legs = PointLegs | MatrixLegs
 
 MOST_EXACT_SITES = 4000
 """Of more sites the times of all pairs would not fit: 4000 take 128 MB."""
+MOST_CLOSED_SITES = 800
+"""Of more sites it is not looked at whether a detour is shorter, and fewer bounds hold."""
+LEAST_RAMP_S = 1e-6
+"""A shorter ramp is none."""
 
 PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
 """Those of the costliest route; the others add up all routes."""
 
 
-def routing_problem(problem: FleetProblem, objective: str) -> RoutingProblem:
-    """Return the problem that the solver is given for an objective of `request.OBJECTIVES`."""
-    table = _LegTable(problem)
+def routing_problem(
+    problem: FleetProblem, objective: str, *, is_bounded: bool = False
+) -> RoutingProblem:
+    """Return the problem that the solver is given for an objective of `request.OBJECTIVES`.
+
+    With `is_bounded` it is one that no flights undercut, for bounds of the time alone: legs that
+    are only estimates, or too many for a table under which detours cost more, become shorter.
+    """
+    table = _LegTable(problem, is_bounded)
     vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
     return RoutingProblem(
         customers=len(problem.points),
@@ -45,8 +55,9 @@ def routing_problem(problem: FleetProblem, objective: str) -> RoutingProblem:
 class _LegTable:
     """The kinds of legs of a problem, each made once."""
 
-    def __init__(self, problem: FleetProblem) -> None:
+    def __init__(self, problem: FleetProblem, is_bounded: bool) -> None:
         self._problem = problem
+        self._is_bounded = is_bounded
         self._numbers: dict[tuple[object, ...], int] = {}
         self.legs: list[Legs] = []
         self._is_plain = problem.legs_are_plain
@@ -75,22 +86,27 @@ class _LegTable:
         return self._numbers[key]
 
     def _time(self, vehicle: int) -> Legs:
-        spec = self._problem.vehicles[vehicle]
-        if self._is_plain and len(self._problem.sites) > MOST_EXACT_SITES:
-            return self._trapezoids(spec)
+        problem, spec = self._problem, self._problem.vehicles[vehicle]
+        if self._is_bounded and (
+            any(v.hover_s == 0.0 for v in problem.vehicles)  # those who pass viewpoints
+            or len(problem.sites) > (MOST_CLOSED_SITES if self._is_plain else MOST_EXACT_SITES)
+        ):
+            return self._trapezoids(spec, problem.flight(vehicle).fastest())
+        if self._is_plain and len(problem.sites) > MOST_EXACT_SITES:
+            return self._trapezoids(spec, spec.performance().fastest())
         return MatrixLegs(matrix=self._durations(vehicle) + self._stays(spec.hover_s))
 
-    def _trapezoids(self, spec: Vehicle) -> PointLegs:
+    def _trapezoids(self, spec: Vehicle, fastest: MotionLimits) -> PointLegs:
         """Return legs without jerk that cost the same where they reach their speed, else less.
 
         With T(v) for the ramp to speed v, these take d/v + T(v), or 2 sqrt(d T(v)/v): less than
         legs with jerk because T(v)/v falls with v. What is proven of them holds of those.
         """
-        fastest = spec.performance().fastest()
         far_m = 1e6
         speed = fastest.cruise_speed_mps
-        ramp_s = leg_duration_s(far_m, fastest) - far_m / speed
-        return PointLegs(speed_mps=speed, acceleration_mps2=speed / ramp_s, stay=spec.hover_s)
+        ramp_s = max(leg_duration_s(far_m, fastest) - far_m / speed, 0.0)
+        acceleration = speed / ramp_s if ramp_s > LEAST_RAMP_S else math.inf
+        return PointLegs(speed_mps=speed, acceleration_mps2=acceleration, stay=spec.hover_s)
 
     def _length(self) -> Legs:
         detours = self._problem.detours

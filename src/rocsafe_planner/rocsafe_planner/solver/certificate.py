@@ -71,7 +71,7 @@ def spacing_bound(
     either = np.cumsum(np.sort(np.minimum(start, end)))[2 * routes - 1]
     apart = (np.cumsum(np.sort(start)) + np.cumsum(np.sort(end)))[routes - 1]
     legs = shortest * (n - m) + np.maximum(either, apart)
-    levels = legs if total else legs / relaxed.shares[routes - 1] + relaxed.fixed
+    levels = legs if total else legs / relaxed.shares[routes - 1] + relaxed.fixed[routes - 1]
     return float(levels.min())
 
 
@@ -213,4 +213,4 @@ def held_karp_bound(problem: RoutingProblem, target: float, steps: int = 200) ->
     ascent = Ascent(relaxed=alone, members=everybody, total=True)
     share: Floats = relaxed.shares
     levels = list(climb(ascent, target * float(share[-1]), steps))
-    return float(max(levels, default=0.0) / share[-1] + relaxed.fixed)
+    return float(max(levels, default=0.0) / share[-1] + relaxed.fixed[0])

@@ -18,6 +18,8 @@ from rocsafe_planner.solver.trees import grow_tree, join_edges
 SPARSE_FROM = 700
 """From here on the ascent works on a sparse graph, and only its result is checked densely."""
 NEAR = 8
+ROUNDING = 1e-9
+"""Relative; by so much a sum may be wrong."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -184,7 +186,12 @@ def cheapest_forest(
     if lone:  # not all routes serve one customer: some first and last customers differ
         legs += first[firsts[1:]] - last[lasts]
     sums = trees + legs - 2 * tolls.sum()
-    levels = sums if total else sums / relaxed.shares[:most] + relaxed.fixed
+    levels = sums if total else sums / relaxed.shares[:most] + relaxed.fixed[:most]
+    routes = np.arange(1, most + 1)
+    enough = sums <= relaxed.longest * routes * (1 + ROUNDING)
+    enough &= (routes >= relaxed.fewest) | (routes == size)
+    if enough.any():  # fewer routes than that cannot carry so much
+        levels = np.where(enough, levels, np.inf)
     k = int(np.argmin(levels))
     degree = np.zeros(len(relaxed.start), np.int32)
     kept = np.ones(len(weights), np.bool_)

@@ -36,12 +36,16 @@ class Relaxation:
     """(n,) cheapest route that serves a customer alone, fixed cost included; 0 if not known."""
     shares: Floats
     """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost >= `a` times these."""
-    fixed: float
-    """Least fixed cost of a route."""
+    fixed: Floats
+    """(m,) least that the costliest of k + 1 routes pays besides legs."""
     closed: bool
     """Whether leaving a customer out never makes a route costlier."""
     one_depot: bool
     """Whether all routes start and end alike, legs being equal in both directions."""
+    longest: float = np.inf
+    """Most that the legs of a route may cost."""
+    fewest: int = 1
+    """Fewest routes that can serve everybody."""
 
 
 def leg_tables(problem: RoutingProblem) -> tuple[list[Floats], bool]:
@@ -97,7 +101,7 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         end=np.minimum.reduce([legs / a for legs, a in zip(ends, worth, strict=True)]),
         around=_allowed_around(problem, crew, around) if closed else np.zeros(n),
         shares=_shares([factors[v.legs] for v in vehicles]),
-        fixed=min(v.fixed_cost for v in vehicles),
+        fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
         closed=closed,
         one_depot=symmetric
         and len({(v.start, v.end) for v in vehicles}) == 1
@@ -124,7 +128,7 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         end=np.minimum.reduce(ends),
         around=_allowed_around(problem, crew, around),
         shares=_shares([1.0] * len(vehicles)),
-        fixed=min(v.fixed_cost for v in vehicles),
+        fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
         closed=True,
         one_depot=len({(v.start, v.end) for v in vehicles}) == 1
         and vehicles[0].start == vehicles[0].end,
