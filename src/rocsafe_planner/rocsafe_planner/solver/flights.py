@@ -94,6 +94,7 @@ def relaxed_flights(
         fixed=fixed + further * (fixed + batteries.change) * least_share / shares,
         longest=longest,
         one_depot=False,
+        own=legs.own[:, :0],  # flights need not be of different vehicles
     )
 
 

@@ -165,39 +165,80 @@ def edge_lengths(relaxed: Relaxation, one: Ints, other: Ints) -> Floats:
     return least
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EndLegs:
+    """First and last legs of k = 1, 2, .. routes, priced."""
+
+    sums: Floats
+    """(most,) what those of k routes cost at least."""
+    firsts: Ints
+    """Members that they lead to, the cheapest routes first."""
+    lasts: Ints
+    lone: bool
+    """Whether the k-th route's last leg is that of the member after the k-th first."""
+
+    def add_to(self, degree: Ints, members: Ints, k: int) -> None:
+        """Count the legs of k + 1 routes at the customers that they lead to."""
+        np.add.at(degree, members[self.firsts[: k + 1]], 1)
+        lasts = self.lasts[: k + 1]
+        if self.lone:
+            lasts = np.concatenate([self.lasts[:k], self.firsts[k + 1 : k + 2]])
+        np.add.at(degree, members[lasts], 1)
+
+
+def shared_end_legs(relaxed: Relaxation, members: Ints, tolls: Floats, most: int) -> EndLegs:
+    """Return end legs as if any start and end were everybody's: to k members, and from k."""
+    first, last = relaxed.start[members] + tolls, relaxed.end[members] + tolls
+    firsts = np.argsort(first, kind='stable')[: most + 1]
+    lasts = np.argsort(last, kind='stable')[:most]
+    sums = np.cumsum(first[firsts[:most]]) + np.cumsum(last[lasts])
+    lone = relaxed.one_depot and len(members) > most
+    if lone:  # not all routes serve one customer: some first and last customers differ
+        sums += first[firsts[1:]] - last[lasts]
+    return EndLegs(sums=sums, firsts=firsts, lasts=lasts, lone=lone)
+
+
+def own_end_legs(relaxed: Relaxation, members: Ints, tolls: Floats, most: int) -> EndLegs:
+    """Return end legs of the k vehicles that have the cheapest, wherever they lead."""
+    first, last = relaxed.own[:, :, members] + tolls
+    firsts, lasts = first.argmin(axis=1), last.argmin(axis=1)
+    costs = first.min(axis=1) + last.min(axis=1)
+    crew = np.argsort(costs, kind='stable')[:most]
+    return EndLegs(sums=np.cumsum(costs[crew]), firsts=firsts[crew], lasts=lasts[crew], lone=False)
+
+
 def cheapest_forest(
     relaxed: Relaxation, members: Ints, price: Floats, ends: Ints, weights: Floats, total: bool
 ) -> Forest:
     """Take the cheapest number of routes, and their forest, out of a least tree.
 
     k routes need the tree without its k - 1 heaviest edges, k first and k last legs to customers
-    that differ among the first, and among the last.
+    that differ among the first, and among the last, and of different vehicles.
     """
     size = len(members)
     most = min(len(relaxed.shares), size)
     heavy = np.argsort(-weights, kind='stable')[: most - 1]
     trees = weights.sum() - np.concatenate([[0.0], np.cumsum(weights[heavy])])
     tolls = price[members]
-    first, last = relaxed.start[members] + tolls, relaxed.end[members] + tolls
-    firsts = np.argsort(first, kind='stable')[: most + 1]
-    lasts = np.argsort(last, kind='stable')[:most]
-    legs = np.cumsum(first[firsts[:most]]) + np.cumsum(last[lasts])
-    lone = relaxed.one_depot and size > most
-    if lone:  # not all routes serve one customer: some first and last customers differ
-        legs += first[firsts[1:]] - last[lasts]
-    sums = trees + legs - 2 * tolls.sum()
-    levels = sums if total else sums / relaxed.shares[:most] + relaxed.fixed[:most]
-    routes = np.arange(1, most + 1)
-    enough = sums <= relaxed.longest * routes * (1 + ROUNDING)
-    enough &= (routes >= relaxed.fewest) | (routes == size)
-    if enough.any():  # fewer routes than that cannot carry so much
-        levels = np.where(enough, levels, np.inf)
+    ways = [shared_end_legs(relaxed, members, tolls, most)]
+    if relaxed.own.shape[1]:
+        ways.append(own_end_legs(relaxed, members, tolls, most))
+    legs = np.maximum.reduce([way.sums for way in ways])
+    levels = _levels(relaxed, trees + legs - 2 * tolls.sum(), size, total)
     k = int(np.argmin(levels))
     degree = np.zeros(len(relaxed.start), np.int32)
     kept = np.ones(len(weights), np.bool_)
     kept[heavy[:k]] = False
     np.add.at(degree, ends[kept].ravel(), 1)
-    np.add.at(degree, members[firsts[: k + 1]], 1)
-    taken = np.concatenate([lasts[:k], firsts[k + 1 : k + 2]]) if lone else lasts[: k + 1]
-    np.add.at(degree, members[taken], 1)
+    max(ways, key=lambda way: float(way.sums[k])).add_to(degree, members, k)
     return Forest(level=float(levels[k]), degree=degree[members])
+
+
+def _levels(relaxed: Relaxation, sums: Floats, size: int, total: bool) -> Floats:
+    """Return what k = 1, 2, .. routes of these summed legs cost; inf where more are needed."""
+    most = len(sums)
+    levels = sums if total else sums / relaxed.shares[:most] + relaxed.fixed[:most]
+    routes = np.arange(1, most + 1)
+    enough = sums <= relaxed.longest * routes * (1 + ROUNDING)
+    enough &= (routes >= relaxed.fewest) | (routes == size)
+    return np.where(enough, levels, np.inf) if enough.any() else levels

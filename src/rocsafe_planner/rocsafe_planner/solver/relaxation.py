@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_planner.solver.problem import PointLegs, RoutingProblem
+from rocsafe_planner.solver.problem import PointLegs, RoutingProblem, Vehicle
 from rocsafe_planner.solver.tables import Floats
 
 CLOSURE_SITES = 800
@@ -32,6 +32,8 @@ class Relaxation:
     """(n,) cheapest first leg to each customer; of the costliest route in units of `shares`."""
     end: Floats
     """(n,) cheapest last leg from each customer, likewise."""
+    own: Floats
+    """(2, m, n) the same of each vehicle alone; none of them where all start and end alike."""
     around: Floats
     """(n,) cheapest route that serves a customer alone, fixed cost included; 0 if not known."""
     shares: Floats
@@ -93,12 +95,15 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     symmetric = all(
         np.array_equal(tables[v.legs][v.start], tables[v.legs][:, v.start]) for v in vehicles
     )
+    own_starts = [legs / a for legs, a in zip(starts, worth, strict=True)]
+    own_ends = [legs / a for legs, a in zip(ends, worth, strict=True)]
     return Relaxation(
         costs=costs,
         points=np.zeros((0, 3)),
         pace=np.zeros((0, 5)),
-        start=np.minimum.reduce([legs / a for legs, a in zip(starts, worth, strict=True)]),
-        end=np.minimum.reduce([legs / a for legs, a in zip(ends, worth, strict=True)]),
+        start=np.minimum.reduce(own_starts),
+        end=np.minimum.reduce(own_ends),
+        own=_own(vehicles, own_starts, own_ends),
         around=_allowed_around(problem, crew, around) if closed else np.zeros(n),
         shares=_shares([factors[v.legs] for v in vehicles]),
         fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
@@ -126,6 +131,7 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         pace=np.array([(*k.pace(), k.stay) for k in point_legs if isinstance(k, PointLegs)]),
         start=np.minimum.reduce(starts),
         end=np.minimum.reduce(ends),
+        own=_own(vehicles, starts, ends),
         around=_allowed_around(problem, crew, around),
         shares=_shares([1.0] * len(vehicles)),
         fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
@@ -170,6 +176,13 @@ def _least_ratio(table: Floats, least: Floats) -> float:
     """Return the largest a with table >= a*least."""
     rated = least > 0
     return float((table[rated] / least[rated]).min()) if rated.any() else 1.0
+
+
+def _own(vehicles: list[Vehicle], starts: list[Floats], ends: list[Floats]) -> Floats:
+    """Return first and last legs of each vehicle, if they differ in where they start or end."""
+    if len({(v.start, v.end) for v in vehicles}) == 1:
+        return np.zeros((2, 0, len(starts[0])))
+    return np.array([starts, ends])
 
 
 def _shares(factors: list[float]) -> Floats:
