@@ -110,6 +110,17 @@ def test_a_damaged_body_is_refused(server):
     assert not list(server.uploads.iterdir())
 
 
+def test_a_length_that_is_no_number_is_refused(server):
+    """With an answer, not with a broken connection."""
+    link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
+    link.putrequest('PATCH', f'/uploads/{"0" * 64}')
+    link.putheader('Content-Length', '-1')
+    link.endheaders()
+    answer = link.getresponse()
+    assert (answer.status, answer.read()) == (400, b"Content-Length is '-1'")
+    link.close()
+
+
 def test_beyond_loopback_a_token_is_needed(tmp_path):
     """Nobody opens a store to the network by accident."""
     with pytest.raises(ValueError, match=r'host = 0\.0\.0\.0 is not loopback'):

@@ -133,7 +133,12 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _body(self) -> bytes | None:
         """Return the body, None if it was refused."""
-        length = int(self.headers.get('Content-Length', 0))
+        told = self.headers.get('Content-Length', '0')
+        if not (told.isascii() and told.isdigit()):
+            self.close_connection = True
+            self._answer(400, f'Content-Length is {told!r}')
+            return None
+        length = int(told)
         if length > MOST_BODY_BYTES:
             self.close_connection = True
             self._answer(413, f'{length} bytes exceed {MOST_BODY_BYTES}')
