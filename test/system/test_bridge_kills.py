@@ -35,6 +35,7 @@ DEADLINE_S = 120.0
 # Nothing of this changes what a vehicle does.
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 COUNT = 8
+HEIGHTS_M = {'p1': 20.0, 'p2': 25.0}
 REPEAT_S = 2.0
 # What was sent has come by then.
 ARRIVES_S = 0.2
@@ -104,7 +105,7 @@ class Post:
         """Fly and spin until `condition` holds."""
         end = time.monotonic() + DEADLINE_S
         while not condition():
-            assert time.monotonic() < end, (self.state, self.air.told()[-10:])
+            assert time.monotonic() < end, (self.state, self.orders()[-10:])
             self.air.step()
             self._executor.spin_once(timeout_sec=0.02)
 
@@ -114,10 +115,11 @@ class Post:
         self.until(client.service_is_ready)
         return self._answered(lambda: client.call_async(Trigger.Request()))
 
-    def fly(self):
+    def fly(self, plan_id='p1', *, replace=False):
         """Send the route; return the future of the result."""
         self.until(self._client.server_is_ready)
-        goal = FlyRoute.Goal(route=survey(COUNT, height_m=20.0, step_m=60.0), plan_id='p1')
+        route = survey(COUNT, height_m=HEIGHTS_M[plan_id], step_m=60.0)
+        goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=replace)
         accepted = self._answered(lambda: self._client.send_goal_async(goal))
         return accepted.get_result_async()
 
@@ -157,9 +159,9 @@ def post(request, ros_domain_id, tmp_path):
     air.close()
 
 
-def completed(post):
+def completed(post, plan_id='p1'):
     """Send the route again and fly to its end."""
-    result = post.fly()
+    result = post.fly(plan_id)
     post.until(result.done)
     answer = result.result().result
     found = (answer.outcome, answer.viewpoints_visited, answer.error_msg)
@@ -207,10 +209,15 @@ def hold_and_resume(post):
     held = post.start_again()
     post.until(is_known(post, VehicleState.HOLDING))
     assert post.orders() == held
-    while not (answer := post.call('resume')).success:
-        assert 'still being read' in answer.message
+    resume(post)
     # Asked twice where an answer was lost; by its mode where it cannot pause.
     assert set(post.orders()[before:]) <= {PAUSE_OR_RESUME, 'COMMAND_LONG 176'}
+
+
+def resume(post):
+    """Let the vehicle go on; a bridge that has just begun has to look at it first."""
+    while not (answer := post.call('resume')).success:
+        assert 'still being read' in answer.message
 
 
 def test_flight_that_has_not_begun_begins_again(post):
@@ -240,4 +247,30 @@ def test_flight_that_ended_unwatched_is_not_flown_again(post):
     before = post.orders()
     post.start()
     completed(post)
+    assert post.orders() == before
+
+
+def test_route_that_was_being_replaced_is_picked_up(post):
+    """Killed while a new route is uploaded and begun in the air: it is known which one is flown.
+
+    No order is sent; what stands still goes on when the operator says so.
+    """
+    post.fly()
+    post.until(is_known(post, VehicleState.FLYING, visited=1))
+    killed_while_replacing(post, 'MISSION_COUNT 0')
+    post.until(lambda: post.state.state == VehicleState.HOLDING and post.state.plan_id == 'p1')
+    killed_while_replacing(post, 'COMMAND_LONG 224')
+    post.until(lambda: post.state.state == VehicleState.HOLDING and post.state.plan_id == 'p2')
+    resume(post)
+    completed(post, 'p2')
+
+
+def killed_while_replacing(post, last):
+    """Replace the route; kill the bridge when it has sent `last`: its next run orders nothing."""
+    count = post.orders().count(last)
+    with post.air.calm():
+        post.fly('p2', replace=True)
+        post.until(lambda: post.orders().count(last) > count)
+        before = post.start_again()
+        post.until(lambda: post.state.state != VehicleState.UNKNOWN)
     assert post.orders() == before

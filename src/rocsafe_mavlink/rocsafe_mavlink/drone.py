@@ -206,6 +206,8 @@ class Drone:
         """
         self._line.station.require_contact(self.spec.target, now_s)
         self._line.station.fly_instead(self.spec.target, assignment.plan)
+        if self._journal.entry is not None:
+            self._journal.write(replace(self._journal.entry, successor=assignment))
 
     def take_over(self, assignment: Assignment) -> None:
         """Count by another plan from now on: it lies on the vehicle and is flown."""
@@ -236,8 +238,16 @@ class Drone:
 
     def _pick_up(self, entry: Entry) -> None:
         """Take up the flight of a bridge that is no more; nothing is sent for it."""
-        if entry.outcome is None and self.is_in_air:
-            self._line.station.adopt(self.spec.target, entry.assignment.plan)
+        if entry.outcome is not None or not self.is_in_air:
+            return
+        station, target = self._line.station, self.spec.target
+        if station.adopt(target, entry.assignment.plan) or entry.successor is None:
+            return
+        if station.adopt(target, entry.successor.plan):
+            self._journal.write(Entry(assignment=entry.successor, was_airborne=True))
+            return
+        # A part of each lies on it: it stands still, and can be sent the new route again.
+        station.adopt(target, entry.assignment.plan, is_torn=True)
 
     def _settle(self, entry: Entry) -> None:
         """Say how a flight ended that nobody watched to its end."""

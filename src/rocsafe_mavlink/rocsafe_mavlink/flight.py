@@ -273,16 +273,19 @@ def adopted(
     plan: FlightPlan,
     autopilot: Autopilot,
     vehicle: Vehicle,
-    stored: tuple[MissionItem, ...],
+    stored: tuple[MissionItem, ...] | None,
     us: tuple[int, int],
 ) -> Flight | None:
     """Return the flight that `vehicle` is on if it flies `plan`, without sending anything.
 
     So a bridge that was started again finds its flight: by what the vehicle says of itself, and by
-    the mission read back from it. Which waypoints are behind follows from its current item.
+    the mission read back from it, `stored`; None: whatever lies there. Which waypoints are behind
+    follows from its current item.
     """
     mission, first = mission_of(plan, autopilot), 1 if autopilot.has_home_item else 0
-    if not vehicle.is_armed or vehicle.home is None or compare(mission.items, stored, first):
+    if not vehicle.is_armed or vehicle.home is None:
+        return None
+    if stored is not None and compare(mission.items, stored, first):
         return None
     return Flight(
         autopilot=autopilot,

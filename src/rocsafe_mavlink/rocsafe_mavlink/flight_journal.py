@@ -49,6 +49,8 @@ class Entry:
     visited: waypoints behind it.
     distance_m, duration_s: flown.
     outcome, reason: how it ended; None before.
+    successor: what was being sent to be flown in its place; None: nothing. Which of both lies on
+        the vehicle is asked of the vehicle.
     """
 
     assignment: Assignment
@@ -58,6 +60,7 @@ class Entry:
     duration_s: float = 0.0
     outcome: Outcome | None = None
     reason: str = ''
+    successor: Assignment | None = None
 
 
 class FlightJournal:
@@ -92,8 +95,12 @@ def _read(path: Path) -> Entry | None:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
         outcome = record.pop('outcome')
         assignment = _assignment(record.pop('assignment'))
+        successor = record.pop('successor', None)
         return Entry(
-            assignment=assignment, outcome=None if outcome is None else Outcome[outcome], **record
+            assignment=assignment,
+            outcome=None if outcome is None else Outcome[outcome],
+            successor=None if successor is None else _assignment(successor),
+            **record,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f'{path} is damaged: {error}') from error

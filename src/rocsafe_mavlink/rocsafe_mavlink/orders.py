@@ -86,7 +86,11 @@ class Desk:
         return self._errand(kind.name.lower(), TransferStep(moving=moving))
 
     def fly_instead(self, mission: Mission) -> Errand:
-        """Return the order to stop, take another mission, and fly it from its first waypoint."""
+        """Return the order to stop, take another mission, and fly it from its first waypoint.
+
+        It stops in a mode of its own: an ArduCopter that only pauses its mission goes on by itself
+        as soon as it has another one, before that was read back.
+        """
         first = mission.waypoint_items[0]
         items = transfer(
             mission.items,
@@ -96,10 +100,10 @@ class Desk:
         )
         return self._errand(
             'new route',
-            self._pause(),
+            self._mode(Verb.HOLD),
             TransferStep(moving=items),
             self._do(commands.set_current(self.target, first), _flies_to(first)),
-            self._continue(),
+            self._mode(Verb.MISSION),
         )
 
     def _errand(self, name: str, *steps: Step) -> Errand:

@@ -148,13 +148,17 @@ class Station:
         member.flight, sent = fly(plan, member.autopilot(), member.vehicle, self._us, now_s)
         return self._packed(member, sent, now_s, time_s)
 
-    def adopt(self, target: Target, plan: FlightPlan) -> bool:
-        """Take up the flight that a vehicle is on, if it flies `plan`; send nothing."""
+    def adopt(self, target: Target, plan: FlightPlan, *, is_torn: bool = False) -> bool:
+        """Take up the flight that a vehicle is on, if it flies `plan`; send nothing.
+
+        Of a mission that `is_torn` only a part needs to lie on the vehicle.
+        """
         member = self._members[target]
         if member.stored is None:
             return False
         autopilot = member.autopilot()
-        flight = adopted(plan, autopilot, member.vehicle, member.stored, self._us)
+        stored = None if is_torn else member.stored
+        flight = adopted(plan, autopilot, member.vehicle, stored, self._us)
         member.flight = member.flight if flight is None else flight
         return flight is not None
 
