@@ -51,6 +51,7 @@ from rocsafe_mapping.alignment.survey import BY_FEATURES
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.handover import Handover, hand_over
+from rocsafe_mapping.label_images import LABELS
 from rocsafe_mapping.live import LiveMap
 from rocsafe_mapping.map_command import Stopwatch
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker, MapOptions
@@ -271,6 +272,40 @@ def _robust_text(flights: Sequence[Measured]) -> str:
         f'(ratio {rms("stated_m") / rms("absolute_m"):.2f}), internal {rms("internal_m"):.2f} m'
     )
     return text + (f'; refused: {"; ".join(refused)}' if refused else '')
+
+
+def derailment(options: argparse.Namespace) -> list[Row]:
+    """The scene of the derailment by the engine's camera, against the truth of its pixels."""
+    from mapping_scene import derailment_shots, errors_m
+
+    folder = Path(tempfile.mkdtemp(prefix='derailment-'))
+    frame, shots = derailment_shots(folder)
+    cpu = time.process_time()
+    maker = Mapmaker(MapOptions(ground_resolution_m=options.resolution))
+    for shot in shots:
+        maker.add(shot.record, partial(getattr, shot, 'jpeg'))
+    alignment = maker.align()
+    wanted = Handover(geotiff=folder / 'm.tif', folder=folder, labels=folder / LABELS)
+    quality = hand_over(maker, alignment, wanted)
+    cpu = time.process_time() - cpu
+    if maker.frame is None:
+        raise ValueError('no photograph could be placed')
+    shift_m = frame.enu_of(maker.frame.frame.origin)[:2]
+    sheets = maker.sheets()
+    off = np.concatenate([errors_m(s, sheets[s.record.shot_id], shift_m) for s in shots])
+    far = np.linalg.norm(off, axis=1)
+    states = [placement.placed_by for placement in alignment.placements.values()]
+    seams = quality['seams']
+    return [
+        ('derailment: placed by features', f'{states.count(BY_FEATURES)} of {len(shots)}', 'all'),
+        ('derailment: off the truth, ground', (f'RMS {_rms(off):.3f} m, p95 {_p95(far):.3f} m, '
+         f'bias {off[:, 0].mean():+.3f} {off[:, 1].mean():+.3f} m'), '<= 0.7 m'),
+        ('derailment: stated error', f'{quality["stated_error_m"]["rms"]:.3f} m', ''),
+        ('derailment: seams p95, all and ground patches',
+         f'{seams["px"]["p95"]:.2f} px, {seams["ground_px"]["p95"]:.2f} px', ''),
+        ('derailment: CPU', f'{cpu:.1f} s', ''),
+        ('derailment: look at', str(folder), 'train not doubled or cut'),
+    ]  # fmt: skip
 
 
 def scale(options: argparse.Namespace) -> list[Row]:
@@ -556,6 +591,7 @@ def _peak_mb() -> int:
 
 CASES: dict[str, Callable[[argparse.Namespace], list[Row]]] = {
     'brighton': brighton,
+    'derailment': derailment,
     'kill': kill,
     'live': live,
     'robust': robust,
@@ -570,6 +606,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('cases', nargs='*', metavar='CASE', help=', '.join(CASES))
     parser.add_argument('--data', type=Path, required=True, metavar='FOLDER')
     parser.add_argument('--foreign', metavar='PYTHON', help='has stitching and pycolmap')
+    parser.add_argument('--resolution', type=float, default=0.05, help='of `derailment`, m')
     parser.add_argument('--count', type=int, default=1000, help='photographs of `scale`')
     parser.add_argument('--mosaic-kills', type=int, default=5, help='of `kill`')
     parser.add_argument('--seeds', type=int, default=5, help='flights of each case of `robust`')

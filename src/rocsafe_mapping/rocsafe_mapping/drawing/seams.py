@@ -22,7 +22,7 @@ from rocsafe_mapping.drawing.sheet import LATTICE_PX, Shares, Sheet, drawn, scor
 # Long side of a footprint on the coarse grid.
 COARSE_SIDE_PX = 160
 # A seam may leave the line of equal angles where another photograph is this little worse.
-SEAM_SLACK = 0.12
+SEAM_SLACK = 0.25
 # A gain is held to 1 with this share of the weight of what it is compared with, so that it cannot
 # drift across the map; the colour of a photograph, its gains over their mean, is held more.
 GAIN_HOLD, COLOUR_HOLD = 0.12, 0.5
