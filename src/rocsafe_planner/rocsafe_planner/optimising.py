@@ -58,7 +58,7 @@ def optimised(
     problem: FleetProblem, effort: Effort, watch: Watch = lambda _value, _bound: True
 ) -> Optimised:
     """Return routes that are no worse than those of any survey tool's method."""
-    options = _options(len(problem.points), effort)
+    options = search_options(len(problem.points), effort)
     watcher = _Watcher(watch, options.clock)
     starts = [method(problem) for method in (boustrophedon_minmax, boustrophedon_equal, strips)]
     if effort.objective not in PEAK_OBJECTIVES:
@@ -85,7 +85,8 @@ def _alone(problem: FleetProblem) -> list[list[Order]]:
     return [with_sensors(problem, [tour if k == one else [] for k in every]) for one in vehicles]
 
 
-def _options(points: int, effort: Effort) -> SearchOptions:
+def search_options(points: int, effort: Effort) -> SearchOptions:
+    """Return how the solver is to search so many points."""
     # The solver's seeds are of 63 bits, a request's of 64.
     seed = effort.seed % 2**63
     if effort.budget_s > 0.0:

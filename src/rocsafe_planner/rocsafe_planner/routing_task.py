@@ -40,7 +40,7 @@ def routing_problem(
     With `is_bounded` it is one that no flights undercut, for bounds of the time alone: legs that
     are only estimates, or too many for a table under which detours cost more, become shorter.
     """
-    table = _LegTable(problem, is_bounded)
+    table = LegTable(problem, is_bounded)
     vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
     return RoutingProblem(
         customers=len(problem.points),
@@ -52,10 +52,23 @@ def routing_problem(
     )
 
 
-class _LegTable:
-    """The kinds of legs of a problem, each made once."""
+class LegTable:
+    """The kinds of legs of a problem, each made once.
 
-    def __init__(self, problem: FleetProblem, is_bounded: bool) -> None:
+    Parameters
+    ----------
+    problem
+        Whose sites the legs join.
+    is_bounded
+        Whether no flight may undercut their costs, see `routing_problem`.
+
+    Attributes
+    ----------
+    legs
+        All kinds that were asked for, by their numbers.
+    """
+
+    def __init__(self, problem: FleetProblem, is_bounded: bool = False) -> None:
         self._problem = problem
         self._is_bounded = is_bounded
         self._numbers: dict[tuple[object, ...], int] = {}
@@ -129,16 +142,14 @@ class _LegTable:
 
 
 def _vehicle(
-    problem: FleetProblem, vehicle: int, table: _LegTable, objective: str
+    problem: FleetProblem, vehicle: int, table: LegTable, objective: str
 ) -> RoutedVehicle:
     spec, climb_s = problem.vehicles[vehicle], problem.first_fixed_s(vehicle)
     time = table.time(vehicle)
-    # The last leg of an open route is none: of a matrix, half of the last stay is left over.
-    is_cut = spec.is_open and isinstance(table.legs[time], MatrixLegs)
-    rest_s = 0.5 * spec.hover_s if is_cut else 0.0
+    left_s = rest_s(spec, table.legs[time])
     legs, fixed = {
-        'longest_time': lambda: (time, climb_s + rest_s),
-        'total_time': lambda: (time, climb_s + rest_s),
+        'longest_time': lambda: (time, climb_s + left_s),
+        'total_time': lambda: (time, climb_s + left_s),
         'longest_distance': lambda: (table.length(), 0.0),
         'total_distance': lambda: (table.length(), 0.0),
         'energy': lambda: (table.energy(vehicle), _fixed_energy_ws(spec, climb_s)),
@@ -149,9 +160,17 @@ def _vehicle(
         legs=legs,
         fixed_cost=fixed,
         idle_cost=_idle_cost(problem, vehicle, objective),
-        limit=_limit_s(spec, climb_s + rest_s),
+        limit=_limit_s(spec, climb_s + left_s),
         limit_legs=time,
     )
+
+
+def rest_s(spec: Vehicle, legs: Legs) -> float:
+    """Return what a route's legs leave out of its stays.
+
+    The last leg of an open route is none: of a matrix, half of the last stay is left over.
+    """
+    return 0.5 * spec.hover_s if spec.is_open and isinstance(legs, MatrixLegs) else 0.0
 
 
 def _idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:

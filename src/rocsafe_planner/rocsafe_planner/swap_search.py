@@ -1,46 +1,135 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Routes of vehicles that may change their batteries: better few that swap than all.
+"""Routes of vehicles that may change their batteries.
 
 A search that knows nothing of batteries balances the routes, and every one of them may come to be
-a little too long for its battery. Here those who swap are also limited to the vehicles nearest to
-the survey, the others kept to what their batteries last for; what lands first is taken.
+a little too long for its battery. Here routes that batteries last for, and the flights themselves,
+are searched for too; what lands first is taken.
 """
 
 import dataclasses
+from collections import Counter
+from collections.abc import Callable
 
 import numpy as np
 
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.fleet_problem import FleetProblem, Order
+from rocsafe_planner.flight_search import (
+    Flight,
+    caps_within,
+    flights_of,
+    full_caps,
+    may_search,
+    searched,
+    time_of_flights,
+)
 from rocsafe_planner.optimised import Optimised
-from rocsafe_planner.optimising import Effort, Watch, optimised
+from rocsafe_planner.optimising import Effort, Watch, optimised, search_options
 from rocsafe_planner.sorties import sorties
 
-MOST_SWAPPING = 3
-"""So many vehicles at most are tried as the only ones that swap."""
+# Of the time: the search that knows nothing of batteries, and each of those that do.
+_FIRST_SHARE = 0.35
+_SHARE = 0.13
+_ROUNDS = 3
+# From the time that would do if flights were divisible towards the best so far.
+_STEP = 0.4
+# A plan so near to that time is not searched further.
+_CLOSE = 0.99
 
 
 def optimised_with_swaps(problem: FleetProblem, effort: Effort, watch: Watch) -> Optimised:
-    """Return the routes that a search finds, or those of fewer vehicles that swap, if better."""
+    """Return the routes that a search finds, or those of a search for flights, if better."""
     able = [k for k, v in enumerate(problem.vehicles) if v.battery_swap_s is not None]
     if not able or effort.objective != 'longest_time':
         return optimised(problem, effort, watch)
-    trials = min(len(able), MOST_SWAPPING + 1)
-    part = dataclasses.replace(effort, budget_s=effort.budget_s / (1 + trials))
-    found = optimised(problem, part, watch)
-    best_s = finish_s(problem, found.orders)
-    if best_s <= max(problem.duration_s(k, order) for k, order in enumerate(found.orders)):
-        return found
-    orders = found.orders
-    able.sort(key=lambda k: _transit_s(problem, k))
-    for number in range(trials):
-        if not watch(best_s, found.bound):
+    found = optimised(problem, _part(effort, _FIRST_SHARE), watch)
+    best = _Best(problem, found.orders)
+    if best.is_without_swaps:
+        # What is left of the time; a search that counts proposals has had all of them.
+        if effort.budget_s == 0.0:
+            return found
+        again = optimised(problem, _part(effort, 1.0 - _FIRST_SHARE), watch)
+        best.offer(again.orders)
+        bound = max(found, again, key=lambda one: one.bound)
+        return dataclasses.replace(bound, orders=best.orders)
+    if watch(best.finish_s, found.bound):
+        best.offer(optimised(_limited(problem, set()), _part(effort, _SHARE)).orders)
+    if may_search(problem):
+        _search_flights(problem, effort, best, lambda: watch(best.finish_s, found.bound))
+    return dataclasses.replace(found, orders=best.orders)
+
+
+class _Best:
+    """The routes whose last vehicle lands first."""
+
+    def __init__(self, problem: FleetProblem, orders: list[Order]) -> None:
+        self._problem = problem
+        self.orders, self.finish_s = orders, finish_s(problem, orders)
+
+    def offer(self, orders: list[Order]) -> bool:
+        """Take routes if they are better, and return whether they are."""
+        time_s = finish_s(self._problem, orders)
+        if time_s >= self.finish_s:
+            return False
+        self.orders, self.finish_s = orders, time_s
+        return True
+
+    @property
+    def is_without_swaps(self) -> bool:
+        """Whether no battery is changed."""
+        times = [self._problem.duration_s(k, order) for k, order in enumerate(self.orders)]
+        return self.finish_s <= max(times)
+
+
+def _search_flights(
+    problem: FleetProblem, effort: Effort, best: _Best, go_on: Callable[[], bool]
+) -> None:
+    """Search for the fewest flights, then for such as let all vehicles land at about one time."""
+    options = search_options(len(problem.points), _part(effort, _SHARE))
+    if options.proposals is not None:
+        options = dataclasses.replace(options, proposals=1 + 2 * options.proposals // 3)
+    options = dataclasses.replace(options, bound_share=0.0)
+    flights = _flights(problem, best.orders)
+    most = max(Counter(flight.vehicle for flight in flights).values(), default=0) + 1
+    caps = full_caps(problem, most)
+    if not flights or not caps:
+        return
+    orders = searched(problem, caps, flights, options)
+    best.offer(orders)
+    low_s = _mean_s(problem, orders)
+    flights = _flights(problem, orders) or flights
+    target_s = time_of_flights(problem, len(flights))
+    for _ in range(_ROUNDS):
+        if not low_s < target_s < best.finish_s:
+            target_s = low_s + _STEP * (best.finish_s - low_s)
+        if not go_on() or low_s >= best.finish_s * _CLOSE:
             break
-        trial = optimised(_limited(problem, set(able[:number])), part)
-        time_s = finish_s(problem, trial.orders)
-        if time_s < best_s:
-            best_s, orders = time_s, trial.orders
-    return dataclasses.replace(found, orders=orders)
+        orders = searched(problem, caps_within(problem, target_s), flights, options)
+        best.offer(orders)
+        if finish_s(problem, orders) > target_s:
+            low_s = target_s
+
+
+def _flights(problem: FleetProblem, orders: list[Order]) -> list[Flight]:
+    """Return the flights into which routes are cut; none if one of them cannot be."""
+    try:
+        return flights_of(problem, orders)
+    except BeyondEnduranceError:
+        return []
+
+
+def _mean_s(problem: FleetProblem, orders: list[Order]) -> float:
+    """Return the mean of the vehicles' times; 0 if one of them cannot be."""
+    try:
+        times = [_route_s(problem, k, order) for k, order in enumerate(orders)]
+    except BeyondEnduranceError:
+        return 0.0
+    return sum(times) / len(times)
+
+
+def _part(effort: Effort, share: float) -> Effort:
+    """Return a part of the time, or with a number of proposals all of it."""
+    return dataclasses.replace(effort, budget_s=share * effort.budget_s)
 
 
 def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
@@ -73,11 +162,3 @@ def _limited(problem: FleetProblem, swapping: set[int]) -> FleetProblem:
         for k, v in enumerate(problem.vehicles)
     )
     return dataclasses.replace(problem, vehicles=vehicles)
-
-
-def _transit_s(problem: FleetProblem, vehicle: int) -> float:
-    """Return the time to the nearest point and back home."""
-    points = np.arange(len(problem.points))
-    home = np.array([problem.home_site(vehicle)])
-    ways = problem.legs_s(vehicle, home, points) + problem.legs_s(vehicle, points, home)
-    return float(ways.min())
