@@ -166,6 +166,8 @@ def _crown(rng: np.random.Generator, height: float, radius: float, kind: Species
 
 def _cone(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[_Blob]:
     blobs = []
+    # As high as the layers are apart, so that the crown closes up to its tip.
+    least_up = 0.62 * (0.94 - kind.crown_from) * height / 8.0
     for layer in range(9):
         share = layer / 8.0
         girth = 0.75 * radius * (1.0 - share) + 0.12 * radius
@@ -174,7 +176,8 @@ def _cone(rng: np.random.Generator, height: float, radius: float, kind: Species)
             angle = rng.uniform(0.0, 2.0 * math.pi) + k
             reach = 0.62 * girth
             centre = np.array([reach * math.cos(angle), reach * math.sin(angle), z])
-            blobs.append(_Blob(centre=centre, radii=girth * np.array([0.62, 0.62, 0.45])))
+            radii = np.array([0.62 * girth, 0.62 * girth, max(0.45 * girth, least_up)])
+            blobs.append(_Blob(centre=centre, radii=radii))
     return blobs
 
 
