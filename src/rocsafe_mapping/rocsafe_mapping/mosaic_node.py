@@ -31,14 +31,14 @@ PAUSE_S = 0.001
 # Between two previews while photographs come.
 PREVIEW_S = 0.5
 # Between two rounds of drawing the tiles that changed, for those who look at them over the web.
-TILES_S = 2.0
+TILES_S = 4.0
 
 
 class MosaicNode(Node):
     """Shows each stored photograph on the map at once, then where it fits, and writes the map.
 
     Subscribes: ``shots/receipts``, ``region``. Publishes: ``mosaic`` with a preview, at most twice
-    a second; draws tiles on disk every two seconds. Service: ``mosaic/save`` places all that is
+    a second; draws tiles on disk every four seconds. Service: ``mosaic/save`` places all that is
     stored, writes the GeoTIFF with its quality and publishes it as final. A restarted node makes
     the map again from the store.
     """
