@@ -64,6 +64,8 @@ from rocsafe_mapping.store import ImageStore, Status
 Row = tuple[str, str, str]
 Shot = tuple[ShotRecord, bytes]
 SET = 'set.pickle'
+# Between two rounds of tiles, as the node has it.
+TILES_S = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -351,9 +353,12 @@ def live(options: argparse.Namespace) -> list[Row]:
     start = time.perf_counter()
     cpu = time.process_time()
     landed: dict[str, float] = {}
-    waiting = list(samples)
+    waiting, released = list(samples), 0.0
     while waiting or growing.is_busy:
         now = time.perf_counter() - start
+        if now >= released + TILES_S:
+            growing.release_tiles()
+            released = now
         if waiting and now >= period_s * (len(samples) - len(waiting)):
             sample = waiting.pop(0)
             name = sample.record.shot_id
