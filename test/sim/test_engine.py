@@ -11,6 +11,7 @@ from test.sim.scenes import PLANT, THINGS, small_environment
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_sim.errors import EngineError
 from rocsafe_sim.scene.classes import class_number
+from rocsafe_sim.scene.environment import GROUND_NUMBER
 from rocsafe_sim.scene.light import lighting, sun_direction
 from rocsafe_sim.scene.rays import RayScene
 
@@ -160,10 +161,16 @@ def test_what_moves_is_where_its_path_says(drawing):
     light = lighting(sun_direction(moving.description.light.time, 53.28, -9.06), 'clear')
     renderer = Renderer(moving, light, 'clear')
     eye = renderer.camera(LENS)
-    places = []
+    places, frames = [], []
     for time_s in (0.0, 5.0, 10.0):
         renderer.set_time(time_s)
         frame = eye.expose(np.array([0.0, 2.0, 32.0]), rotation_enu_from_optical(math.pi / 2))
+        frames.append(frame)
         column = np.nonzero(frame.numbers == moving.objects[0].number)[1]
         places.append((column.mean() - 119.5) / LENS.focal_px * 31.0)
     assert places == pytest.approx([-10.0, 0.0, 10.0], abs=0.8)
+    # Where it stood at first there is a shadow then, and none is left behind.
+    there, *gone = (frame.image[:, :90].astype(int) for frame in frames)
+    is_ground = frames[0].numbers[:, :90] == GROUND_NUMBER
+    assert np.count_nonzero((gone[0] - there).min(axis=2)[is_ground] > 15) > 40
+    assert np.array_equal(*gone)

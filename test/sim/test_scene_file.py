@@ -107,3 +107,11 @@ def test_a_cut_off_glb_is_told_in_one_line(tmp_path):
     path.write_bytes(glb(np.eye(3), [0, 0, 0])[:-20])
     with pytest.raises(SceneError, match='is damaged'):
         read_mesh(str(path))
+
+
+def test_the_documentation_shows_every_scene():
+    """From above, aslant, as truth and as a whole, in less than 250 kB each."""
+    pictures = Path(__file__).resolve().parents[2] / 'docs' / 'scenes'
+    for scene in SCENES:
+        for view in ('nadir', 'oblique', 'truth', 'overview'):
+            assert 20_000 < (pictures / f'{scene.stem}_{view}.jpg').stat().st_size < 250_000

@@ -47,9 +47,7 @@ void main() {
 #endif
 #ifdef INNER
     vec2 share = texture(sunlit, at).rg;
-#ifdef MOTION
-    share.r = min(share.r, one_shadow(world));
-#endif
+    share.r *= past_moving(world);
 #else
     vec2 share = vec2(one_shadow(world), 1.0);
 #endif

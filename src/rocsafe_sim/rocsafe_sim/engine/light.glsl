@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light, shadows, haze and the tone curve, shared by all surfaces.
 
-// Compiled as needed, for a processor runs both sides of every branch: GLOSSY, WET, WATER, and FAR
-// where the finer shadow map ends.
+// Compiled as needed, for a processor runs both sides of every branch: GLOSSY, WET, WATER, FAR where
+// the finer shadow map ends, MOTION where shadows move.
 
 uniform mat4 p3d_ViewMatrixInverse;
 uniform vec3 sun_direction;
@@ -13,6 +13,9 @@ uniform vec3 bounce;
 uniform vec4 air;               // haze per metre, wetness, exposure, brightness of the clouds
 uniform sampler2DShadow near_shadow;
 uniform sampler2DShadow far_shadow;
+#ifdef MOTION
+uniform sampler2DShadow moving_shadow;
+#endif
 uniform mat4 near_sun;          // world -> shadow map, 0 to 1
 uniform mat4 far_sun;
 uniform sampler2D canopy;       // blurred height of all that stands on the ground, metres
@@ -36,14 +39,25 @@ const float SLACK = 0.001;
 const float SLACK = 0.0006;
 #endif
 
+// Share of the sun that things that move let through.
+float past_moving(vec3 world) {
+#ifdef MOTION
+    vec3 at = (near_sun * vec4(world, 1.0)).xyz;
+    return textureLod(moving_shadow, vec3(at.xy, at.z - 0.0008), 0.0);
+#else
+    return 1.0;
+#endif
+}
+
 float shadow(vec3 world, float slope) {
     vec3 at = (TO_SHADOW * vec4(world, 1.0)).xyz;
     vec2 texel = vec2(0.75) / vec2(textureSize(SHADOW_MAP, 0));
     float z = at.z - 0.6 * SLACK - SLACK * slope;
-    return 0.25 * (texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.7, 0.3), z))
+    float still = 0.25 * (texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.7, 0.3), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.3, 0.7), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.7, -0.3), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.3, -0.7), z)));
+    return still * past_moving(world);
 }
 
 float one_shadow(vec3 world) {

@@ -57,7 +57,7 @@ class Renderer:
         self.thread.require()
         if time_s != self._time_s and self.stage.has_motion:
             self.stage.move(time_s)
-            self._shade.refresh()
+            self._shade.follow()
         self._time_s = time_s
 
     def restage(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sun and the sky do not reach: shadow maps, and the canopy seen from above."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ from panda3d import core
 from rocsafe_sim.engine.lens import flat_lens, looking, node_matrix
 from rocsafe_sim.engine.pipe import Pipe
 from rocsafe_sim.engine.shading import shader
-from rocsafe_sim.engine.stage import BARE, SUN, Stage
+from rocsafe_sim.engine.stage import BARE, MOVING, SUN, Stage
 from rocsafe_sim.engine.upload import height_texture
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
@@ -19,6 +20,8 @@ from rocsafe_sim.scene.mesh import Floats
 # Width of the shadow maps on the ground, metres and texels.
 _NEAR_M, _NEAR_PX = 360.0, 4096
 _FAR_M, _FAR_PX = 1100.0, 2048
+# Texels of the map of what moves, as wide as the near one.
+_MOVING_PX = 3072
 _DEPTH_M = 900.0
 # The canopy: half extent, texel and blur, metres; from above everything.
 _CANOPY_M, _CANOPY_TEXEL_M, _BLUR_M, _ABOVE_M = 180.0, 0.5, 1.3, 400.0
@@ -48,13 +51,19 @@ class Shade:
             self._shadow_map('near', _NEAR_M, _NEAR_PX),
             self._shadow_map('far', _FAR_M, _FAR_PX),
         ]
+        self._moving: _Sun | None = None
+        if stage.has_motion:
+            self._moving = self._shadow_map('moving', _NEAR_M, _MOVING_PX, MOVING)
         self._textures: list[Any] = []
         self.relight(lighting)
 
     def relight(self, lighting: Lighting) -> None:
         """Draw all shade anew, after things were put elsewhere or the sun has moved."""
+        direction = np.array(lighting.sun_direction)
         for sun in self._suns:
-            self._aim(sun, np.array(lighting.sun_direction))
+            self._aim(sun, direction)
+        if self._moving is not None:
+            self._moving.node.setMat(self._suns[0].node.getMat())
         for texture in self._textures:
             texture.releaseAll()
         self._textures.clear()
@@ -64,11 +73,18 @@ class Shade:
         self._stage.inner.setShaderInput('sunlit', self._sunlit())
 
     def refresh(self) -> None:
-        """Draw the shadow maps again."""
-        for sun in self._suns:
+        """Draw all shadow maps again."""
+        self._draw([*self._suns, *([self._moving] if self._moving else [])])
+
+    def follow(self) -> None:
+        """Draw the shadows of what moves again; those of what stands are as they were."""
+        self._draw([self._moving] if self._moving else [])
+
+    def _draw(self, suns: Sequence['_Sun']) -> None:
+        for sun in suns:
             sun.buffer.setActive(True)
         self._pipe.engine.renderFrame()
-        for sun in self._suns:
+        for sun in suns:
             sun.buffer.setActive(False)
 
     def _aim(self, sun: '_Sun', direction: Floats) -> None:
@@ -76,7 +92,7 @@ class Shade:
         to_clip = self._stage.root.getTransform(sun.node).getMat() * sun.lens.getProjectionMat()
         self._stage.root.setShaderInput(f'{sun.name}_sun', to_clip * _TO_TEXTURE)
 
-    def _shadow_map(self, name: str, width_m: float, size: int) -> '_Sun':
+    def _shadow_map(self, name: str, width_m: float, size: int, mask: Any = SUN) -> '_Sun':
         texture = core.Texture(f'{name} shadow')
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
@@ -91,6 +107,8 @@ class Shade:
         )
         lens = flat_lens(width_m, width_m, _DEPTH_M)
         node = self._camera(buffer, lens, np.zeros(3), _DOWN)
+        node.node().setCameraMask(mask)
+        buffer.setActive(False)
         self._stage.root.setShaderInput(f'{name}_shadow', texture)
         return _Sun(name, buffer, node, lens)
 

@@ -22,8 +22,9 @@ from rocsafe_sim.scene.parts.plants import LEAFY, coarser
 from rocsafe_sim.scene.shapes import ball
 from rocsafe_sim.scene.surfaces import LOOKS, Surface
 
-# Bits of the cameras that see a node; ALONE sees the ground and what it is shown.
-EYE, SUN, BARE, ALONE = (core.BitMask32.bit(number) for number in range(4))
+# Bits of the cameras that see a node; ALONE sees the ground and what it is shown, SUN what stands,
+# MOVING what moves.
+EYE, SUN, BARE, ALONE, MOVING = (core.BitMask32.bit(number) for number in range(5))
 _INNER_CELLS, _OUTER_CELLS = 16, 12
 # Up to these distances, metres, leaves and other things are drawn in full, simpler, simpler still,
 # and grass at all, by a camera of this focal length; a longer one sees as well from further.
@@ -110,7 +111,7 @@ class Stage:
     def _add_ground(self, environment: Environment) -> None:
         ground = self.root.attachNewNode('ground')
         moving = ('MOTION',) if any(thing.path for thing in environment.objects) else ()
-        ground.hide(SUN)
+        ground.hide(SUN | MOVING)
         ground.setBin('fixed', _GROUND)
         meta = (0, GROUND_NUMBER, class_number('water'), class_number('asphalt'))
         ground.setShaderInput('meta', core.LVecBase4i(*meta))
@@ -135,7 +136,7 @@ class Stage:
 
     def _add_grass(self, tufts: Sequence[Mesh]) -> None:
         grass = self.root.attachNewNode('grass')
-        grass.hide(SUN | BARE | ALONE)
+        grass.hide(SUN | BARE | ALONE | MOVING)
         grass.setTwoSided(True)
         self._wardrobe.dress(grass, 'foliage')
         grass.setShaderInput('meta', core.LVecBase4i(class_number('grass'), GROUND_NUMBER, 0, 0))
@@ -150,9 +151,10 @@ class Stage:
         things = self.root.attachNewNode('things')
         things.setBin('near_first', 0)
         things.hide(BARE)
+        has_motion = any(thing.path for thing in environment.objects)
         for thing in environment.objects:
             parent = things.attachNewNode(thing.name)
-            parent.hide(ALONE)
+            parent.hide(ALONE | (MOVING if thing.path is None else SUN))
             self.things[thing.number] = parent
             kind = class_number(thing.label)
             parent.setShaderInput('meta', core.LVecBase4i(kind, thing.number, 0, 0))
@@ -168,7 +170,10 @@ class Stage:
                     shapes[key] = _shape(thing, piece.mesh)
                 placed = _add_piece(parent, thing, piece, shapes[key])
                 name = 'foliage' if thing.is_foliage else 'object'
-                self._wardrobe.dress(placed, name, *_switches(thing, piece, shapes[key]))
+                switches = _switches(thing, piece, shapes[key])
+                if has_motion and name == 'object' and 'FAR' not in switches:
+                    switches = (*switches, 'MOTION')
+                self._wardrobe.dress(placed, name, *switches)
             if thing.path is not None:
                 self._moving.append((thing, parent))
 
@@ -178,7 +183,7 @@ class Stage:
         self._wardrobe.dress(self.sky, 'sky')
         self.sky.setBin('fixed', _SKY)
         self.sky.setDepthWrite(False)
-        self.sky.hide(SUN | BARE | ALONE)
+        self.sky.hide(SUN | BARE | ALONE | MOVING)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scene as built: terrain, ground pictures, objects with their labels."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -44,10 +45,12 @@ class MovingPath:
 
     def shift_at(self, time_s: float) -> tuple[Floats, float]:
         """Return the place at a time, (3,), and the yaw of its motion there, rad."""
-        place = np.array([np.interp(time_s, self.times_s, self.places[:, k]) for k in range(3)])
-        at = int(np.clip(np.searchsorted(self.times_s, time_s), 1, len(self.times_s) - 1))
-        step = self.places[at] - self.places[at - 1]
-        return place, float(np.arctan2(step[1], step[0]))
+        times = self.times_s
+        at = min(max(int(times.searchsorted(time_s)), 1), len(times) - 1)
+        start, step = self.places[at - 1], self.places[at] - self.places[at - 1]
+        span_s = float(times[at] - times[at - 1])
+        share = min(max((time_s - float(times[at - 1])) / span_s, 0.0), 1.0) if span_s else 1.0
+        return start + share * step, math.atan2(step[1], step[0])
 
     @property
     def length_m(self) -> float:
