@@ -13,8 +13,10 @@ from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.flight_track import FlightTrack
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.routing import nearest_to_shortest
 from rocsafe_planner.separation import TOLERANCE_M, delays_apart, minimum_separation_m
 from rocsafe_planner.sorties import sorties
+from rocsafe_planner.survey_site import survey_site
 
 from .fleets import FLEET, problem, request, vehicle
 
@@ -62,6 +64,20 @@ def test_a_plan_with_swaps_is_valid():
     fleet = tuple(dataclasses.replace(v, endurance_s=260.0, battery_swap_s=90.0) for v in FLEET)
     plan = plan_survey(request(vehicles=fleet))
     assert max(len(route.sorties) for route in plan.routes) > 1
+    assert check_plan(plan) == []
+
+
+def test_flights_take_their_turns_to_keep_apart():
+    """With another flight first, who would wait for 26 s takes off earlier; all is still true."""
+    fleet = tuple(vehicle(f'rav{k}', endurance_s=190.0, battery_swap_s=60.0) for k in range(3))
+    wish = request(vehicles=fleet, method='nearest_to_shortest', separation_m=8.0)
+    plan = plan_survey(wish)
+    as_cut = survey_site(wish)
+    before = [
+        FlightTrack(as_cut.problem, k, sorties(as_cut.problem, k, order))
+        for k, order in enumerate(nearest_to_shortest(as_cut.problem))
+    ]
+    assert max(route.delay_s for route in plan.routes) < max(delays_apart(before, 8.0))
     assert check_plan(plan) == []
 
 

@@ -16,6 +16,9 @@ from rocsafe_planner.survey_site import SurveySite
 MAX_LAYERS = 8
 """Layers that are tried; the highest flies that many separations higher, less one."""
 
+MAX_TURNS = 12
+"""Flights of a vehicle that are tried as its first."""
+
 Orders = list[Order]
 
 
@@ -29,7 +32,19 @@ class KeptApart:
 
 
 def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
-    """Return the routes of these orders, apart as the site's request wants it."""
+    """Return the routes of these orders, apart as the site's request wants it.
+
+    Where batteries are changed, flights may take their turns in another order.
+    """
+    apart = _kept_apart(site, orders)
+    turned = _turned(site, apart.routes) if any(r.delay_s for r in apart.routes) else orders
+    if turned == orders:
+        return apart
+    other = _kept_apart(site, turned)
+    return min(apart, other, key=lambda one: max(route.finish_s for route in one.routes))
+
+
+def _kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     request = site.request
     is_wanted = request.separation_m > 0.0
     layers = (0.0,) * len(orders)
@@ -48,6 +63,39 @@ def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     return KeptApart(
         routes=delayed, layers_m=layers, separation_m=minimum_separation_m(tracks, delays)
     )
+
+
+def _turned(site: SurveySite, routes: tuple[Route, ...]) -> Orders:
+    """Return the orders of routes whose flights take the turns that let them take off earliest.
+
+    In the order in which places are given, each vehicle tries all turns of its flights.
+    """
+    orders = [_points(site, route) for route in routes]
+    flying = [k for k, route in enumerate(routes) if route.sorties]
+    tracks = {k: FlightTrack(site.problem, k, orders[k]) for k in flying}
+    placed = Placed(site.request.separation_m)
+    for k in (flying[i] for i in flying_order(list(tracks.values()))):
+        best = (math.inf, tracks[k], orders[k])
+        for flights in _turns(routes[k], orders[k]):
+            track = FlightTrack(site.problem, k, flights)
+            delay_s = placed.delay_s(track, best[0])
+            if delay_s < best[0]:
+                best = (delay_s, track, flights)
+            if best[0] == 0.0:
+                break
+        orders[k] = best[2]
+        placed.add(best[1], best[0])
+    return [[point for flight in flights for point in flight] for flights in orders]
+
+
+def _turns(route: Route, flights: Orders) -> list[Orders]:
+    """Return the flights, and them again beginning with each that begins and ends at home."""
+    vehicle = route.vehicle
+    first = 0 if vehicle.aloft is None else 1
+    last = len(flights) - (1 if vehicle.is_open or vehicle.end is not None else 0)
+    head, free, tail = flights[:first], flights[first:last], flights[last:]
+    turns = [free[k:] + free[:k] for k in range(min(len(free), MAX_TURNS))]
+    return [[*head, *turn, *tail] for turn in turns or [free]]
 
 
 def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
@@ -87,6 +135,10 @@ def _layers(site: SurveySite, orders: Orders, routes: tuple[Route, ...]) -> tupl
 
 
 def _track(site: SurveySite, vehicle: int, route: Route) -> FlightTrack:
+    return FlightTrack(site.problem, vehicle, _points(site, route))
+
+
+def _points(site: SurveySite, route: Route) -> Orders:
+    """Return the points of each of a route's flights."""
     points = {view.id: point for point, view in enumerate(site.viewpoints)}
-    flights = [[points[view.id] for view in sortie.viewpoints] for sortie in route.sorties]
-    return FlightTrack(site.problem, vehicle, flights)
+    return [[points[view.id] for view in sortie.viewpoints] for sortie in route.sorties]
