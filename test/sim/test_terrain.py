@@ -6,6 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain_file import read_terrain
+from rocsafe_sim.errors import SceneError
+from rocsafe_sim.scene.height_file import write_heights
 from rocsafe_sim.scene.lines import nearest_on, resampled
 from rocsafe_sim.scene.relief import Course, Pad, Relief
 from rocsafe_sim.scene.terrain import (
@@ -72,3 +77,19 @@ def test_nearest_on_a_line():
     found = nearest_on(line, np.array([[4.0, 3.0], [12.0, 5.0], [-3.0, -4.0]]))
     assert np.allclose(found.distance_m, [3.0, 2.0, 5.0])
     assert np.allclose(found.along_m, [4.0, 15.0, 0.0])
+
+
+def test_heights_for_planners_are_those_of_the_scene(tmp_path):
+    """Read back they agree within a few centimetres, everywhere on the detailed ground."""
+    origin = GeoPosition(53.28, -9.06, 60.0)
+    terrain = make_terrain(Relief(seed=4, local_m=1.5, hills_m=20.0).heights)
+    write_heights(tmp_path / 'heights.tif', terrain, origin)
+    places = np.random.default_rng(1).uniform(-120.0, 120.0, (200, 2))
+    frame = LocalFrame(origin)
+    geodetic = frame.to_geodetic(np.column_stack([places, terrain.height_at(places)]))
+    read = read_terrain(tmp_path / 'heights.tif')
+    error = read.altitudes_m(geodetic[:, 0], geodetic[:, 1]) - geodetic[:, 2]
+    assert np.abs(error).max() < 0.25
+    assert np.abs(error).mean() < 0.03
+    with pytest.raises(SceneError, match='cannot be written'):
+        write_heights(tmp_path / 'no' / 'heights.tif', terrain, origin)

@@ -13,9 +13,11 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
+from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import SceneError
-from rocsafe_sim.scene.building import check, ground_works
+from rocsafe_sim.scene.building import check, ground_works, terrain_of
 from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_sim.scene.height_file import write_heights
 from rocsafe_sim.scene.label_picture import truth_sheet
 from rocsafe_sim.scene.light import WEATHERS
 from rocsafe_sim.scene.map_cache import default_folder
@@ -53,6 +55,14 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser('list', help='every object: number, name, class, place')
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
+    heights = commands.add_parser('heights', help='its ground as a GeoTIFF, for planners')
+    heights.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
+    heights.add_argument('--out', type=Path, default=Path('heights.tif'), metavar='FILE')
+    heights.add_argument(
+        '--origin', type=_triple, metavar='LAT,LON,ALT', help="of the mission [the scene's place]"
+    )
+    heights.add_argument('--seed', type=int, help="of the mission [the scene's]")
+    heights.set_defaults(run=_heights)
     _add_render(commands)
     return parser
 
@@ -121,6 +131,19 @@ def _list(arguments: argparse.Namespace) -> None:
         place = f'{east:6.1f}  {north:7.1f}  {up:6.1f}'
         rows.append(f'{thing.number:6d}  {thing.label:12s}  {place}  {thing.name}')
     sys.stdout.write('\n'.join(rows) + '\n')
+
+
+def _heights(arguments: argparse.Namespace) -> None:
+    description = read_scene(arguments.scene)
+    seed = description.seed if arguments.seed is None else arguments.seed
+    place = description.place
+    scene = (place.latitude_deg, place.longitude_deg, place.altitude_m)
+    try:
+        origin = GeoPosition(*(arguments.origin or scene))
+    except ValueError as error:
+        raise SceneError(f'--origin: {error}') from error
+    write_heights(arguments.out, terrain_of(description, seed, origin), origin)
+    sys.stdout.write(f'{arguments.out}\n')
 
 
 def _render(arguments: argparse.Namespace) -> None:
