@@ -138,7 +138,7 @@ def grids(options: argparse.Namespace) -> Iterator[Row]:
             is_due = vehicles < 10 or budget_s >= 10
             yield row(case, 'proven gap, %', gap, limit if is_due else None, f'{value:.2f}')
             saved = -excess(value, PEERS["paper's greedy"](points, vehicles, 0.0))
-            least = 18.0 if side == 20 else 8.5
+            least = None if budget_s < 10 else 18.0 if side == 20 else 8.5
             yield row(case, "below the paper's greedy, %", saved, least, at_least=True)
             splits = [PEERS[name](points, vehicles, 0.0) for name in INSTANT[1:]]
             yield row(

@@ -19,6 +19,9 @@ CHUNK = 16384
 """Proposals between two looks at the clock."""
 LEAST_CYCLE, MOST_CYCLE = 5_000, 20_000
 """Proposals a customer of a cycle from hot to cold."""
+SHORT_CYCLE, LONGER_CYCLE = 2_500, 25
+"""Most of a small problem, and how many more for each customer: few customers settle soon, and
+crosses then find more than longer cycles would."""
 FOUNDERS = 4
 """Cycles from a construction before plans are crossed."""
 MEMBERS = 10
@@ -27,11 +30,13 @@ SMALL_RUINS = (600, 1500)
 """Of 4096 proposals, how many are ruin and recreate in cycles where there is a table of legs."""
 HASTY_RUINS, HASTE = 200, 5000
 """How many where there are fewer than so many proposals a customer in all."""
-SHARPER = 3.0
+PATIENCE = 100_000
+"""Proposals a customer in all from which on cycles become sharper."""
+FLOORS, PATIENT_FLOORS = (0.1, 0.2), (0.01, 0.03, 0.1)
+"""Worths of short routes. The less they are worth, the nearer comes the longest route to the
+least, and the longer the others stay hot."""
+SHARPER, PATIENT_SHARPER = (3.0,), (3.0, 4.0)
 """Power of two by which the width of a cycle shrinks."""
-FLOORS, PATIENT_FLOORS, PATIENCE = (0.1, 0.2), (0.03, 0.1), 100_000
-"""Worths of short routes; and where there are so many proposals a customer in all. The less they
-are worth, the nearer comes the longest route to the least, and the longer the others stay hot."""
 RATES = (6e6, 2.5e6)
 """Proposals a second that are counted on before any were made: with a table of legs, without."""
 
@@ -74,10 +79,12 @@ class Schedule:
         self.is_single = share < 4 * LEAST_CYCLE
         self.hot_start = share > 2000
         self.has_time = share > HASTE
-        self.floors = PATIENT_FLOORS if share > PATIENCE else FLOORS
-        self.full = (
-            total if self.is_single else customers * min(max(share / 12, LEAST_CYCLE), MOST_CYCLE)
-        )
+        is_patient = share > PATIENCE
+        self.floors = PATIENT_FLOORS if is_patient else FLOORS
+        self.sharper = PATIENT_SHARPER if is_patient else SHARPER
+        most = min(MOST_CYCLE, SHORT_CYCLE + LONGER_CYCLE * customers)
+        cycle = min(max(share / 12, LEAST_CYCLE), most)
+        self.full = total if self.is_single else customers * cycle
 
     def more(self) -> bool:
         """Answer whether another round is due."""
@@ -141,7 +148,7 @@ class Schedule:
             cold=-5.5,
             floor=float(self.choices.choice(self.floors)),
             width=float(self.choices.choice([0.01, 0.02])),
-            sharper=SHARPER,
+            sharper=float(self.choices.choice(self.sharper)),
             ruins=self._ruins(),
             long=int(self.choices.choice([0, 3])),
         )
