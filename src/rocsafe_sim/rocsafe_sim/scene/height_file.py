@@ -7,16 +7,19 @@ import numpy as np
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import SceneError
-from rocsafe_sim.scene.terrain import OUTER_HALF_M, GridFrame, Terrain
+from rocsafe_sim.scene.terrain import GridFrame, Terrain
 
 _CELL_M = 2.56
+# Half the width: vehicles may start some way off.
+_HALF_M = 1536.0
+_EARTH_RADIUS_M = 6_371_000.0
 
 
 def write_heights(path: Path, terrain: Terrain, origin: GeoPosition) -> None:
-    """Write the heights of the detailed ground, metres above the ellipsoid.
+    """Write the heights of the ground within 1.5 km, metres above the ellipsoid.
 
-    The raster is azimuthal equidistant about `origin`, which over half a kilometre differs from
-    east and north of the tangent plane by less than a millimetre, and in height by 2 cm.
+    The raster is azimuthal equidistant about `origin`, which over this distance differs from east
+    and north of the tangent plane by less than a centimetre; the Earth falls away below that.
 
     Raises
     ------
@@ -27,16 +30,20 @@ def write_heights(path: Path, terrain: Terrain, origin: GeoPosition) -> None:
     from rasterio.errors import RasterioError
     from rasterio.transform import from_origin
 
-    columns, rows = (round(2.0 * half / _CELL_M) for half in OUTER_HALF_M)
-    west, south = (0.5 * _CELL_M - half for half in OUTER_HALF_M)
-    frame = GridFrame(west_m=west, south_m=south, cell_m=_CELL_M, columns=columns, rows=rows)
-    heights = terrain.height_at(frame.places()).reshape(rows, columns)[::-1] + origin.altitude_m
+    side = round(2.0 * _HALF_M / _CELL_M)
+    south_west = 0.5 * _CELL_M - _HALF_M
+    frame = GridFrame(
+        west_m=south_west, south_m=south_west, cell_m=_CELL_M, columns=side, rows=side
+    )
+    places = frame.places()
+    fall = np.sum(places**2, axis=1) / (2.0 * _EARTH_RADIUS_M)
+    heights = (terrain.height_at(places) + fall).reshape(side, side)[::-1] + origin.altitude_m
     crs = f'+proj=aeqd +lat_0={origin.latitude_deg!r} +lon_0={origin.longitude_deg!r} +datum=WGS84'
     profile = {'driver': 'GTiff', 'count': 1, 'dtype': 'float32', 'compress': 'deflate'}
-    where = from_origin(-OUTER_HALF_M[0], OUTER_HALF_M[1], _CELL_M, _CELL_M)
+    where = from_origin(-_HALF_M, _HALF_M, _CELL_M, _CELL_M)
     try:
         with rasterio.open(
-            path, 'w', width=columns, height=rows, crs=crs, transform=where, **profile
+            path, 'w', width=side, height=side, crs=crs, transform=where, **profile
         ) as file:
             file.write(heights.astype(np.float32), 1)
     except (RasterioError, OSError) as error:
