@@ -11,14 +11,16 @@ from rocsafe_sim.scene.terrain import GridFrame, Terrain
 
 _CELL_M = 2.56
 # Half the width: vehicles may start some way off.
-_HALF_M = 1536.0
+HALF_M = 1536.0
 _EARTH_RADIUS_M = 6_371_000.0
 
 
-def write_heights(path: Path, terrain: Terrain, origin: GeoPosition) -> None:
-    """Write the heights of the ground within 1.5 km, metres above the ellipsoid.
+def write_heights(
+    path: Path, terrain: Terrain, origin: GeoPosition, half_m: float = HALF_M
+) -> None:
+    """Write the heights of the ground `half_m` about `origin`, metres above the ellipsoid.
 
-    The raster is azimuthal equidistant about `origin`, which over this distance differs from east
+    The raster is azimuthal equidistant about `origin`, which over 2 km differs from east
     and north of the tangent plane by less than a centimetre; the Earth falls away below that.
 
     Raises
@@ -30,8 +32,8 @@ def write_heights(path: Path, terrain: Terrain, origin: GeoPosition) -> None:
     from rasterio.errors import RasterioError
     from rasterio.transform import from_origin
 
-    side = round(2.0 * _HALF_M / _CELL_M)
-    south_west = 0.5 * _CELL_M - _HALF_M
+    side = round(2.0 * half_m / _CELL_M)
+    south_west = 0.5 * _CELL_M - half_m
     frame = GridFrame(
         west_m=south_west, south_m=south_west, cell_m=_CELL_M, columns=side, rows=side
     )
@@ -40,7 +42,7 @@ def write_heights(path: Path, terrain: Terrain, origin: GeoPosition) -> None:
     heights = (terrain.height_at(places) + fall).reshape(side, side)[::-1] + origin.altitude_m
     crs = f'+proj=aeqd +lat_0={origin.latitude_deg!r} +lon_0={origin.longitude_deg!r} +datum=WGS84'
     profile = {'driver': 'GTiff', 'count': 1, 'dtype': 'float32', 'compress': 'deflate'}
-    where = from_origin(-_HALF_M, _HALF_M, _CELL_M, _CELL_M)
+    where = from_origin(-half_m, half_m, _CELL_M, _CELL_M)
     try:
         with rasterio.open(
             path, 'w', width=side, height=side, crs=crs, transform=where, **profile
