@@ -11,6 +11,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
 from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.plan_files import write_plan
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
 from rocsafe_planner.vehicle import Aloft
@@ -203,6 +204,29 @@ def test_an_open_route_out_of_a_new_exclusion(count):
     assert set(ids(rest)) == left
     assert set(leaving_exclusions_m(rest)) == {'rav1'}
     assert rest.routes[0].vehicle.is_open == (len(rest.routes[0].viewpoints) > 0) == (count > 1)
+
+
+def test_an_open_route_with_nothing_to_do_lands_where_it_is(tmp_path):
+    """Also where there are exclusions, from which it is far; its files say no more."""
+    fleet = tuple(dataclasses.replace(v, is_open=True) for v in FLEET)
+    plan = plan_survey(request(vehicles=fleet, method='boustrophedon_minmax'))
+    here = offset(fleet[0].home, 60.0, 0.0)
+    yard = SurveyArea(
+        tuple(offset(here, e, n) for e, n in ((90.0, 0.0), (99.0, 0.0), (90.0, 9.0)))
+    )
+    last = plan.routes[2].viewpoints[-1]
+    rest = replan(
+        plan,
+        Situation(
+            alive={'rav1': Aloft(position=here), 'rav3': Aloft(position=last.position)},
+            visited=frozenset(set(ids(plan)) - {last.id}),
+            new_exclusions=(yard,),
+        ),
+    )
+    assert check_plan(rest) == []
+    assert [len(route.viewpoints) for route in rest.routes] == [0, 1]
+    assert rest.routes[0].sorties[0].length_m == 0.0
+    assert (tmp_path / 'plan-rav1.kmz') in write_plan(rest, tmp_path)
 
 
 def test_battery_of_who_stands_at_home_counts():

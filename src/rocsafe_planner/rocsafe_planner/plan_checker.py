@@ -100,9 +100,12 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
     frame = frame_of(plan)
     zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
     for route, number in _flights(plan):
-        legs = list(pairwise(way(route, number)))
-        if number == 0 and route.vehicle.aloft is not None and _leaves(plan, zones, *legs[0]):
-            del legs[0]
+        track = way(route, number)
+        legs = list(pairwise(track))
+        if number == 0 and route.vehicle.aloft is not None and legs:
+            del legs[: _leaves(plan, zones, *legs[0])]
+        elif not legs:  # it lands where it is
+            legs = [(track[0], track[0])]
         for a, b in legs:
             line = shapely.LineString(plane_of(frame, (a, b)))
             if shapely.distance(line, zones) < plan.request.clearance_m - ABSOLUTE_M:

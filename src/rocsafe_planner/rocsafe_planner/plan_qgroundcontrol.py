@@ -75,9 +75,9 @@ def _items(route: Route, number: int) -> list[Document]:
     home, height = route.vehicle.home, route.flight_height_m
     takeoff = _place(_NAV_TAKEOFF, [0, 0, 0, None], home.latitude_deg, home.longitude_deg, height)
     items = [] if begins_aloft(route, number) else [takeoff]
-    way = flight_path(route, number)[1:]
+    way = flight_path(route, number)
     landing = landing_place(route, number)
-    for stop in way:
+    for stop in way[1:]:
         items.extend(_stop(stop, route.vehicle.hover_s))
     items.append(_landing(home, landing or way[-1].position))
     return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]

@@ -50,7 +50,9 @@ def _sorties(site: SurveySite, vehicle: int, order: Order) -> tuple[Sortie, ...]
 
 def _sortie(site: SurveySite, vehicle: int, flight: Order, stops: list[int]) -> Sortie:
     problem, spec = site.problem, site.problem.vehicles[vehicle]
-    origins, targets = np.array(stops[:-1]), np.array(stops[1:])
+    # Integers even where there is no leg: whoever lands where it is has a stop only.
+    sites = np.array(stops, dtype=np.intp)
+    origins, targets = sites[:-1], sites[1:]
     hovering = len(flight) * spec.hover_s
     is_first = stops[0] == problem.start_site(vehicle)
     vertical = problem.first_fixed_s(vehicle) if is_first else problem.fixed_s(vehicle)
