@@ -10,7 +10,9 @@ from typing import Any, get_args
 import pytest
 import yaml
 
+from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
+from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
@@ -301,3 +303,12 @@ def test_a_real_drone_may_bring_its_own_detector(
     assert what_is_simulated(scenario) == (
         'Real flight: rav1, rav2. Own detector: rav1. Simulated detector: rav2.'
     )
+
+
+def test_flat_ground_above_a_viewpoint_is_refused(small: Callable[..., Path]) -> None:
+    """Over terrain a vehicle may fly below the ground that the flat camera photographs."""
+    plan = SurveyPlan(routes=[Route(viewpoints=[Viewpoint()])])
+    plan.routes[0].viewpoints[0].position.altitude = 20.0
+    scenario = read_scenario(small({'origin': {'ground_altitude_m': 25.0}}))
+    assert unseen_viewpoint(scenario, plan).startswith('origin.ground_altitude_m = 25 is above')
+    assert not unseen_viewpoint(read_scenario(small()), plan)

@@ -170,6 +170,20 @@ def viewpoint_count(plan: SurveyPlan) -> int:
     return sum(len(route.viewpoints) for route in plan.routes)
 
 
+def unseen_viewpoint(scenario: Scenario, plan: SurveyPlan) -> str:
+    """Return why a vehicle of `plan` cannot photograph flat ground; empty if all can."""
+    if scenario.camera.backend != 'flat' or not scenario.simulated:
+        return ''
+    altitudes_m = [v.position.altitude for route in plan.routes for v in route.viewpoints]
+    lowest_m, ground_m = min(altitudes_m, default=math.inf), scenario.origin.ground_altitude_m
+    if lowest_m > ground_m:
+        return ''
+    return (
+        f'origin.ground_altitude_m = {ground_m:g} is above a viewpoint over the terrain, at '
+        f'{lowest_m:.1f}: it must be that of the lowest ground, or camera.backend engine'
+    )
+
+
 def camera_spec(camera: CameraBlock) -> CameraSpec:
     """Return what planning needs to know of the camera."""
     return CameraSpec(

@@ -169,6 +169,9 @@ class Requests:
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
             return
+        if unseen := conversions.unseen_viewpoint(self._scenario, result.plan):
+            self._mission.refused(order, unseen)
+            return
         visited, self._visited = self._visited, []
         if self._mission.is_gathering and self._plan is not None:
             self._photographed += len(visited)

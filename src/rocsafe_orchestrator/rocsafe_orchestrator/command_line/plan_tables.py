@@ -34,9 +34,17 @@ def quality_table(path: Path, document: dict[str, Any]) -> Table:
     )
     nearest = document['minimum_separation_m']
     if nearest is not None:
-        wish = '' if document['separation_m'] else '; --separation M keeps them apart'
-        table.add_row('nearest', f'{nearest:.1f} m between two vehicles in the air{wish}')
+        text = f'{nearest:.1f} m between two vehicles in the air'
+        table.add_row('nearest', text + _separation_remark(nearest, document['separation_m']))
     return table
+
+
+def _separation_remark(nearest_m: float, asked_m: float) -> str:
+    """Return how to keep vehicles apart, or that some begin too near to be kept so."""
+    if not asked_m:
+        return '; --separation M keeps them apart'
+    # What is in the air when a plan begins cannot wait on the ground.
+    return f': NEARER than the {asked_m:g} m asked for' if nearest_m < asked_m - 0.05 else ''
 
 
 def _objective_text(document: dict[str, Any]) -> str:
