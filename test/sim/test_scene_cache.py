@@ -43,7 +43,7 @@ def test_a_scene_is_made_anew_where_anything_differs(tmp_path, monkeypatch, chan
         (path,) = tmp_path.glob('*.pickle')
         path.write_bytes(path.read_bytes()[:40])
     if change == 'source':
-        monkeypatch.setattr(scene_cache, '_source_digest', lambda: 'other')
+        monkeypatch.setattr(scene_cache, 'source_digest', lambda: 'other')
     scene_cache.kept(maker, description, 2 if change == 'seed' else 1, origin, tmp_path)
     assert maker.count == 2
 

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What tells a changed file, for the names of what is kept of it."""
 
+from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_MAKERS = ('scene', 'scenery')
 
 
 def stamp(path: str | None) -> str:
@@ -13,3 +18,13 @@ def stamp(path: str | None) -> str:
     except OSError:
         return f'{path} missing'
     return f'{path} {state.st_size} {state.st_mtime_ns}'
+
+
+@lru_cache(maxsize=1)
+def source_digest() -> str:
+    """Return a checksum of all source that scenes are made and painted by."""
+    content = sha256()
+    for folder in _MAKERS:
+        for path in sorted((_PACKAGE / folder).rglob('*.py')):
+            content.update(path.read_bytes())
+    return content.hexdigest()

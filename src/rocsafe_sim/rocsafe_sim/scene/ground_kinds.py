@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import shapely
 
 from rocsafe_sim.scene.mesh import Floats
 from rocsafe_sim.scene.relief import Course
 from rocsafe_sim.scenery import farmland, roads
-from rocsafe_sim.scenery.marks import Mark, Paint, polygon, ribbon, stroke
+from rocsafe_sim.scenery.marks import Mark, Paint, normals_of, polygon, ribbon, stroke
 from rocsafe_sim.scenery.outlines import blob, faded, generator, smooth_line
 
 Rgb = Sequence[int]
@@ -160,19 +161,40 @@ def spill(line: Floats, seed: int, width_m: float = 1.6) -> GroundWork:
     """Return liquid that ran along `line`, wide at its start, in pools where it stood."""
     rng = generator(seed, 85)
     course = smooth_line(line, 0.6)
-    course = course + rng.normal(0.0, 0.09, course.shape)
-    marks: list[Mark] = [
-        stroke(course, 1.25 * width_m, _WET_RIM),
-        stroke(course, 0.6 * width_m, _SHEEN),
+    wet = shapely.union_all([_stream(rng, course, width_m), *_pools(rng, course, width_m)])
+    rim = wet.buffer(0.3 * width_m)
+    flows = [np.asarray(part.exterior.coords) for part in shapely.get_parts(wet)]
+    marks = [
+        *(polygon(np.asarray(p.exterior.coords), _WET_RIM) for p in shapely.get_parts(rim)),
+        *(polygon(flow, _SHEEN) for flow in flows),
     ]
-    pools = []
-    for number, place in enumerate(course[:: max(1, len(course) // 14)]):
-        size = width_m * float(rng.uniform(0.6, 1.1)) * (1.7 if number < 2 else 1.0)
-        pools.append(blob(rng, place, (size, 0.7 * size), rng.uniform(0.0, 3.0)))
-    marks += [polygon(pool, _SHEEN) for pool in pools]
     # Opaque in the labels, with a thin edge of wetness left to the ground around.
-    flow = ribbon(course, 0.6 * width_m)
-    return GroundWork(marks=tuple(marks), stencils=(Stencil('spill', [flow, *pools]),))
+    return GroundWork(marks=tuple(marks), stencils=(Stencil('spill', flows),))
+
+
+def _stream(rng: np.random.Generator, course: Floats, width_m: float) -> shapely.Polygon:
+    """Return what ran along `course`: each bank has its own bays, and it thins out."""
+    along = np.linspace(0.0, 1.0, len(course))
+    bays = np.linspace(0.0, 1.0, max(4, len(course) // 5))
+    fade = np.interp(along, [0.0, 0.1, 0.6, 1.0], [0.75, 0.5, 0.33, 0.12])
+    left, right = (
+        width_m * fade * np.interp(along, bays, rng.uniform(0.55, 1.35, len(bays)))
+        for _ in range(2)
+    )
+    normals = normals_of(course)
+    banks = [course + left[:, None] * normals, (course - right[:, None] * normals)[::-1]]
+    return shapely.Polygon(np.vstack(banks)).buffer(0.0)
+
+
+def _pools(rng: np.random.Generator, course: Floats, width_m: float) -> list[shapely.Polygon]:
+    """Return where it stood: once below its start, and here and there on its way."""
+    places = np.concatenate([[0.03], np.sort(rng.uniform(0.1, 0.9, 3))])
+    pools = []
+    for place, size in zip(places, (1.9, *rng.uniform(0.8, 1.3, 3)), strict=True):
+        centre = course[int(place * (len(course) - 1))]
+        half_m = width_m * float(size)
+        pools.append(blob(rng, centre, (half_m, 0.6 * half_m), rng.uniform(0.0, 3.0)))
+    return [shapely.Polygon(pool).buffer(0.0) for pool in pools]
 
 
 def _course(line: Floats, half_width_m: float, lift_m: float, slope_m: float) -> Course:

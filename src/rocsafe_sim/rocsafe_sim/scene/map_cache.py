@@ -11,15 +11,12 @@ import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_sim.scene.description import SceneDescription
-from rocsafe_sim.scene.file_stamp import stamp
+from rocsafe_sim.scene.file_stamp import source_digest, stamp
 from rocsafe_sim.scene.ground_kinds import GroundWork
 from rocsafe_sim.scene.ground_picture import GroundMap, inner_map, outer_map
 from rocsafe_sim.scene.real_ground import draped
 
 Painter = Callable[[], GroundMap]
-
-# Rises with every change of what is painted.
-_VERSION = 4
 
 
 def maps(
@@ -44,7 +41,7 @@ def maps(
         return drawn(inner_map(works, seed)), drawn(outer_map(works, seed))
     entries = [entry.model_dump_json() for entry in description.ground]
     about = [] if photo is None else [stamp(photo), str(frame.origin)]
-    content = '\n'.join([str(_VERSION), str(seed), str(description.yaw_deg), *entries, *about])
+    content = '\n'.join([source_digest(), str(seed), str(description.yaw_deg), *entries, *about])
     key = sha256(content.encode()).hexdigest()[:24]
     inner = _kept(cache / f'{key}-inner.npz', lambda: drawn(inner_map(works, seed)))
     outer = _kept(cache / f'{key}-outer.npz', lambda: drawn(outer_map(works, seed)))

@@ -9,17 +9,14 @@ import os
 import pickle
 from collections.abc import Callable
 from contextlib import suppress
-from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.scene.description import SceneDescription
-from rocsafe_sim.scene.file_stamp import stamp
+from rocsafe_sim.scene.file_stamp import source_digest, stamp
 
-_PACKAGE = Path(__file__).resolve().parents[1]
-_MAKERS = ('scene', 'scenery')
 _MOST = 6
 
 
@@ -61,18 +58,8 @@ def _forget_old(cache: Path) -> None:
 
 
 def _key(description: SceneDescription, seed: int, origin: GeoPosition) -> str:
-    content = sha256(_source_digest().encode())
+    content = sha256(source_digest().encode())
     content.update(f'{description.model_dump_json()}\n{seed}\n{origin}'.encode())
     for path in (description.terrain.dem, *(entry.mesh for entry in description.objects)):
         content.update(stamp(path).encode())
     return content.hexdigest()[:24]
-
-
-@lru_cache(maxsize=1)
-def _source_digest() -> str:
-    """Return a checksum of all source that scenes are made by."""
-    content = sha256()
-    for folder in _MAKERS:
-        for path in sorted((_PACKAGE / folder).rglob('*.py')):
-            content.update(path.read_bytes())
-    return content.hexdigest()
