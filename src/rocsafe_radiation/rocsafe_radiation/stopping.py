@@ -65,7 +65,8 @@ class StoppingRule:
         if ratio < self._upper:
             return Verdict(is_enough=False, reason=f'{what} found, but the number is not decided')
         widest = max(source.ellipse_95()[0] for source in found.sources)
-        within = f'placed within {widest:.1f} m (95 %)'
+        # Nothing is placed within 0.0 m.
+        within = f'placed within {max(widest, 0.1):.1f} m (95 %)'
         if widest > self.ellipse_95_m:
             limit = f'{self.ellipse_95_m:g} m are wanted'
             return Verdict(is_enough=False, reason=f'{what}, {within}: {limit}')

@@ -35,6 +35,8 @@ CORDON_HEADS = (
 )  # fmt: skip
 
 Array = NDArray[np.float64]
+# From background to a metre beside a strong source: with fewer, all but its place has one colour.
+DECADES = 7.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +58,8 @@ def dose_section(
     cordons = _cordons(folder / CORDONS)
     if picture is None:
         return None
-    scale = scale_of([*picture.mean_usvh.ravel().tolist(), float(picture.upper_usvh.max())])
+    values = [*picture.mean_usvh.ravel().tolist(), float(picture.upper_usvh.max())]
+    scale = scale_of(values, decades=DECADES)
     maps = (
         _map('Mean', picture.mean_usvh, picture, scale, _lines(cordons, 'mean', frame), estimates,
              frame),
