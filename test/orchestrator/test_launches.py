@@ -307,7 +307,7 @@ def test_a_real_drone_may_bring_its_own_detector(
 
 def test_flat_ground_above_a_viewpoint_is_refused(small: Callable[..., Path]) -> None:
     """Over terrain a vehicle may fly below the ground that the flat camera photographs."""
-    plan = SurveyPlan(routes=[Route(viewpoints=[Viewpoint()])])
+    plan = SurveyPlan(routes=[Route(viewpoints=[Viewpoint()], follows_terrain=True)])
     plan.routes[0].viewpoints[0].position.altitude = 20.0
     scenario = read_scenario(small({'origin': {'ground_altitude_m': 25.0}}))
     assert unseen_viewpoint(scenario, plan).startswith('origin.ground_altitude_m = 25 is above')

@@ -174,7 +174,8 @@ def unseen_viewpoint(scenario: Scenario, plan: SurveyPlan) -> str:
     """Return why a vehicle of `plan` cannot photograph flat ground; empty if all can."""
     if scenario.camera.backend != 'flat' or not scenario.simulated:
         return ''
-    altitudes_m = [v.position.altitude for route in plan.routes for v in route.viewpoints]
+    over_terrain = [route for route in plan.routes if route.follows_terrain]
+    altitudes_m = [v.position.altitude for route in over_terrain for v in route.viewpoints]
     lowest_m, ground_m = min(altitudes_m, default=math.inf), scenario.origin.ground_altitude_m
     if lowest_m > ground_m:
         return ''
