@@ -1,10 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures of the tests of the simulation's nodes; who uses none needs no ROS."""
+"""Fixtures of the tests of the simulation; who uses none of the nodes' needs no ROS."""
 
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
+
+@pytest.fixture(scope='session')
+def drawing() -> None:
+    """Skip, with the reason, where nothing can draw."""
+    from rocsafe_sim.engine.pipe import open_pipe
+    from rocsafe_sim.errors import EngineError
+
+    try:
+        open_pipe()
+    except EngineError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture

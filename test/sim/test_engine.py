@@ -17,7 +17,6 @@ from rocsafe_sim.scene.rays import RayScene
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_sim.engine.lens import looking
-from rocsafe_sim.engine.pipe import open_pipe
 from rocsafe_sim.engine.renderer import Renderer
 
 LENS = PinholeCamera(math.radians(60.0), 240, 180)
@@ -28,15 +27,6 @@ OBLIQUE = (OBLIQUE_EYE, looking(np.array([0.0, -1.0, 1.0]) - OBLIQUE_EYE))
 STEP = 3
 # Metres; depth comes as a 32 bit float from a rasteriser of 24 bit depth.
 DEPTH_LIMIT_M = 0.01
-
-
-@pytest.fixture(scope='module')
-def drawing():
-    """Skip, with the reason, where nothing can draw."""
-    try:
-        open_pipe()
-    except EngineError as error:
-        pytest.skip(str(error))
 
 
 @pytest.fixture(scope='module')

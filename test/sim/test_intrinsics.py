@@ -11,13 +11,11 @@ from test.sim.scenes import small_environment
 
 from rocsafe_geo.pinhole import rotation_body_from_optical, rotation_enu_from_body
 from rocsafe_sim.camera_settings import CameraSettings
-from rocsafe_sim.errors import EngineError
 from rocsafe_sim.optics.effects import Effects
 from rocsafe_sim.scene.environment import GROUND_NUMBER
 from rocsafe_sim.scene.light import lighting, sun_direction
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
-from rocsafe_sim.engine.pipe import open_pipe
 from rocsafe_sim.engine.renderer import Renderer
 from rocsafe_sim.optics.optics import Optics
 
@@ -62,12 +60,8 @@ def targets(tmp_path_factory):
 
 
 @pytest.fixture(scope='module')
-def renderer(targets):
-    """Return a renderer of it; skip, with the reason, where nothing can draw."""
-    try:
-        open_pipe()
-    except EngineError as error:
-        pytest.skip(str(error))
+def renderer(targets, drawing):
+    """Return a renderer of it."""
     time = targets.description.light.time
     return Renderer(targets, lighting(sun_direction(time, 53.28, -9.06), 'clear'), 'clear')
 

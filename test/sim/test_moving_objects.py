@@ -9,13 +9,11 @@ from test.sim.flights import ROUTE, START_NS
 from test.sim.scenes import small_environment
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.errors import EngineError
 from rocsafe_sim.options import RavOptions
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_sim.assembly import make_rav, make_shared
 from rocsafe_sim.engine import engine_camera
-from rocsafe_sim.engine.pipe import open_pipe
 
 # Crosses the route's viewpoints, which are photographed within a minute and a half.
 PATH = (
@@ -48,12 +46,8 @@ def pictures_of_a_flight(monkeypatch):
     return environment, pictures
 
 
-def test_photographs_show_moving_things_where_they_are(monkeypatch):
+def test_photographs_show_moving_things_where_they_are(drawing, monkeypatch):
     """The centroid of the van's pixels is the place of its path at the time of each exposure."""
-    try:
-        open_pipe()
-    except EngineError as error:
-        pytest.skip(str(error))
     environment, pictures = pictures_of_a_flight(monkeypatch)
     assert len(pictures) == len(ROUTE.waypoints)
     van, seen = environment.objects[0], []

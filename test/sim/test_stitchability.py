@@ -9,7 +9,6 @@ import pytest
 from test.sim.scenes import plain_map, small_environment
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_sim.errors import EngineError
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment
 from rocsafe_sim.scene.ground_picture import painted_map
 from rocsafe_sim.scene.light import lighting, sun_direction
@@ -17,7 +16,6 @@ from rocsafe_sim.scene.terrain import OUTER_HALF_M
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_sim.engine.outputs import Frame
-from rocsafe_sim.engine.pipe import open_pipe
 from rocsafe_sim.engine.renderer import Renderer
 from rocsafe_sim.engine.studio import Studio
 
@@ -34,15 +32,6 @@ WOOD = {
     },
 }
 FAR = {'name': 'mark', 'make': 'drum', 'at': (140.0, 120.0)}
-
-
-@pytest.fixture(scope='module')
-def drawing():
-    """Skip, with the reason, where nothing can draw."""
-    try:
-        open_pipe()
-    except EngineError as error:
-        pytest.skip(str(error))
 
 
 def scene(thing: dict, seed: int) -> Environment:
