@@ -67,8 +67,7 @@ class Ground:
         """Return the height of the ground at places (..., 2)."""
         if self.ups_m.size == 1:
             return np.full(places_m.shape[:-1], self.ups_m[0, 0])
-        (row, column), (down, over), corners = self._cells(places_m)
-        del row, column
+        _, (down, over), corners = self._cells(places_m)
         south = corners[0] + over * (corners[1] - corners[0])
         north = corners[2] + over * (corners[3] - corners[2])
         return np.asarray(south + down * (north - south))

@@ -16,6 +16,7 @@ from rocsafe_radiation.field_assembly import (
     SHAPES,
     TRACK,
     SourceLists,
+    places_of,
     sources_of,
 )
 from rocsafe_radiation.shield_options import ShieldOptions
@@ -231,11 +232,13 @@ class FieldOptions(ShieldOptions):
     def _source_lists(self) -> SourceLists:
         return SourceLists(
             names=self.source_names,
-            places=self.placed(
-                [f'source {name}' for name in self.source_names],
-                self.source_latitudes_deg,
-                self.source_longitudes_deg,
-                self.source_altitudes_m,
+            places=self.on_ground(
+                places_of(
+                    [f'source {name}' for name in self.source_names],
+                    self.source_latitudes_deg,
+                    self.source_longitudes_deg,
+                    self.source_altitudes_m,
+                )
             ),
             sigmas_usvps=self.source_sigmas_usvps,
             nuclides=self.source_nuclides,
@@ -243,11 +246,13 @@ class FieldOptions(ShieldOptions):
             ages_s=self.source_ages_s,
             shapes=self.source_shapes,
             corner_counts=self.source_corner_counts,
-            corners=self.placed(
-                [f'corner {index}' for index in range(len(self.corner_latitudes_deg))],
-                self.corner_latitudes_deg,
-                self.corner_longitudes_deg,
-                self.corner_altitudes_m,
+            corners=self.on_ground(
+                places_of(
+                    [f'corner {index}' for index in range(len(self.corner_latitudes_deg))],
+                    self.corner_latitudes_deg,
+                    self.corner_longitudes_deg,
+                    self.corner_altitudes_m,
+                )
             ),
             corner_times_s=self.corner_times_s,
         )

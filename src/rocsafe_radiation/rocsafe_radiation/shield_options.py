@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of what stands between sources and detectors."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
@@ -62,7 +61,6 @@ class ShieldOptions(TerrainOptions):
         default=0.0,
         metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
     )
-
     ground_altitude_m: float = field(
         default=0.0,
         metadata={
@@ -90,31 +88,26 @@ class ShieldOptions(TerrainOptions):
             parts.append(provided_shielding(self.shielding, self.shielding_file, seed, origin))
         return joined(parts)
 
-    def placed(
-        self,
-        names: Sequence[str],
-        latitudes: Sequence[float],
-        longitudes: Sequence[float],
-        altitudes: Sequence[float],
-    ) -> tuple[GeoPosition, ...]:
-        """Return places of parallel lists, as high above the ground as above level ground.
+    def on_ground(self, places: tuple[GeoPosition, ...]) -> tuple[GeoPosition, ...]:
+        """Return places as high above the ground as they are above level ground.
 
         Raises
         ------
-        ValueError: with the name of the wrong one, its value and the limit.
+        ValueError: in one line, if the terrain is wrong.
         """
-        places = places_of(names, latitudes, longitudes, altitudes)
         return lifted(places, self.heights(), self.ground_altitude_m)
 
     def box_lists(self) -> BoxLists:
         """Return the boxes described."""
         return BoxLists(
             materials=self.box_materials,
-            places=self.placed(
-                [f'box {index}' for index in range(len(self.box_materials))],
-                self.box_latitudes_deg,
-                self.box_longitudes_deg,
-                self.box_altitudes_m,
+            places=self.on_ground(
+                places_of(
+                    [f'box {index}' for index in range(len(self.box_materials))],
+                    self.box_latitudes_deg,
+                    self.box_longitudes_deg,
+                    self.box_altitudes_m,
+                )
             ),
             sizes_m=tuple(
                 zip(self.box_lengths_m, self.box_widths_m, self.box_heights_m, strict=True)
