@@ -13,6 +13,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
 from rocsafe_orchestrator.report.dose_map_view import dose_section
+from rocsafe_orchestrator.report.formats import latitude_longitude
+from rocsafe_orchestrator.report.run_facts import estimate_facts
 
 ORIGIN = GeoPosition(53.28, -9.06, 66.0)
 # The map's own origin lies 30 m east and 20 m north of the mission's.
@@ -90,13 +92,28 @@ def test_map_cordon_and_source_lie_where_they_are(folder):
 def test_tables_say_how_long_one_may_stay_and_what_was_found(folder):
     """With names escaped, the verdict, and the strength with its interval."""
     page = dose_section(folder, LocalFrame(ORIGIN), estimates())
-    text = re.sub(r'<[^>]+>', ' ', page).replace('\u202f', ' ').replace('\xa0', ' ')
+    text = plain(re.sub(r'<[^>]+>', ' ', page))
     assert 'inner cordon &lt;IAEA&gt;' in page
     assert '10.0 h' in text
     assert '8.33 d' in text
     assert '4.00 mSv/h to 6.00 mSv/h' in text
     assert 'The evidence is enough: 1 source, placed within 3.0 m (95 %).' in text
     assert 'Not as assumed: the background is uneven; a &lt; b.' in text
+
+
+def test_facts_and_table_tell_a_source_alike(folder):
+    """Its place, its ellipse and its strength are the same words in both."""
+    (_, chances), (name, fact) = estimate_facts(estimates())
+    assert (name, chances) == ('Source 1', '0: 0 %, 1: 99 %, 2: 1 %')
+    page = dose_section(folder, LocalFrame(ORIGIN), estimates())
+    words = '5.00 mSv/h (4.00 mSv/h to 6.00 mSv/h)', '3 × 2 m'
+    assert all(part in plain(fact) and part in plain(page) for part in words)
+    assert fact.startswith(latitude_longitude(MAP_ORIGIN.latitude_deg, MAP_ORIGIN.longitude_deg))
+
+
+def plain(text):
+    """Return text with plain spaces."""
+    return text.replace('\u202f', ' ').replace('\xa0', ' ')
 
 
 def test_without_a_map_there_is_no_section(folder, tmp_path):

@@ -23,6 +23,7 @@ from rocsafe_orchestrator.report.map_view import legend
 from rocsafe_orchestrator.report.markup import Content, Markup, element, join, number
 from rocsafe_orchestrator.report.palette import DoseScale, ramp_colour, scale_of
 from rocsafe_orchestrator.report.pictures import map_xy
+from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
 
 DOSE_MAP, CORDONS = 'dose_map.tif', 'cordons.geojson'
 MEAN_BAND, STD_BAND, UPPER_BAND = 1, 2, 3
@@ -238,30 +239,16 @@ def _table(title: str, heads: Sequence[str], rows: Sequence[Sequence[Content]]) 
 
 
 def _source_rows(sources: Sequence[SourceEstimate]) -> list[list[Content]]:
-    rows: list[list[Content]] = []
-    for index, source in enumerate(sources, 1):
-        low, mean, high = (
-            formats.spaced(formats.dose_rate(rate))
-            for rate in (
-                source.dose_rate_at_1m_95_usvh[0],
-                source.dose_rate_at_1m_usvh,
-                source.dose_rate_at_1m_95_usvh[1],
-            )
-        )
-        place = formats.latitude_longitude(
-            source.position.latitude_deg, source.position.longitude_deg
-        )
-        long_m, short_m = source.ellipse_95_m
-        rows.append(
-            [
-                f'{index}',
-                place,
-                f'{long_m:.2g} × {short_m:.2g}{formats.GAP}m',
-                f'{mean} ({low} to {high})',
-                f'{source.log_likelihood_ratio:.4g} nats',
-            ]
-        )
-    return rows
+    return [
+        [
+            f'{index}',
+            place_of(source),
+            half_axes_of(source),
+            dose_rate_of(source),
+            f'{source.log_likelihood_ratio:.4g} nats',
+        ]
+        for index, source in enumerate(sources, 1)
+    ]
 
 
 def _cordon_rows(cordons: Sequence[dict[str, Any]]) -> list[list[Content]]:

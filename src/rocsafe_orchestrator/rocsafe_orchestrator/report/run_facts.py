@@ -9,6 +9,7 @@ from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.markup import Content, element
+from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
 from rocsafe_orchestrator.scenario.scenario import Scenario
 
@@ -91,25 +92,8 @@ def estimate_facts(found: SourceEstimates) -> list[tuple[str, Content]]:
     )
     rows: list[tuple[str, Content]] = [('Probability of 0, 1, ... sources', chances)]
     for number, source in enumerate(found.sources, 1):
-        place = formats.latitude_longitude(
-            source.position.latitude_deg, source.position.longitude_deg
-        )
-        low, mean, high = (
-            formats.spaced(formats.dose_rate(rate))
-            for rate in (
-                source.dose_rate_at_1m_95_usvh[0],
-                source.dose_rate_at_1m_usvh,
-                source.dose_rate_at_1m_95_usvh[1],
-            )
-        )
-        long_m, short_m = source.ellipse_95_m
-        extent = f'within {long_m:.2g} x {short_m:.2g}{formats.GAP}m (95 %)'
-        rows.append(
-            (
-                f'Source {number}',
-                f'{place}, {extent}; {mean} at 1{formats.GAP}m ({low} to {high})',
-            )
-        )
+        where = f'{place_of(source)}, within {half_axes_of(source)} (95 %)'
+        rows.append((f'Source {number}', f'{where}; {dose_rate_of(source)} at 1{formats.GAP}m'))
     return rows
 
 
