@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A participant works once a step, reports it, and repeats what got lost."""
 
+from types import SimpleNamespace
+
 import pytest
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -17,9 +19,19 @@ DEADLINE_S = 5.0
 @pytest.fixture
 def table(ros):
     """A world's side of the lock-step and one participant that counts its steps."""
-    world = Node('world', context=ros.context)
-    drone = Node('drone', context=ros.context)
-    table = type('Table', (), {'steps': [], 'reports': [], 'idle_from_ns': 10**18})()
+    yield from lockstep_of(ros)
+
+
+@pytest.fixture
+def late(ros):
+    """The same with a participant that does not hear everybody yet."""
+    yield from lockstep_of(ros, is_ready=False)
+
+
+def lockstep_of(ros, *, is_ready=True):
+    """Yield a world's side, and a participant whose idleness and readiness can be set."""
+    world, drone = (Node(name, context=ros.context) for name in ('world', 'drone'))
+    table = SimpleNamespace(steps=[], reports=[], idle_from_ns=10**18, is_ready=is_ready)
     table.clock = topics.create_publisher(world, topics.CLOCK)
     topics.create_subscription(world, topics.STEP_DONE, table.reports.append)
 
@@ -27,7 +39,7 @@ def table(ros):
         table.steps.append(time_ns)
         return time_ns >= table.idle_from_ns
 
-    table.participant = Participant(drone, 'drone', on_step)
+    table.participant = Participant(drone, 'drone', on_step, lambda: table.is_ready)
     for node in (world, drone):
         ros.executor.add_node(node)
     ros.spin_until(lambda: table.clock.get_subscription_count() >= 1, DEADLINE_S)
@@ -37,21 +49,9 @@ def table(ros):
         node.destroy_node()
 
 
-@pytest.fixture
-def late(ros):
-    """A world's side, and a participant that does not hear everybody yet."""
-    world, drone = (Node(name, context=ros.context) for name in ('world', 'drone'))
-    late = type('Late', (), {'reports': [], 'is_ready': False})()
-    late.clock = topics.create_publisher(world, topics.CLOCK)
-    topics.create_subscription(world, topics.STEP_DONE, late.reports.append)
-    late.participant = Participant(drone, 'drone', lambda _ns: False, lambda: late.is_ready)
-    for node in (world, drone):
-        ros.executor.add_node(node)
-    ros.spin_until(lambda: late.clock.get_subscription_count() >= 1, DEADLINE_S)
-    yield late
-    for node in (world, drone):
-        ros.executor.remove_node(node)
-        node.destroy_node()
+def tick(table, time_ns):
+    """Publish a time."""
+    table.clock.publish(Clock(clock=stamp_of_ns(time_ns)))
 
 
 def repetitions(late, monkeypatch):
@@ -83,11 +83,6 @@ def test_nobody_is_waited_for_without_end(ros, late, monkeypatch):
     tick(late, STEP_NS)
     ros.spin_until(lambda: late.reports, DEADLINE_S)
     assert len(seen) == 4
-
-
-def tick(table, time_ns):
-    """Publish a time."""
-    table.clock.publish(Clock(clock=stamp_of_ns(time_ns)))
 
 
 def test_each_step_is_worked_once_and_reported(ros, table):
