@@ -40,7 +40,7 @@ def seconds(text: str) -> float:
     return _number(text, 0.0, 86_400.0, ' s')
 
 
-def fraction(text: str) -> float:
+def overlap(text: str) -> float:
     """Return an overlap; an error names value and limits."""
     return _number(text, 0.0, 0.95, '')
 

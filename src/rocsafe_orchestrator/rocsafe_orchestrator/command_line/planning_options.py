@@ -8,9 +8,9 @@ from typing import Any
 from rocsafe_orchestrator.command_line.numbers import (
     budget,
     count,
-    fraction,
     height,
     metres,
+    overlap,
     seconds,
     seed,
     vehicle_speed,
@@ -68,12 +68,12 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'help': "where all take off and land (default: the region's first corner)",
     },
     'overlap': {
-        'type': fraction,
+        'type': overlap,
         'metavar': 'Y',
         'help': 'of neighbouring photographs, 0 to 0.95 (default: 0.2)',
     },
     'front-overlap': {
-        'type': fraction,
+        'type': overlap,
         'metavar': 'Y',
         'help': 'of those that follow each other in the direction of flight (default: the same)',
     },
@@ -144,7 +144,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'help': 'a place to photograph too; may be repeated',
     },
 }
-_SHORT = {'drones': ('--vehicles',)}
+_ALIASES = {'drones': ('--vehicles',)}
 
 
 def add_options(parser: argparse._ActionsContainer, *names: str) -> None:
@@ -158,6 +158,5 @@ def add_options(parser: argparse._ActionsContainer, *names: str) -> None:
         Of the options, without dashes.
     """
     for name in names:
-        parser.add_argument(
-            f'--{name}', *_SHORT.get(name, ()), dest=name.replace('-', '_'), **_OPTIONS[name]
-        )
+        flags = (f'--{name}', *_ALIASES.get(name, ()))
+        parser.add_argument(*flags, dest=name.replace('-', '_'), **_OPTIONS[name])

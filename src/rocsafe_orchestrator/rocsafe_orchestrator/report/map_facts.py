@@ -32,9 +32,9 @@ def map_facts(folder: Path) -> Facts:
         ('Placed by features', '' if total is None or by_features is None
          else f'{by_features:.0f} of {total:.0f} photographs'),
         ('Georeferenced', _georeferenced(document)),
-        ('Stated error, RMS', _length(_part(document, 'stated_error_m'), 'rms')),
-        ('Held-out ties, median', _pixels(ties, 'median')),
-        ('Fixes off the map, RMS', _length(fixes, 'horizontal_rmse_m')),
+        ('Stated error, RMS', _quantity(_part(document, 'stated_error_m'), 'rms', 'm')),
+        ('Held-out ties, median', _quantity(ties, 'median', 'px')),
+        ('Fixes off the map, RMS', _quantity(fixes, 'horizontal_rmse_m', 'm')),
         (f'Shown of the {coverage.get("of", "region")}',
          formats.percent(_number(coverage, 'share'))),
         ('Largest hole', '' if hole is None else formats.area(hole) if hole else 'none'),
@@ -60,15 +60,11 @@ def _part(document: dict[str, Any], name: str) -> dict[str, Any]:
 
 def _number(part: dict[str, Any], name: str) -> float | None:
     value = part.get(name)
-    is_number = isinstance(value, (int, float)) and math.isfinite(value)
-    return float(value) if is_number else None  # type: ignore[arg-type]
+    if isinstance(value, (int, float)) and math.isfinite(value):
+        return float(value)
+    return None
 
 
-def _length(part: dict[str, Any], name: str) -> str:
+def _quantity(part: dict[str, Any], name: str, unit: str) -> str:
     value = _number(part, name)
-    return '' if value is None else f'{formats.figures(value, 2)}{formats.GAP}m'
-
-
-def _pixels(part: dict[str, Any], name: str) -> str:
-    value = _number(part, name)
-    return '' if value is None else f'{formats.figures(value, 2)}{formats.GAP}px'
+    return '' if value is None else f'{formats.figures(value, 2)}{formats.GAP}{unit}'
