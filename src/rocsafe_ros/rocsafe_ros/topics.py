@@ -244,48 +244,8 @@ STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
 DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health of the nodes')
 
-TOPICS: tuple[TopicSpec, ...] = (
-    FIX,
-    GROUND_TRUTH_FIX,
-    VELOCITY,
-    ODOM,
-    BATTERY_STATE,
-    STATE,
-    RADIATION,
-    DOSE_RATE,
-    ACCUMULATED_DOSE,
-    DOSE_ALARM,
-    CAMERA_IMAGE,
-    CAMERA_IMAGE_COMPRESSED,
-    CAMERA_INFO,
-    CAMERA_DEPTH,
-    CAMERA_LABELS,
-    CAMERA_LABEL_TABLE,
-    CAMERA_POSE,
-    GIMBAL_COMMAND,
-    GIMBAL_STATE,
-    SHOT,
-    PATH,
-    ROUTE_MARKERS,
-    REL_ALT,
-    HEADING,
-    HOME,
-    PREDICTED_FIX,
-    EVENTS,
-    REGION,
-    PLAN,
-    MISSION_STATE,
-    RECEIPTS,
-    HAZARD_SOURCES,
-    DOSE_MAP,
-    CORDONS,
-    BELIEF_MAP,
-    MOSAIC,
-    SCENE_MARKERS,
-    STEP_DONE,
-    CLOCK,
-    DIAGNOSTICS,
-)
+TOPICS = tuple(value for value in tuple(globals().values()) if isinstance(value, TopicSpec))
+"""All of the above, in their order."""
 
 
 def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> CallSpec:
@@ -316,23 +276,8 @@ SUGGEST_VIEWPOINTS = _call(
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
-CALLS: tuple[CallSpec, ...] = (
-    FLY_ROUTE,
-    HOLD,
-    RESUME,
-    RETURN_HOME,
-    LAND,
-    PREFLIGHT,
-    GO_TO,
-    SET_SPEED,
-    PUSH_FENCE,
-    PUSH_RALLY,
-    PLAN_SURVEY,
-    QUERY_FIELD,
-    SUGGEST_VIEWPOINTS,
-    WORLD_RUN,
-    SAVE_MOSAIC,
-)
+CALLS = tuple(value for value in tuple(globals().values()) if isinstance(value, CallSpec))
+"""All of the above, in their order."""
 
 
 def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
