@@ -52,7 +52,7 @@ from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.handover import Handover, hand_over
 from rocsafe_mapping.label_images import LABELS
-from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.live import TILES_S, LiveMap
 from rocsafe_mapping.map_command import Stopwatch
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker, MapOptions
 from rocsafe_mapping.photograph_files import photographs_of
@@ -64,8 +64,6 @@ from rocsafe_mapping.store import ImageStore, Status
 Row = tuple[str, str, str]
 Shot = tuple[ShotRecord, bytes]
 SET = 'set.pickle'
-# Between two rounds of tiles, as the node has it.
-TILES_S = 4.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ import pytest
 from rocsafe_orchestrator.cli import main
 from rocsafe_orchestrator.command_line import plan_command
 from rocsafe_orchestrator.command_line.plan_command import planner_request
-from rocsafe_orchestrator.command_line.plan_tables import _separation_remark
+from rocsafe_orchestrator.command_line.plan_tables import separation_remark
 from rocsafe_orchestrator.errors import EXIT_FAILED, EXIT_USAGE, OrchestratorError
 
 CORNERS = ([-9.07, 53.28], [-9.069, 53.28], [-9.069, 53.281])
@@ -99,6 +99,6 @@ def test_a_home_off_the_globe_is_one_line(
 
 def test_vehicles_nearer_than_asked_are_told() -> None:
     """Who is in the air already cannot wait on the ground: the table says so."""
-    assert _separation_remark(2.7, 12.0) == ': NEARER than the 12 m asked for'
-    assert not _separation_remark(12.0, 12.0)
-    assert '--separation' in _separation_remark(2.7, 0.0)
+    assert separation_remark(2.7, 12.0) == ': NEARER than the 12 m asked for'
+    assert not separation_remark(12.0, 12.0)
+    assert '--separation' in separation_remark(2.7, 0.0)

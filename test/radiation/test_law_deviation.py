@@ -72,8 +72,9 @@ def test_a_misfit_widens_ellipses_and_is_told(monkeypatch):
         'rocsafe_radiation.localization.search',
         lambda *given: order_search.search(given[0], given[1], 1),
     )
-    for names in ('NUISANCES', 'SHADES', 'WALLS'):
-        monkeypatch.setattr(order_search, names, order_search.NUISANCES[:1] * (names[0] == 'N'))
+    monkeypatch.setattr(order_search, 'NUISANCES', order_search.NUISANCES[:1])
+    monkeypatch.setattr(order_search, 'SHADES', ())
+    monkeypatch.setattr(order_search, 'WALLS', ())
     known, found = localize(readings, LOSSLESS), localize(rough, LOSSLESS)
     assert known.doubts == ()
     assert found.dispersion > 3.0

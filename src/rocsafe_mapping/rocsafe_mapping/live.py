@@ -26,6 +26,8 @@ GROWTH = 1.5
 FEWEST = 6
 # A photograph is drawn anew when a corner of it moved by so many pixels, its own or the map's.
 LEAST_MOVE_PX = 0.5
+# Between two rounds of drawing the tiles that changed, for those who look at them over the web.
+TILES_S = 4.0
 
 
 class LiveMap:

@@ -16,7 +16,7 @@ from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
 from rocsafe_mapping.handover import hand_over
-from rocsafe_mapping.live import LiveMap
+from rocsafe_mapping.live import TILES_S, LiveMap
 from rocsafe_mapping.map_conversions import mosaic_message
 from rocsafe_mapping.map_files import TILES, files_after, files_before, handover_of
 from rocsafe_mapping.mapmaker import MapOptions
@@ -30,8 +30,6 @@ from rocsafe_ros.run import run
 PAUSE_S = 0.001
 # Between two previews while photographs come.
 PREVIEW_S = 0.5
-# Between two rounds of drawing the tiles that changed, for those who look at them over the web.
-TILES_S = 4.0
 
 
 class MosaicNode(Node):

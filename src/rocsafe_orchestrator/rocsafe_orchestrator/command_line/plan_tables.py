@@ -35,11 +35,11 @@ def quality_table(path: Path, document: dict[str, Any]) -> Table:
     nearest = document['minimum_separation_m']
     if nearest is not None:
         text = f'{nearest:.1f} m between two vehicles in the air'
-        table.add_row('nearest', text + _separation_remark(nearest, document['separation_m']))
+        table.add_row('nearest', text + separation_remark(nearest, document['separation_m']))
     return table
 
 
-def _separation_remark(nearest_m: float, asked_m: float) -> str:
+def separation_remark(nearest_m: float, asked_m: float) -> str:
     """Return how to keep vehicles apart, or that some begin too near to be kept so."""
     if not asked_m:
         return '; --separation M keeps them apart'
