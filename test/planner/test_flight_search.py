@@ -2,17 +2,21 @@
 """Flights between battery swaps: what each may take, and routes made of them."""
 
 import dataclasses
+import math
 
 import pytest
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.flight_search import caps_within, full_caps, may_search, time_of_flights
+from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.optimising import Effort, optimised
+from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.sorties import sorties
-from rocsafe_planner.swap_search import finish_s, optimised_with_swaps
+from rocsafe_planner.survey_site import survey_site
+from rocsafe_planner.swap_search import finish_s, objective_value, optimised_with_swaps
 from rocsafe_planner.vehicle import Aloft
 
-from .fleets import problem, vehicle
+from .fleets import FLEET, problem, request, vehicle
 
 HERE = GeoPosition(53.28, -9.07, 12.0)
 FIELD = [(120.0 + 20.0 * x, 20.0 * y) for x in range(8) for y in range(5)]
@@ -77,6 +81,30 @@ def test_flights_keep_to_their_batteries(swapped):
         flights = sorties(place, k, order)
         assert [i for flight in flights for i in flight] == order
         assert all(0.0 < place.duration_s(k, flight) <= 100.0 for flight in flights)
+
+
+@pytest.mark.parametrize('objective', ['total_distance', 'energy'])
+def test_other_objectives_count_the_flights_too(objective):
+    """Routes that are cut afterwards cost more, whatever is added up."""
+    place, effort = world(endurance_s=100.0), Effort(objective=objective, proposals=8_000)
+    plain = optimised(place, effort).orders
+    orders = optimised_with_swaps(place, effort, lambda _value, _bound: True).orders
+    values = [objective_value(place, each, objective) for each in (orders, plain)]
+    assert sorted(i for order in orders for i in order) == list(range(len(FIELD)))
+    assert values[0] < 0.995 * values[1] < math.inf
+
+
+def test_values_of_objectives_are_those_of_the_plan():
+    """Flights, changes of batteries and stands: counted once, in search and plan alike."""
+    fleet = tuple(dataclasses.replace(v, endurance_s=230.0, battery_swap_s=60.0) for v in FLEET)
+    wish = request(vehicles=fleet, method='nearest_to_shortest')
+    plan, place = plan_survey(wish), survey_site(wish).problem
+    orders = [[view.id for view in route.viewpoints] for route in plan.routes]
+    assert max(len(route.sorties) for route in plan.routes) > 1
+    for objective, stated in OBJECTIVE_VALUES.items():
+        value = objective_value(place, orders, objective)
+        unit = 3600.0 if objective == 'energy' else 1.0
+        assert value / unit == pytest.approx(stated(plan))
 
 
 def test_without_need_nothing_else_is_searched():

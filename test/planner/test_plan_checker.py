@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.position import offset
 from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
@@ -85,3 +86,29 @@ def test_an_exhausted_battery_is_found():
     route = dataclasses.replace(ROUTE, vehicle=weak)
     plan = dataclasses.replace(PLAN, routes=(route, *PLAN.routes[1:]))
     assert 'too long for its battery' in ' '.join(check_plan(plan))
+
+
+def test_a_viewpoint_beyond_a_sharp_corner_may_be_left_out():
+    """Legs keep to a zone widened with pointed corners: what lies in such a point is shut off."""
+    here = PLAN.routes[0].viewpoints[3]
+    ring = tuple(
+        offset(here.position, e, n - 24.0)  # two clearances beyond a corner of 40 degrees
+        for e, n in ((0.0, 0.0), (-9.0, -25.0), (9.0, -25.0))
+    )
+    views = tuple(view for route in PLAN.routes for view in route.viewpoints)
+    wish = request(exclusions=(SurveyArea(ring),), clearance_m=10.0, viewpoints=views)
+    plan = plan_survey(wish)
+    assert here.id not in {view.id for route in plan.routes for view in route.viewpoints}
+    assert check_plan(plan) == []
+
+
+def test_a_leg_along_a_long_edge_is_beside_it():
+    """Without a clearance legs follow edges; planes that differ by millimetres are no fault."""
+    home = FLEET[0].home
+    low, high = (offset(home, 15.0, n) for n in (-2000.0, 2000.0))
+    wall = SurveyArea((low, high, offset(high, 9.0, 0.0), offset(low, 9.0, 0.0)))
+    fleet = (dataclasses.replace(FLEET[0], home=offset(low, -0.01, 0.0)), FLEET[1])
+    plan = plan_survey(
+        request(vehicles=fleet, exclusions=(wall,), clearance_m=0.0, method='strips')
+    )
+    assert check_plan(plan) == []

@@ -17,6 +17,7 @@ from rocsafe_planner.routing import nearest_to_shortest
 from rocsafe_planner.separation import TOLERANCE_M, delays_apart, minimum_separation_m
 from rocsafe_planner.sorties import sorties
 from rocsafe_planner.survey_site import survey_site
+from rocsafe_planner.vehicle import Aloft
 
 from .fleets import FLEET, problem, request, vehicle
 
@@ -57,6 +58,29 @@ def test_a_point_out_of_reach_is_refused():
     lone = problem(ROW, [(0.0, 0.0)], (vehicle(endurance_s=90.0),))
     with pytest.raises(BeyondEnduranceError, match='8 viewpoints: its endurance_s is 90 s'):
         sorties(lone, 0, list(range(8)))
+
+
+def test_who_cannot_get_home_is_refused():
+    """In the air with 20 s left it reaches neither its home nor a viewpoint and home."""
+    spent = vehicle(
+        endurance_s=300.0,
+        battery_swap_s=30.0,
+        aloft=Aloft(position=FLEET[0].home, used_s=280.0),
+    )
+    world = dataclasses.replace(swapper(300.0), vehicles=(spent,), starts=np.array([[500.0, 0.0]]))
+    with pytest.raises(BeyondEnduranceError, match=r'endurance_s is 300 s, 20 s of it left$'):
+        sorties(world, 0, list(range(8)))
+
+
+def test_a_viewpoint_out_of_reach_is_named_as_users_know_it():
+    """By the id that was given to it, and its place."""
+    weak = tuple(dataclasses.replace(v, endurance_s=60.0, battery_swap_s=9.0) for v in FLEET)
+    plan = plan_survey(request())
+    some = tuple(view for view in plan.routes[0].viewpoints if view.id > 20)
+    with pytest.raises(BeyondEnduranceError) as caught:
+        plan_survey(request(vehicles=weak, viewpoints=some))
+    known = {f'viewpoint {v.id} at {v.position.latitude_deg:.6f}' for v in some}
+    assert any(name in str(caught.value) for name in known)
 
 
 def test_a_plan_with_swaps_is_valid():

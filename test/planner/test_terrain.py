@@ -10,11 +10,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import offset
 from rocsafe_geo.relief import Relief
 from rocsafe_geo.terrain import TerrainError
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.vehicle import Aloft
 
 from .fleets import FLEET, request, vehicle
 from .surveys import surveys
@@ -142,6 +144,31 @@ def test_legs_over_random_ground_are_clear(seed):
             cells = np.rint(line[:, :2] / 5.0).astype(int)
             ground = tops[cells[:, 1].clip(0, 59), cells[:, 0].clip(0, 79)]
             assert (line[:, 2] >= ground + 3.0 - 1e-6).all()
+
+
+def aloft_over_slope(altitude_m):
+    """Return a request for a yard of 40 m, and one vehicle in the air over ground 12 m high."""
+    yard = tuple(offset(CENTRE, 100.0 + e, n) for e, n in ((0, 0), (40, 0), (40, 40), (0, 40)))
+    here = dataclasses.replace(offset(CENTRE, 120.0, -20.0), altitude_m=altitude_m)
+    lone = dataclasses.replace(
+        FLEET[0], home=offset(CENTRE, 60.0, 0.0), aloft=Aloft(position=here)
+    )
+    return request(area=SurveyArea(yard), terrain=SLOPE, vehicles=(lone,), method='strips')
+
+
+@pytest.mark.parametrize('altitude_m', [13.0, 3.0, 90.0])
+def test_who_is_near_the_ground_may_leave_it(altitude_m):
+    """Just after its take-off it is nearer than the clearance, or so it seems: it climbs.
+
+    The homes know no altitude: the terrain's is that of all.
+    """
+    assert check_plan(plan_survey(aloft_over_slope(altitude_m))) == []
+
+
+def test_who_is_deep_in_the_ground_is_refused():
+    """By more than the clearance neither terrain nor place can be meant."""
+    with pytest.raises(ValueError, match=r'rav1 is in the air 15\.\d m below the terrain: must'):
+        plan_survey(aloft_over_slope(-3.0))
 
 
 def test_a_file_is_read(tmp_path):

@@ -9,7 +9,7 @@ already begins where it is, and lands in any case.
 Sites are numbered: the n points, then the starts of the m vehicles, their ends, their homes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -61,9 +61,11 @@ class FleetProblem:
     detours
         Shortest paths among all sites; None: legs are straight.
     may_visit
-        Which vehicle has the sensors for which point, shape (m, n); None: each for all.
+        Which vehicle has the sensors for which point, (m, n); None: each for all.
     grid_rad
         Direction of the rows that the points lie in, if they do: 0 = east, anticlockwise.
+    name_of
+        Tells a person which point is meant.
     """
 
     vehicles: tuple[Vehicle, ...]
@@ -81,6 +83,7 @@ class FleetProblem:
     detours: Detours | None = None
     may_visit: BoolArray | None = None
     grid_rad: float = 0.0
+    name_of: Callable[[int], str] = 'viewpoint {}'.format
     _airs: dict[tuple[FlightTime, float], Air] = field(
         default_factory=dict, init=False, repr=False
     )

@@ -81,10 +81,13 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     terrain, frame = plan.request.terrain, frame_of(plan)
     track = plane_of(frame, way(route, number))
     share = np.linspace(0.0, 1.0, 41)[:, None]
-    for (a, b), (low, high) in zip(pairwise(track), pairwise(ups), strict=True):
+    limit = plan.request.terrain_clearance_m
+    for leg, ((a, b), (low, high)) in enumerate(zip(pairwise(track), pairwise(ups), strict=True)):
         geodetic = frame.to_geodetic(np.column_stack([a + share * (b - a), np.zeros(len(share))]))
         ground = terrain.altitudes_m(geodetic[:, 0], geodetic[:, 1]) + terrain_shift_m(plan)
-        free = float((low + share[:, 0] * (high - low) - ground).min())
-        if free < plan.request.terrain_clearance_m - ABSOLUTE_M:
-            yield f'comes within {free} m of the terrain'
+        free = low + share[:, 0] * (high - low) - ground
+        is_begun = leg == 0 and number == 0 and route.vehicle.aloft is not None
+        least = min(limit, float(free[0])) if is_begun else limit
+        if free.min() < least - ABSOLUTE_M:
+            yield f'comes within {free.min()} m of the terrain'
             return

@@ -7,12 +7,13 @@ least sum tells how few flights do; then vehicles are given so much time each th
 fits in, and more where that was too little.
 """
 
+import dataclasses
 from dataclasses import dataclass
 from itertools import chain
 
 from rocsafe_planner.fleet_problem import FleetProblem, Order
 from rocsafe_planner.flight_time import turn_s
-from rocsafe_planner.routing_task import LegTable, rest_s
+from rocsafe_planner.routing_task import LegTable, idle_cost, priced, rest_s
 from rocsafe_planner.solver import RoutingProblem, SearchOptions, solve
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 from rocsafe_planner.sorties import sorties
@@ -30,6 +31,16 @@ class Flight:
 
     vehicle: int
     points: Order
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slot:
+    """Flight `number` of those that a vehicle may make, and the longest that it may take."""
+
+    vehicle: int
+    number: int
+    of: int
+    cap_s: float
 
 
 def may_search(problem: FleetProblem) -> bool:
@@ -92,23 +103,30 @@ def time_of_flights(problem: FleetProblem, count: int) -> float:
 
 
 def searched(
-    problem: FleetProblem, caps: Caps, known: list[Flight], options: SearchOptions
+    problem: FleetProblem,
+    caps: Caps,
+    known: list[Flight],
+    options: SearchOptions,
+    objective: str = 'longest_time',
 ) -> list[Order]:
-    """Return the points of each vehicle, flight after flight, with the least sum of times."""
+    """Return the points of each vehicle, flight after flight, with the least sum of costs.
+
+    They are those that an objective of `request.OBJECTIVES` counts: times, lengths or energy.
+    """
     owners = [k for k, own in enumerate(caps) for _ in own]
     start = _dealt(problem, caps, known)
-    found = solve(_task(problem, caps), options, starts=[start])
+    found = solve(_task(problem, caps, objective), options, starts=[start])
     return [
         list(chain.from_iterable(r for r, k in zip(found.routes, owners, strict=True) if k == one))
         for one in range(len(caps))
     ]
 
 
-def _task(problem: FleetProblem, caps: Caps) -> RoutingProblem:
+def _task(problem: FleetProblem, caps: Caps, objective: str) -> RoutingProblem:
     table = LegTable(problem)
     owners = [k for k, own in enumerate(caps) for _ in own]
     vehicles = tuple(
-        _flight(problem, k, table, (number, len(own)), cap)
+        _flight(problem, table, Slot(vehicle=k, number=number, of=len(own), cap_s=cap), objective)
         for k, own in enumerate(caps)
         for number, cap in enumerate(own)
     )
@@ -122,24 +140,26 @@ def _task(problem: FleetProblem, caps: Caps) -> RoutingProblem:
     )
 
 
-def _flight(
-    problem: FleetProblem, vehicle: int, table: LegTable, which: tuple[int, int], cap_s: float
-) -> RoutedVehicle:
-    """Return flight `which[0]` of `which[1]` of a vehicle."""
-    spec, home, legs = problem.vehicles[vehicle], problem.home_site(vehicle), table.time(vehicle)
-    is_first, is_last = which[0] == 0, which[0] == which[1] - 1
-    fixed_s = problem.first_fixed_s(vehicle) if is_first else problem.fixed_s(vehicle)
-    fixed_s += rest_s(spec, table.legs[legs]) if is_last else 0.0
+def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) -> RoutedVehicle:
+    """Return a flight as a vehicle of its own."""
+    vehicle, home = slot.vehicle, problem.home_site(slot.vehicle)
+    is_first, is_last = slot.number == 0, slot.number == slot.of - 1
+    spec = problem.vehicles[vehicle]
+    spec = spec if is_last else dataclasses.replace(spec, is_open=False, end=None)
+    climb_s = problem.first_fixed_s(vehicle) if is_first else problem.fixed_s(vehicle)
+    legs, fixed = priced(spec, vehicle, table, objective, climb_s)
+    swap_s = 0.0 if is_last or not objective.endswith('time') else spec.battery_swap_s or 0.0
+    time = table.time(vehicle)
     flight = problem.flight(vehicle)
     slack_s = 2.0 * turn_s(flight.performance) if flight.passes else 0.0
     return RoutedVehicle(
         start=problem.start_site(vehicle) if is_first else home,
         end=problem.end_site(vehicle) if is_last else home,
         legs=legs,
-        fixed_cost=fixed_s + (0.0 if is_last else spec.battery_swap_s or 0.0),
-        idle_cost=problem.duration_s(vehicle, []) if is_first else 0.0,
-        limit=max(0.0, cap_s - fixed_s - slack_s),
-        limit_legs=legs,
+        fixed_cost=fixed + swap_s,
+        idle_cost=idle_cost(problem, vehicle, objective) if is_first else 0.0,
+        limit=max(0.0, slot.cap_s - climb_s - rest_s(spec, table.legs[time]) - slack_s),
+        limit_legs=time,
     )
 
 

@@ -48,10 +48,10 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
 def _shut_off(plan: SurveyPlan) -> set[int]:
     """Return given viewpoints in exclusions, or within the clearance of one."""
     frame = frame_of(plan)
-    zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
+    closed = _closed(plan, shapely.union_all([z.polygon(frame) for z in plan.request.exclusions]))
     views = plan.request.viewpoints
     places = shapely.points(plane_of(frame, tuple(view.position for view in views)))
-    near = shapely.distance(places, zones) < plan.request.clearance_m + ABSOLUTE_M
+    near = shapely.distance(places, closed) < ABSOLUTE_M
     missing = {view.id for view in views} - {v.id for r in plan.routes for v in r.viewpoints}
     return {view.id for view, is_near in zip(views, near, strict=True) if is_near} & missing
 
@@ -99,6 +99,8 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
     """Yield legs and viewpoints nearer to exclusions than the clearance."""
     frame = frame_of(plan)
     zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
+    # Long edges lie otherwise in another plane: by millimetres.
+    core = shapely.buffer(zones, -ABSOLUTE_M)
     for route, number in _flights(plan):
         track = way(route, number)
         legs = list(pairwise(track))
@@ -111,7 +113,7 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
             if shapely.distance(line, zones) < plan.request.clearance_m - ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies nearer to an exclusion than the clearance'
                 return
-            inside = shapely.length(shapely.intersection(line, zones))
+            inside = shapely.length(shapely.intersection(line, core))
             if inside > ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies {inside:.1f} m over an exclusion'
                 return
@@ -125,9 +127,13 @@ def _leaves(
     clearance_m = plan.request.clearance_m
     if shapely.distance(here, zones) >= clearance_m - ABSOLUTE_M:
         return False
-    closed = shapely.buffer(zones, clearance_m, join_style='mitre')
-    shortest_m = shapely.distance(here, shapely.boundary(closed))
+    shortest_m = shapely.distance(here, shapely.boundary(_closed(plan, zones)))
     return bool(shapely.distance(here, there) <= shortest_m + ABSOLUTE_M)
+
+
+def _closed(plan: SurveyPlan, zones: shapely.Geometry) -> shapely.Geometry:
+    """Return where nobody may be: nearer than the clearance, and beyond corners up to a point."""
+    return shapely.buffer(zones, plan.request.clearance_m, join_style='mitre')
 
 
 def _flights(plan: SurveyPlan) -> Iterator[tuple[Route, int]]:

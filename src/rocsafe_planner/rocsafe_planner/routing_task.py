@@ -146,23 +146,29 @@ def _vehicle(
 ) -> RoutedVehicle:
     spec, climb_s = problem.vehicles[vehicle], problem.first_fixed_s(vehicle)
     time = table.time(vehicle)
-    left_s = rest_s(spec, table.legs[time])
-    legs, fixed = {
-        'longest_time': lambda: (time, climb_s + left_s),
-        'total_time': lambda: (time, climb_s + left_s),
-        'longest_distance': lambda: (table.length(), 0.0),
-        'total_distance': lambda: (table.length(), 0.0),
-        'energy': lambda: (table.energy(vehicle), _fixed_energy_ws(spec, climb_s)),
-    }[objective]()
+    legs, fixed = priced(spec, vehicle, table, objective, climb_s)
     return RoutedVehicle(
         start=problem.start_site(vehicle),
         end=problem.end_site(vehicle),
         legs=legs,
         fixed_cost=fixed,
-        idle_cost=_idle_cost(problem, vehicle, objective),
-        limit=_limit_s(spec, climb_s + left_s),
+        idle_cost=idle_cost(problem, vehicle, objective),
+        limit=_limit_s(spec, climb_s + rest_s(spec, table.legs[time])),
         limit_legs=time,
     )
+
+
+def priced(
+    spec: Vehicle, vehicle: int, table: LegTable, objective: str, climb_s: float
+) -> tuple[int, float]:
+    """Return the legs that an objective counts, and what a flight of `climb_s` costs besides."""
+    if objective.endswith('distance'):
+        return table.length(), 0.0
+    legs = table.energy(vehicle) if objective == 'energy' else table.time(vehicle)
+    left_s = rest_s(spec, table.legs[legs])
+    if objective == 'energy':
+        return legs, climb_s * spec.cruise_power_w + left_s * spec.hover_power_w
+    return legs, climb_s + left_s
 
 
 def rest_s(spec: Vehicle, legs: Legs) -> float:
@@ -173,18 +179,12 @@ def rest_s(spec: Vehicle, legs: Legs) -> float:
     return 0.5 * spec.hover_s if spec.is_open and isinstance(legs, MatrixLegs) else 0.0
 
 
-def _idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:
+def idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:
     """Return what a vehicle in the air costs that is to serve nobody: its way down."""
     if objective.endswith('distance'):
         return problem.length_m(vehicle, [])
     power_w = problem.vehicles[vehicle].cruise_power_w if objective == 'energy' else 1.0
     return problem.duration_s(vehicle, []) * power_w
-
-
-def _fixed_energy_ws(spec: Vehicle, climb_s: float) -> float:
-    """Return the energy of climb and descent, and of the half stay that an open route leaves."""
-    rest_s = 0.5 * spec.hover_s if spec.is_open else 0.0
-    return climb_s * spec.cruise_power_w + rest_s * spec.hover_power_w
 
 
 def _limit_s(spec: Vehicle, fixed_s: float) -> float:

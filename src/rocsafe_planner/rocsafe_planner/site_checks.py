@@ -51,6 +51,19 @@ def check_stands(
                 )
 
 
+def check_ups(vehicles: tuple[Vehicle, ...], heights_m: FloatArray, clearance_m: float) -> None:
+    """Raise ValueError if a vehicle in the air, (m,) or NaN, is deep in the ground.
+
+    Down to the clearance it may be an error of the terrain or of the vehicle's place.
+    """
+    for vehicle, height_m in zip(vehicles, heights_m.tolist(), strict=True):
+        if height_m < -clearance_m:
+            raise ValueError(
+                f'{vehicle.name} is in the air {-height_m:.1f} m below the terrain: must be at '
+                f'most terrain_clearance_m, {clearance_m:g} m'
+            )
+
+
 def exits(
     vehicles: tuple[Vehicle, ...], airspace: Airspace, starts: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

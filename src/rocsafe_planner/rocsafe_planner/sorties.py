@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.fleet_problem import FleetProblem, Order
 from rocsafe_planner.flight_time import turn_s
+from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
 
@@ -31,10 +32,8 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     if needed <= spec.first_endurance_s:
         return [order] if problem.flies(vehicle, order) else []
     if spec.battery_swap_s is None or not order:
-        left = '' if spec.aloft is None else f', {spec.first_endurance_s:.0f} s of it left'
         raise BeyondEnduranceError(
-            f'{spec.name} needs {needed:.0f} s for its {len(order)} viewpoints: its endurance_s '
-            f'is {spec.endurance_s:.0f} s{left}'
+            f'{spec.name} needs {needed:.0f} s for its {len(order)} viewpoints: {_battery(spec)}'
         )
     if not problem.flight(vehicle).passes:
         return _parts(problem, vehicle, order)
@@ -50,6 +49,13 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     raise BeyondEnduranceError(
         f'{spec.name} finds no flights within its endurance_s of {spec.endurance_s:.0f} s'
     )
+
+
+def _battery(spec: Vehicle) -> str:
+    """Return what a vehicle's battery lasts for, in words."""
+    left_s = spec.first_endurance_s
+    left = '' if left_s == spec.endurance_s else f', {left_s:.0f} s of it left'
+    return f'its endurance_s is {spec.endurance_s:.0f} s{left}'
 
 
 def _parts(problem: FleetProblem, vehicle: int, order: Order, slack_s: float = 0.0) -> list[Order]:
@@ -74,16 +80,15 @@ def _late_s(problem: FleetProblem, vehicle: int, parts: list[Order]) -> float:
 
 def _from_the_air(order: Order, flights: '_Flights', swap_s: float) -> list[Order]:
     """Return the better of going on from where the vehicle is, and of a new battery first."""
+    if flights.home_s > flights.first_endurance_s:
+        return _cut(order, flights, swap_s)[1]
     try:
         onward = _cut(order, flights, swap_s)
     except BeyondEnduranceError:
         onward = (np.inf, [])
     flights.land_first()
-    home_s = flights.home_s
-    if home_s > flights.first_endurance_s:
-        return onward[1] or _cut(order, flights, swap_s)[1]
     afresh = _cut(order, flights, swap_s)
-    if afresh[0] + home_s + swap_s < onward[0]:
+    if afresh[0] + flights.home_s + swap_s < onward[0]:
         return [[], *afresh[1]]
     return onward[1]
 
@@ -96,6 +101,7 @@ class _Flights:
         home = np.array([problem.home_site(vehicle)])
         start = np.array([problem.start_site(vehicle)])
         self._spec = problem.vehicles[vehicle]
+        self._name_of = problem.name_of
         self._fixed = problem.fixed_s(vehicle)
         self._out = problem.legs_s(vehicle, home, stops)
         first_fixed = problem.first_fixed_s(vehicle)
@@ -141,8 +147,8 @@ class _Flights:
         """Return the error of a viewpoint that even a flight of its own does not reach."""
         needed = float(self.ending_at(position)[position])
         return BeyondEnduranceError(
-            f'{self._spec.name} needs {needed:.0f} s for viewpoint {point} alone: its endurance_s '
-            f'is {self.endurance_s:.0f} s'
+            f'{self._spec.name} needs {needed:.0f} s for {self._name_of(point)} alone: '
+            f'{_battery(self._spec)}'
         )
 
 

@@ -19,7 +19,7 @@ from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.given_viewpoints import given_coverage, places_of
 from rocsafe_planner.plan import Viewpoint
 from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.site_checks import check_distances, check_stands, exits
+from rocsafe_planner.site_checks import check_distances, check_stands, check_ups, exits
 
 FloatArray = NDArray[np.float64]
 
@@ -167,6 +167,7 @@ def _problem_of(
         ground = LocalGround(request.terrain, frame, _references(request))
         corners = sites if detours is None else np.vstack([sites, detours.corners])
         relief = ground.relief(corners, request.terrain_clearance_m)
+        check_ups(vehicles, start_ups - ground.ups_m(starts), request.terrain_clearance_m)
     return FleetProblem(
         vehicles=vehicles,
         homes=homes,
@@ -182,12 +183,25 @@ def _problem_of(
         detours=None if detours is None or detours.is_straight else detours,
         may_visit=_may_visit(request, coverage),
         grid_rad=float(coverage.yaw_rad[0]) - 0.5 * math.pi,
+        name_of=lambda point: _name(request, coverage, frame, point),
     )
+
+
+def _name(request: SurveyRequest, coverage: Coverage, frame: LocalFrame, point: int) -> str:
+    """Return the id of a viewpoint and where it is, in words."""
+    place = coverage.centres[point : point + 1]
+    latitude, longitude = frame.to_geodetic(np.column_stack([place, [[0.0]]]))[0, :2].tolist()
+    return f'viewpoint {_id(request, coverage, point)} at {latitude:.6f}, {longitude:.6f}'
+
+
+def _id(request: SurveyRequest, coverage: Coverage, point: int) -> int:
+    """Return the id of the viewpoint of a point: as given, or its number."""
+    return request.viewpoints[coverage.polygon[point]].id if request.viewpoints else point
 
 
 def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
     """Return how high vehicles in the air are above the frame's origin, NaN where unknown."""
-    if math.isnan(_ground_altitude_m(request)):
+    if request.terrain is None and math.isnan(_ground_altitude_m(request)):
         return np.full(len(request.vehicles), math.nan)
     return np.array(
         [
@@ -240,10 +254,9 @@ def _viewpoints(
     footprints = ground.reshape(count, 4, 3).tolist()
     yaws, owners = coverage.yaw_rad.tolist(), coverage.polygon.tolist()
     needs = needed_sensors(request)
-    ids = [view.id for view in request.viewpoints]
     return tuple(
         Viewpoint(
-            id=ids[owners[point]] if ids else point,
+            id=_id(request, coverage, point),
             position=GeoPosition(*place),
             height_agl_m=request.height_agl_m,
             yaw_rad=yaws[point],

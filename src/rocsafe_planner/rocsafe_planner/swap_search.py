@@ -3,17 +3,18 @@
 
 A search that knows nothing of batteries balances the routes, and every one of them may come to be
 a little too long for its battery. Here routes that batteries last for, and the flights themselves,
-are searched for too; what lands first is taken.
+are searched for too; what lands first is taken, or what has least of another objective.
 """
 
 import dataclasses
+import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from rocsafe_planner.errors import BeyondEnduranceError
-from rocsafe_planner.fleet_problem import FleetProblem, Order
+from rocsafe_planner.fleet_problem import FleetProblem, IndexArray, Order
 from rocsafe_planner.flight_search import (
     Flight,
     caps_within,
@@ -25,6 +26,7 @@ from rocsafe_planner.flight_search import (
 )
 from rocsafe_planner.optimised import Optimised
 from rocsafe_planner.optimising import Effort, Watch, optimised, search_options
+from rocsafe_planner.routing_task import PEAK_OBJECTIVES
 from rocsafe_planner.sorties import sorties
 
 # Of the time: the search that knows nothing of batteries, and each of those that do.
@@ -39,11 +41,10 @@ _CLOSE = 0.99
 
 def optimised_with_swaps(problem: FleetProblem, effort: Effort, watch: Watch) -> Optimised:
     """Return the routes that a search finds, or those of a search for flights, if better."""
-    able = [k for k, v in enumerate(problem.vehicles) if v.battery_swap_s is not None]
-    if not able or effort.objective != 'longest_time':
+    if all(v.battery_swap_s is None for v in problem.vehicles):
         return optimised(problem, effort, watch)
     found = optimised(problem, _part(effort, _FIRST_SHARE), watch)
-    best = _Best(problem, found.orders)
+    best = _Best(problem, found.orders, effort.objective)
     if best.is_without_swaps:
         # What is left of the time; a search that counts proposals has had all of them.
         if effort.budget_s == 0.0:
@@ -52,33 +53,35 @@ def optimised_with_swaps(problem: FleetProblem, effort: Effort, watch: Watch) ->
         best.offer(again.orders)
         bound = max(found, again, key=lambda one: one.bound)
         return dataclasses.replace(bound, orders=best.orders)
-    if watch(best.finish_s, found.bound):
+    if watch(best.value, found.bound):
         best.offer(optimised(_limited(problem, set()), _part(effort, _SHARE)).orders)
     if may_search(problem):
-        _search_flights(problem, effort, best, lambda: watch(best.finish_s, found.bound))
+        _search_flights(problem, effort, best, lambda: watch(best.value, found.bound))
     return dataclasses.replace(found, orders=best.orders)
 
 
 class _Best:
-    """The routes whose last vehicle lands first."""
+    """The routes with the least value of an objective: by default those that are flown first."""
 
-    def __init__(self, problem: FleetProblem, orders: list[Order]) -> None:
-        self._problem = problem
-        self.orders, self.finish_s = orders, finish_s(problem, orders)
+    def __init__(self, problem: FleetProblem, orders: list[Order], objective: str) -> None:
+        self._problem, self._objective = problem, objective
+        self.orders, self.value = orders, objective_value(problem, orders, objective)
 
     def offer(self, orders: list[Order]) -> bool:
         """Take routes if they are better, and return whether they are."""
-        time_s = finish_s(self._problem, orders)
-        if time_s >= self.finish_s:
+        value = objective_value(self._problem, orders, self._objective)
+        if value >= self.value:
             return False
-        self.orders, self.finish_s = orders, time_s
+        self.orders, self.value = orders, value
         return True
 
     @property
     def is_without_swaps(self) -> bool:
         """Whether no battery is changed."""
-        times = [self._problem.duration_s(k, order) for k, order in enumerate(self.orders)]
-        return self.finish_s <= max(times)
+        limits = [vehicle.first_endurance_s for vehicle in self._problem.vehicles]
+        return all(
+            self._problem.duration_s(k, order) <= limits[k] for k, order in enumerate(self.orders)
+        )
 
 
 def _search_flights(
@@ -94,15 +97,17 @@ def _search_flights(
     caps = full_caps(problem, most)
     if not flights or not caps:
         return
-    orders = searched(problem, caps, flights, options)
+    orders = searched(problem, caps, flights, options, effort.objective)
     best.offer(orders)
+    if effort.objective != 'longest_time':
+        return
     low_s = _mean_s(problem, orders)
     flights = _flights(problem, orders) or flights
     target_s = time_of_flights(problem, len(flights))
     for _ in range(_ROUNDS):
-        if not low_s < target_s < best.finish_s:
-            target_s = low_s + _STEP * (best.finish_s - low_s)
-        if not go_on() or low_s >= best.finish_s * _CLOSE:
+        if not low_s < target_s < best.value:
+            target_s = low_s + _STEP * (best.value - low_s)
+        if not go_on() or low_s >= best.value * _CLOSE:
             break
         orders = searched(problem, caps_within(problem, target_s), flights, options)
         best.offer(orders)
@@ -121,7 +126,7 @@ def _flights(problem: FleetProblem, orders: list[Order]) -> list[Flight]:
 def _mean_s(problem: FleetProblem, orders: list[Order]) -> float:
     """Return the mean of the vehicles' times; 0 if one of them cannot be."""
     try:
-        times = [_route_s(problem, k, order) for k, order in enumerate(orders)]
+        times = [_cost(problem, k, order, 'total_time') for k, order in enumerate(orders)]
     except BeyondEnduranceError:
         return 0.0
     return sum(times) / len(times)
@@ -134,25 +139,58 @@ def _part(effort: Effort, share: float) -> Effort:
 
 def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
     """Return when the last vehicle has landed, swaps included; infinite if that cannot be."""
+    return objective_value(problem, orders, 'longest_time')
+
+
+def objective_value(problem: FleetProblem, orders: list[Order], objective: str) -> float:
+    """Return the value of an objective, flights to change batteries included.
+
+    It is in seconds, metres or watt seconds; infinite if a battery is too weak.
+    """
     try:
-        return max(_route_s(problem, k, order) for k, order in enumerate(orders))
+        costs = [_cost(problem, k, order, objective) for k, order in enumerate(orders)]
     except BeyondEnduranceError:
-        return np.inf
+        return math.inf
+    return max(costs) if objective in PEAK_OBJECTIVES else sum(costs)
 
 
-def _route_s(problem: FleetProblem, vehicle: int, order: Order) -> float:
-    flights = sorties(problem, vehicle, order)
+def _cost(problem: FleetProblem, vehicle: int, order: Order, objective: str) -> float:
+    """Return what a vehicle's flights cost."""
+    flights, spec = sorties(problem, vehicle, order), problem.vehicles[vehicle]
+    if objective.endswith('distance'):
+        return _length_m(problem, vehicle, flights)
+    swaps_s = max(0, len(flights) - 1) * (spec.battery_swap_s or 0.0)
+    time_s = _route_s(problem, vehicle, order, flights)
+    if objective == 'energy':
+        hover_s = len(order) * spec.hover_s
+        moving_s = time_s - swaps_s - hover_s
+        return moving_s * spec.cruise_power_w + hover_s * spec.hover_power_w
+    return time_s
+
+
+def _length_m(problem: FleetProblem, vehicle: int, flights: list[Order]) -> float:
+    legs = (problem.legs_m(stops[:-1], stops[1:]) for stops in _stops(problem, vehicle, flights))
+    return (problem.exit_m(vehicle) if flights else 0.0) + float(sum(leg.sum() for leg in legs))
+
+
+def _route_s(problem: FleetProblem, vehicle: int, order: Order, flights: list[Order]) -> float:
     if len(flights) < 2:
         return problem.duration_s(vehicle, order)
-    spec, home = problem.vehicles[vehicle], problem.home_site(vehicle)
+    spec = problem.vehicles[vehicle]
     total = (len(flights) - 1) * (spec.battery_swap_s or 0.0) + len(order) * spec.hover_s
+    total += problem.first_fixed_s(vehicle) + (len(flights) - 1) * problem.fixed_s(vehicle)
+    for stops in _stops(problem, vehicle, flights):
+        total += float(problem.legs_s(vehicle, stops[:-1], stops[1:]).sum())
+    return total
+
+
+def _stops(problem: FleetProblem, vehicle: int, flights: list[Order]) -> Iterator[IndexArray]:
+    """Yield the sites of each flight."""
+    home = problem.home_site(vehicle)
     for number, flight in enumerate(flights):
         start = problem.start_site(vehicle) if number == 0 else home
         end = problem.end_site(vehicle) if number == len(flights) - 1 else home
-        stops = np.array([start, *flight, *([] if end is None else [end])], dtype=np.intp)
-        total += float(problem.legs_s(vehicle, stops[:-1], stops[1:]).sum())
-        total += problem.fixed_s(vehicle) if number else problem.first_fixed_s(vehicle)
-    return total
+        yield np.array([start, *flight, *([] if end is None else [end])], dtype=np.intp)
 
 
 def _limited(problem: FleetProblem, swapping: set[int]) -> FleetProblem:

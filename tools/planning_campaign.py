@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Plan surveys of all kinds and look for faults: one line each, none if all is well.
+
+    python tools/planning_campaign.py [--first N] [--count N] [--files]
+
+Each number draws a survey (`drawn_surveys`), which is planned with a budget of 0.05 to 0.2 s or a
+number of proposals, then up to two situations in which it goes on. Every plan must be accepted by
+the independent checker, and not be worse than a survey tool's split; every refusal must be one
+line that the planner says on purpose; nothing may take longer than a minute. Ends with 1 if there
+was a fault. A fault names its number: `--first N --count 1` has it again.
+"""
+
+import argparse
+import dataclasses
+import linecache
+import math
+import signal
+import sys
+import tempfile
+import time
+import traceback
+from collections import Counter
+from collections.abc import Iterator
+from types import FrameType
+
+from drawn_surveys import Dice, drawn_request, drawn_situation
+from rocsafe_planner.errors import BeyondEnduranceError, PlannerError
+from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.plan_files import write_plan
+from rocsafe_planner.plan_reading import read_plan
+from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.replanning import remaining_request
+from rocsafe_planner.request import SurveyRequest
+
+LIMIT_S = 60
+SPLITS = ('boustrophedon_minmax', 'boustrophedon_equal', 'strips')
+
+
+class OverdueError(Exception):
+    """A plan takes longer than it may."""
+
+
+@dataclasses.dataclass(slots=True)
+class Tally:
+    """What came of the surveys so far."""
+
+    plans: int = 0
+    refusals: Counter[str] = dataclasses.field(default_factory=Counter)
+    faults: list[str] = dataclasses.field(default_factory=list)
+    slowest: tuple[float, int] = (0.0, -1)
+
+
+def look(number: int, tally: Tally, *, with_files: bool = False) -> None:
+    """Plan the survey of a number and what follows; note faults."""
+    plan: SurveyPlan | None = None
+    for times in range(3):
+        began = time.monotonic()
+        try:
+            if times == 0:
+                request = _hurried(drawn_request(number), number)
+            elif plan is not None:
+                request = remaining_request(plan, drawn_situation(plan, number, times))
+            plan = plan_survey(request)
+        except Exception as error:  # noqa: BLE001 - whatever else it is, it is a fault
+            _note_error(f'{number}.{times}', error, tally)
+            if times == 0 or not isinstance(error, (PlannerError, ValueError)):
+                return
+            continue
+        tally.plans += 1
+        tally.slowest = max(tally.slowest, (time.monotonic() - began, number))
+        tally.faults.extend(f'{number}.{times}: {fault}' for fault in _faults(plan, with_files))
+
+
+def _hurried(request: SurveyRequest, number: int) -> SurveyRequest:
+    """Return a request with little time, or few proposals."""
+    dice = Dice(3, number)
+    budget_s, proposals = dice.one((0.05, 0), (0.2, 0), (0.0, 20_000), (0.0, 60_000))
+    return dataclasses.replace(request, budget_s=budget_s, proposals=proposals)
+
+
+def _note_error(name: str, error: Exception, tally: Tally) -> None:
+    """Note a refusal, and a fault if it is not one that the planner says on purpose."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    line = linecache.getline(frame.filename, frame.lineno or 0).strip()
+    text = str(error)
+    is_meant = isinstance(error, (PlannerError, ValueError)) and line.startswith('raise')
+    tally.refusals[type(error).__name__] += 1
+    if not is_meant or '\n' in text or not 10 <= len(text) <= 250:
+        where = f'{frame.filename}:{frame.lineno}'
+        tally.faults.append(f'{name}: {type(error).__name__} at {where}: {text}')
+    else:
+        tally.refusals[text] += 1
+
+
+def _faults(plan: SurveyPlan, with_files: bool) -> Iterator[str]:
+    """Yield all that is wrong with a plan."""
+    yield from check_plan(plan)
+    yield from _worse_than_splits(plan)
+    if with_files:
+        yield from _file_faults(plan)
+
+
+def _worse_than_splits(plan: SurveyPlan) -> Iterator[str]:
+    """Yield the survey tools' splits that the solver is worse than."""
+    request = plan.request
+    if request.method != 'solver' or request.objective != 'longest_time' or request.separation_m:
+        return
+    for method in SPLITS:
+        try:
+            other = plan_survey(dataclasses.replace(request, method=method))
+        except BeyondEnduranceError:
+            continue
+        if plan.makespan_s > other.makespan_s * (1.0 + 1e-6):
+            yield f'{plan.makespan_s:.3f} s is more than {other.makespan_s:.3f} s by {method}'
+
+
+def _file_faults(plan: SurveyPlan) -> Iterator[str]:
+    """Yield what is not as it was after the plan's files were written and read."""
+    if plan.request.terrain is not None:
+        return  # its heights lie in no file
+    with tempfile.TemporaryDirectory() as folder:
+        paths = write_plan(plan, folder)
+        again = read_plan(paths[-1])
+    if not math.isclose(again.makespan_s, plan.makespan_s, rel_tol=1e-6):
+        yield f'read back, it takes {again.makespan_s} s instead of {plan.makespan_s} s'
+
+
+def _overdue(_number: int, _frame: FrameType | None) -> None:
+    raise OverdueError(f'takes longer than {LIMIT_S} s')
+
+
+def main() -> int:
+    """Plan, and print the faults."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--first', type=int, default=0, help='number of the first survey')
+    parser.add_argument('--count', type=int, default=2000)
+    parser.add_argument('--files', action='store_true', help='write and read each plan too')
+    parser.add_argument('--refusals', action='store_true', help='print what was refused')
+    options = parser.parse_args()
+    signal.signal(signal.SIGALRM, _overdue)
+    tally, began = Tally(), time.monotonic()
+    for number in range(options.first, options.first + options.count):
+        known = len(tally.faults)
+        signal.alarm(LIMIT_S)
+        look(number, tally, with_files=options.files)
+        signal.alarm(0)
+        for fault in tally.faults[known:]:
+            print(fault, flush=True)
+    if options.refusals:
+        for text, times in sorted(tally.refusals.items()):
+            print(f'{times:5d} {text}')
+    refused = sum(tally.refusals[name] for name in tally.refusals if name.endswith('Error'))
+    print(
+        f'{options.count} surveys: {tally.plans} plans accepted or faulty, {refused} refused, '
+        f'{len(tally.faults)} faults, {time.monotonic() - began:.0f} s; the slowest plan took '
+        f'{tally.slowest[0]:.1f} s (number {tally.slowest[1]})'
+    )
+    return 1 if tally.faults else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
