@@ -189,7 +189,6 @@ def record_of(
     place = frame.position_of(told)
     fix, height = flight.fix_std_m**2, flight.height_std_m**2
     tilt, yaw = flight.tilt_std_rad**2, flight.yaw_std_rad**2
-    matrix = flight.camera.matrix
     x, y, z, w = quaternion_of_rotation(rotation).tolist()
     return ShotRecord(
         shot_id=f'{flight.vehicle}-{number:05d}',
@@ -204,14 +203,7 @@ def record_of(
         height_agl_m=float(told[2]),
         orientation_xyzw=(x, y, z, w),
         orientation_covariance_rad2=(tilt, 0.0, 0.0, 0.0, tilt, 0.0, 0.0, 0.0, yaw),
-        camera=Intrinsics(
-            width_px=flight.camera.image_width_px,
-            height_px=flight.camera.image_height_px,
-            fx_px=matrix[0, 0],
-            fy_px=matrix[1, 1],
-            cx_px=matrix[0, 2],
-            cy_px=matrix[1, 2],
-        ),
+        camera=Intrinsics.of_pinhole(flight.camera),
         sha256='0' * 64,
     )
 

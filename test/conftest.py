@@ -79,6 +79,11 @@ def ctrl_c_is_heard() -> None:
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain of our own, so that parallel runs do not hear each other."""
+    yield from reserved_domain()
+
+
+def reserved_domain() -> Iterator[int]:
+    """Yield the number of a domain that nobody else on this machine has."""
     domain_coordinator = pytest.importorskip(
         'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
     )

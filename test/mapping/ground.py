@@ -75,7 +75,6 @@ class Ground:
     def record(self, number, position, rotation, jpeg, camera=CAMERA) -> ShotRecord:
         """Return the record of a photograph taken at `position`, ENU metres."""
         place = self.frame.position_of(position)
-        matrix = camera.matrix
         return ShotRecord(
             shot_id=f'rav1-{number:05d}',
             vehicle='rav1',
@@ -89,14 +88,7 @@ class Ground:
             height_agl_m=float(position[2]),
             orientation_xyzw=tuple(quaternion_of_rotation(rotation).tolist()),
             orientation_covariance_rad2=(0.0,) * 9,
-            camera=Intrinsics(
-                width_px=camera.image_width_px,
-                height_px=camera.image_height_px,
-                fx_px=matrix[0, 0],
-                fy_px=matrix[1, 1],
-                cx_px=matrix[0, 2],
-                cy_px=matrix[1, 2],
-            ),
+            camera=Intrinsics.of_pinhole(camera),
             sha256=hashlib.sha256(jpeg).hexdigest(),
         )
 

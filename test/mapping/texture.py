@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A textured ground and photographs of it with exact poses, for tests of the alignment."""
 
+import hashlib
 import math
 from dataclasses import dataclass
 
@@ -85,12 +86,9 @@ def seen(ground, centre, rotation) -> np.ndarray:
 
 def record_of(number, told, rotation, fix_m, tilt_rad, jpeg, vehicle) -> ShotRecord:
     """Return a record as a vehicle would send it."""
-    import hashlib
-
     place = FRAME.position_of(told)
     variance = max(fix_m, 0.02) ** 2
     turn = max(tilt_rad, 1e-3) ** 2
-    matrix = CAMERA.matrix
     return ShotRecord(
         shot_id=f'{vehicle}-{number:05d}',
         vehicle=vehicle,
@@ -104,14 +102,7 @@ def record_of(number, told, rotation, fix_m, tilt_rad, jpeg, vehicle) -> ShotRec
         height_agl_m=float(told[2]),
         orientation_xyzw=tuple(quaternion_of_rotation(rotation).tolist()),
         orientation_covariance_rad2=(turn, 0.0, 0.0, 0.0, turn, 0.0, 0.0, 0.0, turn),
-        camera=Intrinsics(
-            width_px=CAMERA.image_width_px,
-            height_px=CAMERA.image_height_px,
-            fx_px=matrix[0, 0],
-            fy_px=matrix[1, 1],
-            cx_px=matrix[0, 2],
-            cy_px=matrix[1, 2],
-        ),
+        camera=Intrinsics.of_pinhole(CAMERA),
         sha256=hashlib.sha256(jpeg).hexdigest(),
     )
 

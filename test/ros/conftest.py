@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from test.conftest import reserved_domain
 
 DEADLINE_S = 20.0
 
@@ -15,12 +16,7 @@ DEADLINE_S = 20.0
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain for this folder: its robot poses as a vehicle to the session's end."""
-    domain_coordinator = pytest.importorskip(
-        'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
-    )
-    with domain_coordinator.domain_id() as number:
-        os.environ['ROS_DOMAIN_ID'] = str(number)
-        yield int(number)
+    yield from reserved_domain()
 
 
 @pytest.fixture(scope='session')

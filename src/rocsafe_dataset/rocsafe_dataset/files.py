@@ -124,7 +124,7 @@ class Folder:
 
 def _shot(picture: Picture, frame: LocalFrame, lens: PinholeCamera) -> ShotRecord:
     """Return the record that the image store would keep of a picture."""
-    take, matrix = picture.take, lens.matrix
+    take = picture.take
     position = frame.position_of(take.position)
     return ShotRecord(
         shot_id=f'dataset-{take.number:05d}',
@@ -139,11 +139,7 @@ def _shot(picture: Picture, frame: LocalFrame, lens: PinholeCamera) -> ShotRecor
         height_agl_m=picture.height_m,
         orientation_xyzw=_quaternion(take),
         orientation_covariance_rad2=_UNKNOWN,
-        camera=Intrinsics(
-            width_px=lens.image_width_px, height_px=lens.image_height_px,
-            fx_px=float(matrix[0, 0]), fy_px=float(matrix[1, 1]),
-            cx_px=float(matrix[0, 2]), cy_px=float(matrix[1, 2]),
-        ),
+        camera=Intrinsics.of_pinhole(lens),
         sha256=sha256(picture.frame.image.tobytes()).hexdigest(),
     )  # fmt: skip
 

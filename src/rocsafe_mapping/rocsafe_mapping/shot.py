@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from rocsafe_geo.json_values import finite
+from rocsafe_geo.pinhole import PinholeCamera
+
 _VEHICLE = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
 _SHA256 = re.compile(r'[0-9a-f]{64}')
 COVARIANCE_SIZE = 9
@@ -44,6 +47,19 @@ class Intrinsics:
                 raise ValueError(f'camera {name} = {value} must be positive and finite')
         if not all(map(math.isfinite, (self.cx_px, self.cy_px, *self.distortion))):
             raise ValueError('camera cx_px, cy_px and distortion must be finite')
+
+    @classmethod
+    def of_pinhole(cls, camera: PinholeCamera) -> 'Intrinsics':
+        """Return those of a camera without distortion."""
+        matrix = camera.matrix
+        return cls(
+            width_px=camera.image_width_px,
+            height_px=camera.image_height_px,
+            fx_px=float(matrix[0, 0]),
+            fy_px=float(matrix[1, 1]),
+            cx_px=float(matrix[0, 2]),
+            cy_px=float(matrix[1, 2]),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +121,7 @@ class ShotRecord:
 
 def plain_of_record(record: ShotRecord) -> dict[str, Any]:
     """Return `record` as values that JSON can hold; what is not finite becomes None."""
-    plain: dict[str, Any] = _finite(dataclasses.asdict(record))
+    plain: dict[str, Any] = finite(dataclasses.asdict(record))
     return plain
 
 
@@ -128,14 +144,6 @@ def record_of_plain(plain: Mapping[str, Any]) -> ShotRecord:
         return ShotRecord(**{name: _restored(value) for name, value in values.items()})
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f'not the record of a photograph: {error!r}') from error
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _finite(part) for name, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _restored(value: Any) -> Any:

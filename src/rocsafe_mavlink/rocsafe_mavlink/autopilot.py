@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from rocsafe_mavlink.authority import DO_SET_MODE
+from rocsafe_mavlink.commands import command
 from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.vehicle import Contact, Landed, MissionPhase, Vehicle
 
@@ -80,15 +81,7 @@ class Autopilot:
         """Return the command that asks `target` (system, component) for the mode of `verb`."""
         mode = self.modes[verb]
         main, sub = (mode >> 16 & 0xFF, mode >> 24) if self.is_mode_packed else (mode, 0)
-        fields = {
-            'target_system': target[0],
-            'target_component': target[1],
-            'command': DO_SET_MODE,
-            'param1': CUSTOM_MODE_ENABLED,
-            'param2': float(main),
-            'param3': float(sub),
-        }
-        return Message('COMMAND_LONG', fields)
+        return command(DO_SET_MODE, target, CUSTOM_MODE_ENABLED, main, sub)
 
     def state_of(self, vehicle: Vehicle, now_s: float) -> FlightState:
         """Return what `vehicle` does, as far as it can be told at `now_s`."""

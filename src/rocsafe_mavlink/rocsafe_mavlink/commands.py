@@ -19,7 +19,7 @@ from rocsafe_mavlink.authority import (
     REQUEST_MESSAGE,
     SET_MESSAGE_INTERVAL,
 )
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 
 REPEAT_S = 1.5
 LARGEST_SEND_COUNT = 4
@@ -156,8 +156,7 @@ class CommandCall:
 def command(number: int, target: Target, *parameters: float) -> Message:
     """Return a COMMAND_LONG with its first parameters; the rest are 0."""
     fields = {f'param{place}': float(value) for place, value in enumerate(parameters, start=1)}
-    ours = {'target_system': target[0], 'target_component': target[1], 'command': number}
-    return Message('COMMAND_LONG', {**ours, **fields})
+    return addressed('COMMAND_LONG', target, command=number, **fields)
 
 
 def arm(target: Target) -> Message:

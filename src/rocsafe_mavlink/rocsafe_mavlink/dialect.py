@@ -33,6 +33,11 @@ class Message:
         return self.fields[name]
 
 
+def addressed(name: str, target: tuple[int, int], **fields: Any) -> Message:
+    """Return a message for `target` (system, component)."""
+    return Message(name, {'target_system': target[0], 'target_component': target[1], **fields})
+
+
 class _Layout:
     """How the fields of one message lie in its payload."""
 

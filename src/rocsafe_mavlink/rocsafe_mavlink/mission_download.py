@@ -4,7 +4,7 @@
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 from rocsafe_mavlink.mission_item import MissionItem, item_of
 
 ASK_AGAIN_S = 1.0
@@ -87,22 +87,13 @@ class Download:
     def _next(self, now_s: float) -> tuple['Download', list[Message]]:
         if len(self.items) < self.count:
             return self._ask(now_s)
-        return replace(self, stage=DownloadStage.DONE), [self._addressed('MISSION_ACK', type=0)]
+        return replace(self, stage=DownloadStage.DONE), [self._message('MISSION_ACK', type=0)]
 
     def _ask(self, now_s: float) -> tuple['Download', list[Message]]:
         asked = replace(self, asked_s=now_s, asks=self.asks + 1)
         if self.stage is DownloadStage.LISTING:
-            return asked, [self._addressed('MISSION_REQUEST_LIST')]
-        return asked, [self._addressed('MISSION_REQUEST_INT', seq=len(self.items))]
+            return asked, [self._message('MISSION_REQUEST_LIST')]
+        return asked, [self._message('MISSION_REQUEST_INT', seq=len(self.items))]
 
-    def _addressed(self, name: str, **fields: int) -> Message:
-        system, component = self.target
-        return Message(
-            name,
-            {
-                'target_system': system,
-                'target_component': component,
-                'mission_type': self.mission_type,
-                **fields,
-            },
-        )
+    def _message(self, name: str, **fields: int) -> Message:
+        return addressed(name, self.target, mission_type=self.mission_type, **fields)

@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.limits import require_count, require_finite
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 
 GLOBAL, MISSION_FRAME, GLOBAL_RELATIVE, GLOBAL_INT, RELATIVE_INT = 0, 2, 3, 5, 6
 # Of two ways to say the same, autopilots answer with the older one.
@@ -51,20 +51,19 @@ class MissionItem:
 
     def message(self, number: int, target: tuple[int, int], mission_type: int) -> Message:
         """Return the item as number `number` of a mission for `target` (system, component)."""
-        fields = {
-            'target_system': target[0],
-            'target_component': target[1],
-            'seq': number,
-            'frame': self.frame,
-            'command': self.command,
-            'autocontinue': 1,
-            'x': self.x_e7,
-            'y': self.y_e7,
-            'z': self.z_m,
-            'mission_type': mission_type,
+        return addressed(
+            'MISSION_ITEM_INT',
+            target,
+            seq=number,
+            frame=self.frame,
+            command=self.command,
+            autocontinue=1,
+            x=self.x_e7,
+            y=self.y_e7,
+            z=self.z_m,
+            mission_type=mission_type,
             **dict(zip(PARAMETERS, self.parameters, strict=True)),
-        }
-        return Message('MISSION_ITEM_INT', fields)
+        )
 
 
 def item_of(message: Message) -> MissionItem:

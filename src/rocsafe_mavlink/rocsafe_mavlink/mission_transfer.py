@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 from rocsafe_mavlink.mission_download import Download, DownloadStage
 from rocsafe_mavlink.mission_item import MissionItem, difference
 from rocsafe_mavlink.mission_results import ACCEPTED, result_text
@@ -135,14 +135,9 @@ class Transfer:
     def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
         if self.clears >= LARGEST_CLEAR_COUNT:
             return replace(self, stage=TransferStage.FAILED), []
-        system, component = self.upload.target
-        fields = {
-            'target_system': system,
-            'target_component': component,
-            'mission_type': self.upload.mission_type,
-        }
-        asked = replace(self, asked_s=now_s, clears=self.clears + 1)
-        return asked, [Message('MISSION_CLEAR_ALL', fields)]
+        asked, upload = replace(self, asked_s=now_s, clears=self.clears + 1), self.upload
+        clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)
+        return asked, [clear]
 
     def _on_cleared(self, result: int) -> 'Transfer':
         if result == ACCEPTED:

@@ -9,7 +9,7 @@ MISSION_ITEM_INT all the same, since the older item rounds places to metres.
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 from rocsafe_mavlink.mission_item import MissionItem
 from rocsafe_mavlink.mission_results import ACCEPTED, INVALID_SEQUENCE, PASSING, result_text
 
@@ -62,7 +62,7 @@ class Upload:
     def begin(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Offer the mission."""
         begun = replace(self, heard_s=now_s, offers=self.offers + 1)
-        return begun, [self._addressed('MISSION_COUNT', count=len(self.items))]
+        return begun, [self._message('MISSION_COUNT', count=len(self.items))]
 
     def on_message(self, message: Message, now_s: float) -> tuple['Upload', list[Message]]:
         """Take a message of the autopilot."""
@@ -123,14 +123,5 @@ class Upload:
     def _failed(self, error: str, *, is_passing: bool) -> 'Upload':
         return replace(self, stage=UploadStage.FAILED, error=error, is_passing=is_passing)
 
-    def _addressed(self, name: str, **fields: int) -> Message:
-        system, component = self.target
-        return Message(
-            name,
-            {
-                'target_system': system,
-                'target_component': component,
-                'mission_type': self.mission_type,
-                **fields,
-            },
-        )
+    def _message(self, name: str, **fields: int) -> Message:
+        return addressed(name, self.target, mission_type=self.mission_type, **fields)

@@ -14,7 +14,7 @@ from rocsafe_mavlink import commands
 from rocsafe_mavlink.authority import DO_REPOSITION
 from rocsafe_mavlink.autopilot import Autopilot, Verb
 from rocsafe_mavlink.commands import CommandCall
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 from rocsafe_mavlink.errand import CommandStep, Errand, Shown, Step, TransferStep, at_once
 from rocsafe_mavlink.fence import Fence, fence_items
 from rocsafe_mavlink.flight_plan import Mission
@@ -137,19 +137,18 @@ class Desk:
 
     def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
         by_itself = self.autopilot.repositions_itself
-        fields = {
-            'target_system': self.target[0],
-            'target_component': self.target[1],
-            'frame': GLOBAL_INT if by_itself else RELATIVE_INT,
-            'command': DO_REPOSITION,
-            'param1': AS_IT_IS,
-            'param2': CHANGE_MODE if by_itself else 0.0,
-            'param4': math.nan,
-            'x': e7_of_deg(place.latitude_deg),
-            'y': e7_of_deg(place.longitude_deg),
-            'z': height_m + home.altitude_msl_m if by_itself else height_m,
-        }
-        return Message('COMMAND_INT', fields)
+        return addressed(
+            'COMMAND_INT',
+            self.target,
+            frame=GLOBAL_INT if by_itself else RELATIVE_INT,
+            command=DO_REPOSITION,
+            param1=AS_IT_IS,
+            param2=CHANGE_MODE if by_itself else 0.0,
+            param4=math.nan,
+            x=e7_of_deg(place.latitude_deg),
+            y=e7_of_deg(place.longitude_deg),
+            z=height_m + home.altitude_msl_m if by_itself else height_m,
+        )
 
 
 def require_reachable(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rocsafe_mavlink.ardupilot import ARDUPILOT
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.dialect import Message, addressed
 from rocsafe_mavlink.px4 import PX4
 
 ASK_AGAIN_S = 1.0
@@ -121,13 +121,7 @@ class ParameterReader:
         ]
 
     def _question(self, name: str) -> Message:
-        fields = {
-            'target_system': self.target[0],
-            'target_component': self.target[1],
-            'param_id': name,
-            'param_index': -1,
-        }
-        return Message('PARAM_REQUEST_READ', fields)
+        return addressed('PARAM_REQUEST_READ', self.target, param_id=name, param_index=-1)
 
 
 def decoded_value(autopilot: int, message: Message) -> float:

@@ -3,7 +3,6 @@
 
 import json
 import re
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,6 +16,7 @@ from rocsafe_geo.area_files import read_areas
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
+from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_blocks import (
@@ -180,20 +180,8 @@ def asked_planner(path: Path, executable: str, request: dict[str, Any]) -> dict[
     ------
     OrchestratorError: if there is no plan; the planner's reason is told.
     """
-    command = [str(find_executable('rocsafe_planner', executable))]
+    found = find_executable('rocsafe_planner', executable)
     try:
-        done = subprocess.run(
-            command,
-            input=json.dumps(request),
-            capture_output=True,
-            text=True,
-            timeout=TIMEOUT_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise OrchestratorError(f'{path}: no plan within {TIMEOUT_S:g} s') from error
-    if done.returncode != 0:
-        words = done.stderr.strip().splitlines() or [f'planner ended with {done.returncode}']
-        raise OrchestratorError(f'{path}: {words[-1].removeprefix("error: ")}')
-    summary: dict[str, Any] = json.loads(done.stdout)
-    return summary
+        return answer_of(found, request, TIMEOUT_S)
+    except OrchestratorError as error:
+        raise OrchestratorError(f'{path}: {error}') from error

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe preflight`: real vehicles looked at before a flight."""
 
-import json
 import math
-import subprocess
 import tempfile
 from collections.abc import Iterable
 from datetime import datetime, timezone
@@ -20,6 +18,7 @@ from rocsafe_orchestrator.errors import (
     OrchestratorError,
     ScenarioError,
 )
+from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
 from rocsafe_orchestrator.scenario.scenario import Scenario
@@ -63,23 +62,10 @@ def look(
     """
     bridge = {key: _json_value(value) for key, value in bridge_parameters(scenario, '').items()}
     request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': patience_s}
-    command = [str(find_executable('rocsafe_mavlink', 'preflight'))]
-    try:
-        done = subprocess.run(
-            command,
-            input=json.dumps(request),
-            capture_output=True,
-            text=True,
-            timeout=patience_s + SPARE_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise OrchestratorError(f'preflight: no answer within {error.timeout:g} s') from error
-    if not done.stdout:
-        words = done.stderr.strip().splitlines() or [f'preflight ended with {done.returncode}']
-        raise OrchestratorError(words[-1].removeprefix('error: '))
-    answers: list[dict[str, Any]] = json.loads(done.stdout)['vehicles']
-    return answers
+    executable = find_executable('rocsafe_mavlink', 'preflight')
+    answer = answer_of(executable, request, patience_s + SPARE_S)
+    vehicles: list[dict[str, Any]] = answer['vehicles']
+    return vehicles
 
 
 def cleared(scenario: Scenario, patience_s: float, now: datetime) -> Scenario:

@@ -12,6 +12,7 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.processes.answers import reason_of
 from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
 
 # Thousands of readings take seconds, on a machine that still ends other processes.
@@ -68,8 +69,7 @@ def _localize(arguments: Sequence[str]) -> None:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise OrchestratorError(f'no sources estimated: {error}') from error
     if done.returncode != 0:
-        words = done.stderr.strip().splitlines() or [f'localize ended with {done.returncode}']
-        raise OrchestratorError(words[-1].removeprefix('error: '))
+        raise OrchestratorError(reason_of(done, 'localize'))
 
 
 def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:

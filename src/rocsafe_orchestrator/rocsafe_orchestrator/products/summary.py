@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rocsafe_geo.json_values import finite
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,
@@ -131,7 +132,7 @@ class RunSummary:
 
     def to_plain(self) -> dict[str, Any]:
         """Return values that JSON can hold; what is not finite becomes None."""
-        plain: dict[str, Any] = _finite(dataclasses.asdict(self))
+        plain: dict[str, Any] = finite(dataclasses.asdict(self))
         return plain
 
 
@@ -319,11 +320,3 @@ def _versions(info: Mapping[str, object]) -> dict[str, str]:
     if isinstance(listed, Mapping):
         found.update((str(name), str(text)) for name, text in listed.items())
     return found
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _finite(part) for name, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
