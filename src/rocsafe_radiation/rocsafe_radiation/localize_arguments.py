@@ -30,7 +30,7 @@ Rows without a valid place and value are left out and counted.
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
-        prog='localize',
+        prog='rocsafe localize',
         description='Find gamma sources in a file of readings, and say how sure that is.',
         epilog=COLUMNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,

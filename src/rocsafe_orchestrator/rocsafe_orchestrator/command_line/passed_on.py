@@ -44,7 +44,7 @@ PASSED_ON = (
         word='scene',
         package='rocsafe_sim',
         executable='scene',
-        summary='check, list and render the scenes that cameras see',
+        summary='check, list, render the scenes that cameras see; write their heights',
     ),
     PassedOn(
         word='dataset',
