@@ -9,6 +9,7 @@ fits in, and more where that was too little.
 
 import dataclasses
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 
 from rocsafe_planner.fleet_problem import FleetProblem, Order
@@ -170,14 +171,14 @@ def _dealt(
     places = [(k, cap) for k, own in enumerate(caps) for cap in own]
     dealt: list[Order] = [[] for _ in places]
     times = [problem.duration_s(flight.vehicle, flight.points) for flight in flights]
+
+    def badness(place: int, number: int) -> tuple[bool, bool, bool, bool, float]:
+        flight, (owner, cap) = flights[number], places[place]
+        is_able = bool(problem.allowed(owner)[flight.points].all())
+        is_short = cap < times[number]
+        return (not is_able, bool(dealt[place]), is_short, owner != flight.vehicle, cap)
+
     for number in sorted(range(len(flights)), key=lambda i: (-times[i], i)):
-        flight = flights[number]
-
-        def badness(place: int, flight: Flight = flight, time_s: float = times[number]) -> object:
-            owner, cap = places[place]
-            is_able = bool(problem.allowed(owner)[flight.points].all())
-            is_short = cap < time_s
-            return (not is_able, bool(dealt[place]), is_short, owner != flight.vehicle, cap)
-
-        dealt[min(range(len(places)), key=badness)].extend(flight.points)  # type: ignore[arg-type]
+        best = min(range(len(places)), key=partial(badness, number=number))
+        dealt[best].extend(flights[number].points)
     return tuple(map(tuple, dealt))

@@ -156,7 +156,7 @@ def _routes(plan: SurveyPlan, sheet: _Sheet) -> Iterator[Shape | Dot]:
         (home,) = sheet.pixels([route.vehicle.home])
         yield Dot(centre=home, radius=7.0, fill=_INK)
         yield Dot(centre=home, radius=5.0, fill=color)
-        for place in sheet.pixels(_landings(route) or ()):
+        for place in sheet.pixels(_landings(route)):
             yield Dot(centre=place, radius=7.0, fill=color)
             yield Dot(centre=place, radius=4.0, fill='#ffffff')
 

@@ -54,7 +54,7 @@ def optimised_with_swaps(problem: FleetProblem, effort: Effort, watch: Watch) ->
         bound = max(found, again, key=lambda one: one.bound)
         return dataclasses.replace(bound, orders=best.orders)
     if watch(best.value, found.bound):
-        best.offer(optimised(_limited(problem, set()), _part(effort, _SHARE)).orders)
+        best.offer(optimised(_without_swaps(problem), _part(effort, _SHARE)).orders)
     if may_search(problem):
         _search_flights(problem, effort, best, lambda: watch(best.value, found.bound))
     return dataclasses.replace(found, orders=best.orders)
@@ -193,10 +193,7 @@ def _stops(problem: FleetProblem, vehicle: int, flights: list[Order]) -> Iterato
         yield np.array([start, *flight, *([] if end is None else [end])], dtype=np.intp)
 
 
-def _limited(problem: FleetProblem, swapping: set[int]) -> FleetProblem:
-    """Return the problem in which only these vehicles swap."""
-    vehicles = tuple(
-        v if k in swapping else dataclasses.replace(v, battery_swap_s=None)
-        for k, v in enumerate(problem.vehicles)
-    )
+def _without_swaps(problem: FleetProblem) -> FleetProblem:
+    """Return the problem in which nobody changes a battery."""
+    vehicles = tuple(dataclasses.replace(v, battery_swap_s=None) for v in problem.vehicles)
     return dataclasses.replace(problem, vehicles=vehicles)
