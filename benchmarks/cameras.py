@@ -134,11 +134,11 @@ def _fleet_cpu_s(run: int) -> float:
     """Return the processor time that the vehicles' process of a run has taken, s; 0 if none."""
     for status in Path('/proc').glob('[0-9]*/stat'):
         try:
-            words = status.read_text().rpartition(')')[2].split()
-            command = (status.parent / 'cmdline').read_bytes()
+            name, _, rest = status.read_text().partition(' (')[2].rpartition(') ')
         except OSError:
             continue
-        if int(words[1]) == run and b'/fleet' in command:
+        words = rest.split()
+        if int(words[1]) == run and name == 'fleet':
             return (int(words[11]) + int(words[12])) / os.sysconf('SC_CLK_TCK')
     return 0.0
 

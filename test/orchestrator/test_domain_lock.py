@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One mission at a time in a ROS domain."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -45,6 +46,20 @@ def test_killed_mission_does_not_hold_its_domain(tmp_path: Path) -> None:
         holder.wait()
         with domain_lock('5', tmp_path):
             pass
+
+
+def test_copy_of_a_mission_does_not_hold_its_domain(tmp_path: Path) -> None:
+    """A node that began as a copy of the orchestrator may outlive it by a moment."""
+    program = HOLDER.replace('print(', 'os.fork() or time.sleep(60); print(')
+    command = [sys.executable, '-c', f'import os; {program}', str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b'held\n'
+        holder.send_signal(signal.SIGKILL)
+        os.waitid(os.P_PID, holder.pid, os.WEXITED | os.WNOWAIT)
+        with domain_lock('5', tmp_path):
+            pass
+        os.killpg(holder.pid, signal.SIGKILL)
 
 
 def test_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:

@@ -56,12 +56,13 @@ class MissionRun:
     ----------
     parts: what the run is put together from.
     stop_timeout_s: what a process may take to end when asked.
+    started_s: when the run began, by `time.monotonic`.
     """
 
-    def __init__(self, parts: Parts, stop_timeout_s: float) -> None:
+    def __init__(self, parts: Parts, stop_timeout_s: float, started_s: float) -> None:
         self._parts = parts
         self._stop_timeout_s = stop_timeout_s
-        self._started_s = time.monotonic()
+        self._started_s = started_s
         self._pace = Pace()
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = 0.0
@@ -72,13 +73,11 @@ class MissionRun:
 
         Raises
         ------
-        SetupError: if another run uses this ROS domain, or a process cannot be started.
+        SetupError: if another run uses this ROS domain, or the report cannot be started.
         """
         parts = self._parts
         try:
-            for spec in parts.table:
-                parts.supervisor.start(spec.name)
-            # Meanwhile they load: nobody is disturbed if they have to end again.
+            # Meanwhile the processes load: nobody is disturbed if they have to end again.
             self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()

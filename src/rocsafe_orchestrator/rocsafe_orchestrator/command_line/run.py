@@ -2,6 +2,7 @@
 """`rocsafe run`."""
 
 import argparse
+import os
 from pathlib import Path
 
 from rocsafe_orchestrator.command_line import Commands
@@ -44,6 +45,8 @@ def add_to(commands: Commands) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    # Before numpy is loaded: its threads would forbid that nodes begin as copies of this process.
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from rich.console import Console
 
     from rocsafe_orchestrator.command_line.run_command import RunRequest, run_scenario

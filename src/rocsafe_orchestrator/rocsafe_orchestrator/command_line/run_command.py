@@ -4,6 +4,9 @@
 import logging
 import os
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -26,6 +29,7 @@ from rocsafe_orchestrator.processes.launches import (
     require_executables,
 )
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
+from rocsafe_orchestrator.processes.process_start import begin_as_copy
 from rocsafe_orchestrator.processes.processes import crew_of, process_table
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
@@ -103,8 +107,8 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
         interrupt=interrupt,
         run_info=run_info,
     )
-    with display:
-        display.say(f'run directory: {directory.path}')
+    display.say(f'run directory: {directory.path}')
+    with flight.processes(), display:
         phase = flight.fly(display)
     if not request.is_quiet:
         closing = _closing(directory, flight.monitor, flight.text, phase)
@@ -128,23 +132,34 @@ class _Flight:
     text: str = ''
 
     def __post_init__(self) -> None:
+        self.started_s = time.monotonic()
         self.monitor = Monitor(self.scenario.vehicle_names)
+        self.table = process_table(self.scenario, self.directory)
+        self.supervisor = Supervisor(
+            launches(self.table, self.directory, self.request.config),
+            child_environment(self.directory),
+        )
+
+    @contextmanager
+    def processes(self) -> Iterator[None]:
+        """Start every process before this one has ROS, whose threads forbid copies of it."""
+        try:
+            for spec in self.table:
+                self.supervisor.start(spec.name, begin_as_copy)
+            yield
+        finally:
+            self.supervisor.stop(must_hurry=lambda: self.interrupt.is_urgent)
 
     def fly(self, display: Display) -> Phase:
         """Fly and return how it ended."""
         # Here, not above: `rocsafe check` works where ROS is not set up.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
-        table = process_table(self.scenario, self.directory)
-        supervisor = Supervisor(
-            launches(table, self.directory, self.request.config),
-            child_environment(self.directory),
-        )
         with ros_session(self.request.config):
             node = OrchestratorNode(self.scenario, self.monitor, self.directory.name)
             speed = self.scenario.clock.speed
             mission = Mission(
-                crew_of(self.scenario, table),
+                crew_of(self.scenario, self.table),
                 node.options,
                 planning_budget_s=self.scenario.survey.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
@@ -152,11 +167,11 @@ class _Flight:
                 replans=self.scenario.replan == 'on_loss',
             )
             parts = Parts(
-                table=table,
+                table=self.table,
                 participants=tuple(world_parameters(self.scenario)['participants']),
                 mission=mission,
                 monitor=self.monitor,
-                supervisor=supervisor,
+                supervisor=self.supervisor,
                 node=node,
                 spinner=Spinner(node),
                 display=display,
@@ -165,7 +180,8 @@ class _Flight:
                 run_info=self.run_info,
             )
             try:
-                return MissionRun(parts, node.options.stop_timeout_s).fly()
+                run = MissionRun(parts, node.options.stop_timeout_s, self.started_s)
+                return run.fly()
             finally:
                 self.text = mission.text
                 parts.spinner.close()

@@ -16,6 +16,19 @@ COMPANY_TEXT = (
 )
 
 
+# Descriptors of the locks that are held. A copy of this process must not hold them with it.
+_held: set[int] = set()
+
+
+def _let_go() -> None:
+    for descriptor in _held:
+        os.close(descriptor)
+    _held.clear()
+
+
+os.register_at_fork(after_in_child=_let_go)
+
+
 @contextmanager
 def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
     """Hold the domain; the kernel lets go of it when this process ends, however that happens.
@@ -40,7 +53,9 @@ def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
     except BlockingIOError as error:
         os.close(descriptor)
         raise SetupError(COMPANY_TEXT) from error
+    _held.add(descriptor)
     try:
         yield
     finally:
+        _held.discard(descriptor)
         os.close(descriptor)

@@ -8,13 +8,13 @@ supervisor, and so that whatever a process leaves behind can be ended with it.
 import logging
 import os
 import signal
-import subprocess
 import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import IO
 
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.processes.process_start import Process, Start, begin_anew
 from rocsafe_orchestrator.processes.process_values import (
     Exit,
     Launch,
@@ -36,7 +36,7 @@ class _Child:
 
     def __init__(self, launch: Launch) -> None:
         self.launch = launch
-        self.process: subprocess.Popen[bytes] | None = None
+        self.process: Process | None = None
         self.restarts = 0
         self.start_at_s: float | None = None
         self.last_exit: Exit | None = None
@@ -81,8 +81,12 @@ class Supervisor:
         process = self._children[name].process
         return process.pid if process is not None else None
 
-    def start(self, name: str) -> None:
+    def start(self, name: str, begin: Callable[[Start], Process] = begin_anew) -> None:
         """Start `name` unless it is running or about to.
+
+        Parameters
+        ----------
+        begin: how; if it is started again it always begins anew.
 
         Raises
         ------
@@ -90,7 +94,7 @@ class Supervisor:
         """
         child = self._children[name]
         if not child.is_running and child.start_at_s is None:
-            self._spawn(child)
+            self._spawn(child, begin)
 
     def poll(self) -> list[ProcessEvent]:
         """Notice processes that ended and start those again that are due; never waits."""
@@ -141,19 +145,12 @@ class Supervisor:
             self._note_exit(child, ended)
         return ended is None
 
-    def _spawn(self, child: _Child) -> None:
+    def _spawn(self, child: _Child, begin: Callable[[Start], Process] = begin_anew) -> None:
         launch = child.launch
-        output = _open_log(launch.log)
-        with output:
+        with _open_log(launch.log) as output:
+            start = Start(command=launch.command, output=output, environment=self._environment)
             try:
-                child.process = subprocess.Popen(
-                    launch.command,
-                    stdin=subprocess.DEVNULL,
-                    stdout=output,
-                    stderr=subprocess.STDOUT,
-                    env=self._environment,
-                    start_new_session=True,
-                )
+                child.process = begin(start)
             except OSError as error:
                 text = f'{launch.name}: cannot start {launch.command[0]}: {error.strerror}'
                 raise SetupError(text) from error
@@ -208,7 +205,7 @@ def _open_log(path: Path) -> IO[bytes]:
         raise SetupError(f'{path}: cannot write a log: {error.strerror}') from error
 
 
-def _ended(process: subprocess.Popen[bytes]) -> int | None:
+def _ended(process: Process) -> int | None:
     """Return the exit code of an ended process, having ended what it left behind."""
     flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
     if os.waitid(os.P_PID, process.pid, flags) is None:
@@ -218,7 +215,7 @@ def _ended(process: subprocess.Popen[bytes]) -> int | None:
     return process.wait()
 
 
-def _signal(process: subprocess.Popen[bytes] | None, number: signal.Signals) -> None:
+def _signal(process: Process | None, number: signal.Signals) -> None:
     """Send `number` to `process` and to all that it has started."""
     if process is None:
         return
