@@ -40,6 +40,12 @@ WATCH_PERIOD_S = 0.1
 Job = PlanningJob[SurveyPlan]
 
 
+def _load_solver(_on_progress: Progress) -> None:
+    from rocsafe_planner.solver.precompile import load_kernels
+
+    load_kernels()
+
+
 class PlannerNode(Node):
     """Plans surveys on request.
 
@@ -55,6 +61,8 @@ class PlannerNode(Node):
         self._plans: dict[str, PlanValue] = {}
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        # While the other nodes start: the first goal need not wait for it.
+        self._loading = PlanningJob(_load_solver)
         self._server = ActionServer(
             self,
             PlanSurvey,

@@ -40,6 +40,12 @@ def compile_kernels() -> None:
         pass
 
 
+def load_kernels() -> None:
+    """Load the machine code of all kernels, which takes a second, if it was compiled before."""
+    if cache_directory().is_dir():
+        compile_kernels()
+
+
 def main() -> int:
     """Compile, and remove what earlier versions of the sources left."""
     compile_kernels()
