@@ -61,12 +61,16 @@ def dose_section(
         return None
     values = [*picture.mean_usvh.ravel().tolist(), float(picture.upper_usvh.max())]
     scale = scale_of(values, decades=DECADES)
+    west, top, east, bottom = picture.bounds
+    extent_m = max(east - west, bottom - top)
+    marks = [_source_mark(source, frame, extent_m) for source in estimates.sources]
     maps = (
-        _map('Mean', picture.mean_usvh, picture, scale, _lines(cordons, 'mean', frame), estimates,
-             frame),
-        _map('Upper 95 %', picture.upper_usvh, picture, scale,
-             _lines(cordons, 'upper_95', frame), estimates, frame),
-    )  # fmt: skip
+        _map(title, usvh, scale, picture.bounds, [*_lines(cordons, kind, frame), *marks])
+        for title, usvh, kind in (
+            ('Mean', picture.mean_usvh, 'mean'),
+            ('Upper 95 %', picture.upper_usvh, 'upper_95'),
+        )
+    )
     return element(
         'section',
         element('h2', 'Dose rate at 1 m above the ground'),
@@ -129,13 +133,11 @@ def _cordons(path: Path) -> list[dict[str, Any]]:
 def _map(
     title: str,
     values: Array,
-    picture: DosePicture,
     scale: DoseScale,
-    lines: Iterable[Markup],
-    estimates: SourceEstimates,
-    frame: LocalFrame,
+    bounds: tuple[float, float, float, float],
+    marks: Iterable[Markup],
 ) -> Markup:
-    west, top, east, bottom = picture.bounds
+    west, top, east, bottom = bounds
     width, height = east - west, bottom - top
     image = element(
         'image', href=_data_uri(values, scale), x=west, y=top, width=width, height=height,
@@ -144,9 +146,8 @@ def _map(
     drawing = element(
         'svg',
         image,
-        lines,
-        (_source_mark(source, frame, max(width, height)) for source in estimates.sources),
-        _scale_bar(picture.bounds),
+        marks,
+        _scale_bar(bounds),
         viewBox=' '.join(number(v) for v in (west, top, width, height)),
         role='img',
         aria_label=f'Map of the dose rate at 1 m, {title}, '
