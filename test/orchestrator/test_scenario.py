@@ -3,12 +3,16 @@
 
 import json
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, get_args
 
 import pytest
+from pydantic import BaseModel
 
 from rocsafe_orchestrator.errors import EXIT_USAGE, ScenarioError
+from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 
 SHIPPED = sorted((Path(__file__).parents[2] / 'config' / 'scenarios').glob('*.yaml'))
@@ -103,6 +107,22 @@ REFUSED_BLOCKS = [
 def test_shipped_scenario_is_valid_and_named_as_its_file(path: Path) -> None:
     """Every scenario in config/scenarios can be flown."""
     assert read_scenario(path).name == path.stem
+
+
+def keys_of(block: Any) -> set[str]:
+    """Return the keys of a block of a scenario, and of those in it."""
+    if isinstance(block, type) and issubclass(block, BaseModel):
+        fields = block.model_fields.items()
+        return {key for name, field in fields for key in (name, *keys_of(field.annotation))}
+    return {key for part in get_args(block) for key in keys_of(part)}
+
+
+def test_every_key_is_explained() -> None:
+    """In a shipped scenario or in the documentation."""
+    docs = Path(__file__).parents[2] / 'docs'
+    texts = [path.read_text() for path in (*SHIPPED, *docs.glob('*.md'))]
+    words = set(re.findall(r'\w+', ' '.join(texts)))
+    assert keys_of(Scenario) - words == set()
 
 
 @pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
