@@ -218,7 +218,8 @@ class SyntheticRun:
         for seconds, state in states:
             count = int(np.sum(visited <= seconds))
             message = VehicleState(
-                state=state, viewpoints_visited=count, shots_taken=count,
+                state=state, plan_id='0a1b2c' if state > 1 else '', viewpoint_count=len(shots),
+                viewpoints_visited=count, shots_taken=count,
                 battery_fraction=1.0 - seconds / 1500.0, distance_flown_m=SPEED_MPS * seconds,
             )  # fmt: skip
             message.header.stamp = _stamp(seconds)

@@ -16,6 +16,7 @@ from rocsafe_orchestrator.products.summary import (
     highest_reading,
     integrated_dose_usv,
     utc_text,
+    viewpoints_of,
 )
 
 SECOND = 1_000_000_000
@@ -44,12 +45,27 @@ def reading(seconds, dose_rate_usvh, vehicle='rav1'):
     )
 
 
-def sample(seconds, state):
+def sample(seconds, state, plan_id='', planned=0, visited=0):
     """A vehicle's state at a time."""
     return VehicleSample(
-        time_ns=seconds * SECOND, state=state, viewpoints_visited=0, shots_taken=0,
-        battery_fraction=1.0, distance_flown_m=0.0, text='',
+        time_ns=seconds * SECOND, state=state, plan_id=plan_id, viewpoint_count=planned,
+        viewpoints_visited=visited, shots_taken=0, battery_fraction=1.0,
+        distance_flown_m=0.0, text='',
     )  # fmt: skip
+
+
+def test_viewpoints_of_all_plans_are_counted():
+    """A second round adds its viewpoints; a plan that was replaced, only those visited."""
+    samples = [sample(0, 1), sample(5, 4, 'first', 9, 3), sample(9, 4, 'first', 9, 4)]
+    assert viewpoints_of(samples, None) == (4, 9)
+    samples += [sample(12, 4, 'second', 8, 0), sample(20, 8, 'second', 8, 7)]
+    assert viewpoints_of(samples, None) == (11, 12)
+
+
+def test_vehicle_without_a_plan_visited_nothing():
+    """Nothing is known of a vehicle that was never heard."""
+    assert viewpoints_of([sample(0, 1)], None) == (0, None)
+    assert viewpoints_of([], None) == (None, None)
 
 
 def test_table_has_the_documented_columns(rows):

@@ -38,6 +38,8 @@ def samples(*states: tuple[float, int]) -> tuple[VehicleSample, ...]:
         VehicleSample(
             time_ns=round(time_s * NS),
             state=state,
+            plan_id='p',
+            viewpoint_count=1,
             viewpoints_visited=0,
             shots_taken=0,
             battery_fraction=1.0,

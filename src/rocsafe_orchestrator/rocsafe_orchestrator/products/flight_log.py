@@ -129,6 +129,8 @@ class _Log:
             VehicleSample(
                 time_ns=_stamp_ns(message),
                 state=message.state,
+                plan_id=message.plan_id,
+                viewpoint_count=message.viewpoint_count,
                 viewpoints_visited=message.viewpoints_visited,
                 shots_taken=message.shots_taken,
                 battery_fraction=message.battery_fraction,

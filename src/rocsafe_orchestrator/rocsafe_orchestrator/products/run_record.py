@@ -122,6 +122,8 @@ class VehicleSample:
 
     time_ns: int
     state: int
+    plan_id: str
+    viewpoint_count: int
     viewpoints_visited: int
     shots_taken: int
     battery_fraction: float

@@ -71,6 +71,8 @@ class VehicleFigures:
     Attributes
     ----------
     flown_duration_s: take-off to touch-down, or to the last word heard.
+    planned_duration_s, planned_length_m: of its route in the first plan.
+    viewpoints_planned: by all plans; of one that another replaced, those visited before.
     integrated_dose_usv: dose that the vehicle took, by trapezoids over its readings.
     """
 
@@ -205,6 +207,21 @@ def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
     return (spans[0][0], spans[-1][1]) if spans else None
 
 
+def viewpoints_of(
+    samples: Sequence[VehicleSample], route: PlannedRoute | None
+) -> tuple[int | None, int | None]:
+    """Return how many viewpoints a vehicle visited, and how many were planned. None: unknown.
+
+    `samples` tell of every plan that it flew; `route` is for one that has heard of none.
+    """
+    plans = {sample.plan_id: sample for sample in samples if sample.plan_id}
+    if not plans:
+        return 0 if samples else None, len(route.viewpoints) if route else None
+    *replaced, last = plans.values()
+    before = sum(sample.viewpoints_visited for sample in replaced)
+    return before + last.viewpoints_visited, before + last.viewpoint_count
+
+
 def utc_text(time_ns: int) -> str:
     """Return `time_ns`, nanoseconds since 1970, as ISO 8601 in UTC with milliseconds."""
     moment = datetime.fromtimestamp(time_ns // NS_PER_S, tz=timezone.utc)
@@ -250,14 +267,15 @@ def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     readings = [r for r in record.log.readings if r.vehicle == name] if record.log else []
     flight = flight_ns(samples)
     last = samples[-1] if samples else None
+    visited, planned = viewpoints_of(samples, route)
     return VehicleFigures(
         name=name,
         planned_duration_s=route.duration_s if route else None,
         flown_duration_s=(flight[1] - flight[0]) / NS_PER_S if flight else None,
         planned_length_m=route.length_m if route else None,
         flown_length_m=last.distance_flown_m if last else None,
-        viewpoints_planned=len(route.viewpoints) if route else None,
-        viewpoints_visited=last.viewpoints_visited if last else None,
+        viewpoints_planned=planned,
+        viewpoints_visited=visited,
         images_stored=sum(shot.vehicle == name for shot in record.photographs),
         reading_count=len(readings),
         highest_dose_rate_usvh=max((r.dose_rate_usvh for r in readings), default=None),
