@@ -41,8 +41,8 @@ from radiation_surveys import (
 from rocsafe_radiation.detector import DETECTORS, measure, window_generator
 from rocsafe_radiation.dose_map import grid_dose_rates_usvh
 from rocsafe_radiation.field import dose_rate_usvps
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import SourceEstimate, localize
 from rocsafe_radiation.nuclide import nuclide
 from rocsafe_radiation.photons import material

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood, Setting
+from rocsafe_radiation.likelihood import Likelihood
 from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
 from rocsafe_radiation.nuclide import nuclide
 from rocsafe_radiation.photons import AIR

@@ -17,6 +17,9 @@ from hypothesis import settings
 settings.register_profile('rocsafe', deadline=None, derandomize='CI' in os.environ)
 settings.load_profile('rocsafe')
 
+# Threads of the linear algebra wait for each other in loops: on busy cores, ten times as long.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
 POLL_S = 0.02
 
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from rocsafe_radiation import order_search
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
 from rocsafe_radiation.law_deviation import LawDeviation
-from rocsafe_radiation.likelihood import Likelihood, Setting
+from rocsafe_radiation.likelihood import Likelihood
 from rocsafe_radiation.localization import LocalizationOptions, localize
 
 from .simulated_survey import LOSSLESS, survey

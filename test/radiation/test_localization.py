@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood, Setting
+from rocsafe_radiation.likelihood import Likelihood
 from rocsafe_radiation.localization import (
     LocalizationOptions,
     SourceEstimate,

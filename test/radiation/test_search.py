@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_radiation.belief_grid import BeliefGrid, YesNoSensor
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.inquiry import Inquiry
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Setting
 from rocsafe_radiation.localization import Localization, SourceEstimate, localize
 from rocsafe_radiation.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule

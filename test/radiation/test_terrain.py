@@ -14,9 +14,10 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_radiation.background import Background
 from rocsafe_radiation.belief_search import believe
 from rocsafe_radiation.dose_map import dose_map
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.ground import LEVEL, Ground, GroundError, ground_over
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood, Setting
+from rocsafe_radiation.likelihood import Likelihood
 from rocsafe_radiation.localization import LocalizationOptions, localize
 from rocsafe_radiation.localize_cli import main
 from rocsafe_radiation.options import FieldOptions

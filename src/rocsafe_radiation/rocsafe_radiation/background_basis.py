@@ -7,20 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-# A source seen from above is two heights wide at half its maximum, a bump of this spacing 3.3.
-HEIGHTS_PER_LENGTH = 2.0
-LARGEST_BUMPS_A_SIDE = 7
+# Bumps a spacing of one height apart along the longer side of a survey, half as many if two: what
+# a fit takes grows with the cube of their number.
+LARGEST_HEIGHTS_A_SIDE = 14
 
 
-def smooth_basis(positions_enu_m: Array, height_m: float) -> Array:
+def smooth_basis(positions_enu_m: Array, height_m: float, spacing_heights: float) -> Array:
     """Return the value of each bump at each of n places, shape (n, bumps).
 
     Bumps are Gaussians on a square grid, each with the standard deviation 0.7 times the spacing:
-    their sum is smooth. The spacing is at least two heights above the ground.
+    their sum is smooth. The spacing is at least `spacing_heights` heights above the ground.
     """
     east, north = positions_enu_m[:, 0], positions_enu_m[:, 1]
     extent = max(float(np.ptp(east)), float(np.ptp(north)), 1.0)
-    spacing = max(HEIGHTS_PER_LENGTH * height_m, extent / LARGEST_BUMPS_A_SIDE)
+    spacing = spacing_heights * max(height_m, extent / LARGEST_HEIGHTS_A_SIDE)
     width = 0.7 * spacing
     bumps = [
         np.exp(-((east - x) ** 2 + (north - y) ** 2) / (2.0 * width * width))

@@ -6,7 +6,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_radiation.likelihood import SMALLEST_COUNTS, Likelihood, Setting
+from rocsafe_radiation.fit_setting import Setting
+from rocsafe_radiation.likelihood import SMALLEST_COUNTS, Likelihood
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]

@@ -15,10 +15,12 @@ is 0, and nothing changes.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from rocsafe_radiation.fit_setting import WIDE_SPACING_HEIGHTS
 from rocsafe_radiation.likelihood import LEVEL_PARAMETERS, SOURCE_PARAMETERS, Fit, Likelihood
 from rocsafe_radiation.order_values import Array, OrderSearch
 
@@ -34,20 +36,38 @@ LARGEST_EXCESS = 0.3
 CLEARLY_BEYOND = 3.0
 
 
-def unevenness(even: OrderSearch, uneven: OrderSearch) -> float:
-    """Return the share by which the ground varies over the width of a source.
+def credible(results: Sequence[OrderSearch]) -> OrderSearch:
+    """Return the best of `results`, the first without an uneven ground, that can be believed."""
+    best = max(results, key=_evidence)
+    share = unevenness(best, [one for one in results if not _is_uneven(one)])
+    return max((weighed(one, share) for one in results), key=_evidence)
+
+
+def unevenness(best: OrderSearch, even: Sequence[OrderSearch]) -> float:
+    """Return the share by which the ground varies unforeseen over the width of a source.
 
     Parameters
     ----------
-    even, uneven: fits with an even and with a smooth background; 0 unless the second explain the
-        readings clearly better with as many sources as they then need.
+    best: the fit that explains the readings best.
+    even: those on even ground; 0 unless the best is none of them, and clearly better.
     """
-    order = uneven.order
-    if order < len(even.scores) and uneven.scores[order] < even.scores[order] + CLEARLY_BETTER:
+    if not _is_uneven(best) or _evidence(best) < max(map(_evidence, even)) + CLEARLY_BETTER:
         return 0.0
-    likelihood, fit = uneven.likelihood, uneven.fits[order]
-    smooth = UNRESOLVED_SHARE * _smooth_variation(likelihood, fit)
-    return max(smooth, _rough_variation(likelihood, fit))
+    smooth = _unresolved_share(best.likelihood) * _smooth_variation(best.likelihood, best.best)
+    return max(smooth, _rough_variation(best.likelihood, best.best))
+
+
+def _is_uneven(found: OrderSearch) -> bool:
+    return found.likelihood.setting.background_std > 0.0
+
+
+def _evidence(found: OrderSearch) -> float:
+    return max(found.scores)
+
+
+def _unresolved_share(likelihood: Likelihood) -> float:
+    narrow = likelihood.setting.background_spacing_heights / WIDE_SPACING_HEIGHTS
+    return UNRESOLVED_SHARE * narrow
 
 
 def weighed(found: OrderSearch, share: float) -> OrderSearch:

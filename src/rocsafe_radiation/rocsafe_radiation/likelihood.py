@@ -17,12 +17,12 @@ each may be shaded: with a probability `shade` its m is x (b + t sum), with t on
 alike. Readings that are not shaded then place the source, and the others do not bend the law.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_radiation.kernel import Kernel
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.law_deviation import LawDeviation
 from rocsafe_radiation.reading_weights import SHADES, chances_of, log_sums, weights_of
 from rocsafe_radiation.survey import Survey
@@ -43,33 +43,6 @@ LEVEL_PARAMETERS = 2
 REACH_HEIGHTS = 3.0
 LARGEST_LOG_STEP = 1.5
 LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
-    """What is held fixed in a fit.
-
-    Attributes
-    ----------
-    kernel: of all sources.
-    source_up_m, source_up_std_m: height of sources above the ground as known before; a standard
-        deviation of 0 keeps it.
-    background_std: of each c_j as known before; 0: the background is the same everywhere.
-    rho: share of the excess by which counts scatter beyond Poisson.
-    tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
-        that of the kernel.
-    has_shield: something may stand on one side of the sources.
-    shade: probability that something shields a reading.
-    """
-
-    kernel: Kernel = field(default_factory=Kernel)
-    source_up_m: float = 0.0
-    source_up_std_m: float = 0.0
-    background_std: float = 0.0
-    rho: float = 0.0
-    tilt_std: float = 0.0
-    has_shield: bool = False
-    shade: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -179,10 +152,16 @@ class Likelihood:
         shaded = self._shaded(parameters)
         expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
         chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
-        degrees = max(1, self.survey.size - len(parameters))
+        degrees = max(1.0, self.survey.size - self._determined(parameters))
         # The variance of each term, 2 + 1/m, matters with few counts.
         spread = float(np.sqrt((2.0 + 1.0 / np.maximum(expected, 1e-3)).sum()))
         return (chi2 - degrees) / spread, chi2 / degrees
+
+    def _determined(self, parameters: Array) -> float:
+        """Return how many parameters the readings determine, and not what is known before."""
+        information, _ = self.information_and_gradient(parameters)
+        known = self._prior_precisions(parameters)
+        return len(parameters) - float(known @ np.diag(np.linalg.inv(information)))
 
     def fit(self, start: Array, iterations: int = 40) -> Fit:
         """Return the maximum near `start`."""

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood, Setting
+from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood
 from rocsafe_radiation.mirror_image import covariance_with_images
-from rocsafe_radiation.order_search import ELLIPSE_95, LARGEST_DISPERSION, LARGEST_ORDER, search
+from rocsafe_radiation.order_search import LARGEST_DISPERSION, LARGEST_ORDER, search
+from rocsafe_radiation.order_trial import ELLIPSE_95
 from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.survey import Survey
 

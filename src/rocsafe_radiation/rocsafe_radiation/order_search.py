@@ -1,75 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
 """How many sources there are: fits of rising order, compared by their evidence."""
 
-import itertools
-import math
-from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
-from rocsafe_radiation.background_basis import smooth_basis
-from rocsafe_radiation.candidates import (
-    best_separated,
-    candidate_grid,
-    grid_kernel,
-    score_candidates,
-)
-from rocsafe_radiation.credibility import unevenness, weighed
-from rocsafe_radiation.likelihood import (
-    HEIGHT_MEAN,
-    LEVEL_PARAMETERS,
-    SOURCE_PARAMETERS,
-    Fit,
-    Likelihood,
-    Setting,
-)
-from rocsafe_radiation.mirror_image import mirror_images
+from rocsafe_radiation.credibility import credible
+from rocsafe_radiation.fit_setting import Setting
+from rocsafe_radiation.order_trial import Nuisance, Trial
 from rocsafe_radiation.order_values import OrderSearch
-from rocsafe_radiation.reading_weights import background_level_usvh
 from rocsafe_radiation.survey import Survey
 
-Array = NDArray[np.float64]
 LARGEST_ORDER = 4
-# Chi-square of two degrees of freedom at 0.95.
-ELLIPSE_95 = 5.991
-# East, north and strength; the height is known before.
-FREE_PARAMETERS = 3
-TRIED_CANDIDATES = 5
-REFINED_CANDIDATES = 3
-ROUGH_ITERATIONS = 8
-SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
-# Of a source before any reading: sources are rare, and ground and detectors never quite as
-# assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
-LOG_PRIOR_ODDS_FIRST = -3.0
 # What may be wrong with "Poisson about a constant background, by the law of the dose rate".
-UNEVEN = {'background_std': 0.3}
-NUISANCES: tuple[dict[str, Any], ...] = (
-    UNEVEN,
+# The ground varies over ways wider than a source shows, or over ways just as wide.
+UNEVEN: Nuisance = {'background_std': 0.3}
+ROLLING: Nuisance = {'background_std': 0.2, 'background_spacing_heights': 1.0}
+GROUNDS = (UNEVEN, ROLLING)
+NUISANCES: tuple[Nuisance, ...] = (
+    *GROUNDS,
     {'tilt_std': 0.4},
     {'rho': 0.05},
     UNEVEN | {'rho': 0.05},
     {'rho': 0.1},
     UNEVEN | {'rho': 0.1},
+    ROLLING | {'rho': 0.1},
     {'rho': 0.2},
 )
-# Only where no source explains the readings: these take ten times as long.
-SHADES: tuple[dict[str, Any], ...] = (
+# Only where no source explains the readings.
+SHADES: tuple[Nuisance, ...] = (
     {'rho': 0.05, 'shade': 0.3},
     {'rho': 0.1, 'shade': 0.3},
     {'rho': 0.1, 'shade': 0.6},
 )
 # A wall beside the sources, of which nobody knows, with and without other things about.
-WALLS: tuple[dict[str, Any], ...] = (
+WALLS: tuple[Nuisance, ...] = (
     {'has_shield': True},
     {'has_shield': True, 'rho': 0.2},
     {'has_shield': True, 'rho': 0.05, 'shade': 0.3},
 )
-# Readings from which a wall takes their part draw a source away from it: by so many heights.
-WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
-WALL_SHARPNESS, WALL_SHIFTS_HEIGHTS = 10.0, (0.0, 0.3)
+# What at first glance explains the readings worse by this will not catch up.
+HOPELESS = 30.0
 # A single source with more evidence is not feigned by the ground.
 STRONG_EVIDENCE = 60.0
 # Pearson's chi^2 beyond this many standard deviations says that something is wrong.
@@ -86,177 +53,53 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
     as many sources; the evidence decides. Where the ground proves uneven, sources that it could
     feign do not count.
     """
-    trial = _Trial(survey, setting)
+    trial = Trial(survey, setting)
     plain = trial.orders({}, largest_order)
     if plain.dispersion >= LARGEST_DISPERSION:
-        hidden = [trial.orders(one, largest_order, plain) for one in SHADES]
-        if largest_order > 0:
-            hidden += trial.walled(plain)
-        explained = [one.order for one in hidden if one.dispersion < LARGEST_DISPERSION]
-        # No more sources than explain the readings already.
-        most = max(explained, default=largest_order)
-        others = [*(trial.orders(one, most, plain) for one in NUISANCES), *hidden]
+        others = _of_misfit(trial, plain, largest_order)
     elif plain.order > 1:
         # Do fewer sources explain it as well, on uneven ground or with scattered readings?
-        fewer = (*NUISANCES, WALLS[0])
-        others = [trial.orders(nuisance, plain.order - 1, plain) for nuisance in fewer]
+        fewer = plain.order - 1
+        tried = [*_promising(trial, NUISANCES, [plain], fewer), *WALLS[:1]]
+        others = [trial.orders(one, fewer, plain) for one in tried]
     elif plain.order == 1 and plain.dispersion >= NOTABLE_DISPERSION:
-        others = [trial.orders(one, 1, plain) for one in (UNEVEN, WALLS[0])]
+        tried = [*_promising(trial, GROUNDS, [plain], 1), *WALLS[:1]]
+        others = [trial.orders(one, 1, plain) for one in tried]
     elif plain.order == 1 and plain.gain(1) < STRONG_EVIDENCE:
-        others = [trial.orders(UNEVEN, 1, plain)]
+        others = [trial.orders(one, 1, plain) for one in _promising(trial, GROUNDS, [plain], 1)]
     else:
         return plain
-    share = unevenness(plain, others[0])
-    return max(
-        (weighed(result, share) for result in (plain, *others)),
-        key=lambda result: max(result.scores),
-    )
+    return credible((plain, *others))
 
 
-class _Trial:
-    """Searches of one survey in different nuisance settings."""
-
-    def __init__(self, survey: Survey, setting: Setting) -> None:
-        self._survey = survey
-        self._setting = setting
-        height = survey.height_m(setting.source_up_m)
-        self._basis = smooth_basis(survey.positions_enu_m, height)
-        self._grid = candidate_grid(survey, setting.source_up_m)
-        self._kernel = grid_kernel(survey, setting, self._grid)
-
-    def orders(
-        self, nuisance: dict[str, Any], largest_order: int, hints: OrderSearch | None = None
-    ) -> OrderSearch:
-        """Return the best fit of each order, until one more source is worse.
-
-        The sources of `hints` are tried as starts, too: a smooth background that has taken the
-        shape of a source does not easily give way to it.
-        """
-        setting = replace(self._setting, **nuisance)
-        likelihood = Likelihood(self._survey, setting, self._basis)
-        start = np.zeros(likelihood.head_size)
-        start[0], start[1] = math.log(background_level_usvh(self._survey)), HEIGHT_MEAN
-        fits = [likelihood.fit(start)]
-        scores = [_score(likelihood, fits[0])]
-        # One more may be worse where two more win; splitting tries pairs, so no further is gone.
-        while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
-            known = _hinted(likelihood, hints, len(fits))
-            fit = _with_one_more(likelihood, fits[-1], known, self._grid, self._kernel)
-            if fit is None or not _is_placed(likelihood, fit):
-                break
-            fits.append(fit)
-            scores.append(_score(likelihood, fit))
-        return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
-
-    def walled(self, hints: OrderSearch) -> list[OrderSearch]:
-        """Return the best fits of one source beside a wall, each from the one before."""
-        found = [hints]
-        for nuisance in WALLS:
-            found.append(self.orders(nuisance, 1, found[-1]))
-        return found[1:]
+def _of_misfit(trial: Trial, plain: OrderSearch, largest_order: int) -> list[OrderSearch]:
+    """Return searches in all settings that may explain what `plain` does not."""
+    hidden = [] if largest_order == 0 else _walled(trial, plain)
+    tried = _promising(trial, (*SHADES, *NUISANCES), [plain, *hidden], largest_order)
+    hidden += [trial.orders(one, largest_order, plain) for one in tried if one in SHADES]
+    explained = [one.order for one in hidden if one.dispersion < LARGEST_DISPERSION]
+    # No more sources than explain the readings already.
+    most = max(explained, default=largest_order)
+    return [*(trial.orders(one, most, plain) for one in tried if one not in SHADES), *hidden]
 
 
-def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[Array]:
-    """Return starts with the sources of `hints` on even ground, and its wall or any."""
-    if hints is None or order >= len(hints.fits):
-        return []
-    fit = hints.fits[order]
-    background = np.zeros(likelihood.head_size)
-    background[:LEVEL_PARAMETERS] = fit.parameters[:LEVEL_PARAMETERS]
-    sources = hints.likelihood.sources(fit.parameters)
-    if hints.likelihood.setting.has_shield:
-        background[likelihood.law] = fit.parameters[hints.likelihood.law]
-    elif likelihood.setting.has_shield:
-        return list(_walled(likelihood, background, sources))
-    return [np.concatenate([background, sources.ravel()])]
+def _walled(trial: Trial, plain: OrderSearch) -> list[OrderSearch]:
+    """Return searches of one source beside a wall, each from the one before."""
+    found = [plain]
+    for nuisance in WALLS:
+        found.append(trial.orders(nuisance, 1, found[-1]))
+        if found[-1].dispersion < NOTABLE_DISPERSION:
+            break
+    return found[1:]
 
 
-def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterator[Array]:
-    """Yield starts with a wall on each side of the sources, and these drawn towards it."""
-    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
-    for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
-        towards = np.array([math.cos(angle), math.sin(angle)])
-        head, moved = background.copy(), sources.copy()
-        head[likelihood.law][-4:-2] = WALL_SHARPNESS * towards
-        moved[:, :2] += shift * height * towards
-        yield np.concatenate([head, moved.ravel()])
+def _promising(
+    trial: Trial, nuisances: tuple[Nuisance, ...], known: list[OrderSearch], largest_order: int
+) -> list[Nuisance]:
+    """Return those of `nuisances` that may come near the best of them and of `known`.
 
-
-def _with_one_more(
-    likelihood: Likelihood, fit: Fit, hints: list[Array], grid: Array, kernel: Array
-) -> Fit | None:
-    """Return the best fit found with one more source, None without any start."""
-    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
-    is_known = bool(hints) and likelihood.setting.has_shield
-    added = [] if is_known else _added(likelihood, fit.parameters, grid, kernel, height)
-    starts = [
-        *hints,
-        *added,
-        *_split(likelihood, fit.parameters, 0.4 * height),
-    ]
-    if not starts:
-        return None
-    rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
-    ranked = sorted(rough, key=_evidence, reverse=True)
-    best = max(
-        (likelihood.fit(one.parameters) for one in ranked[:REFINED_CANDIDATES]), key=_evidence
-    )
-    images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
-    return max((best, *images), key=_evidence)
-
-
-def _evidence(fit: Fit) -> float:
-    return fit.log_likelihood
-
-
-def _added(
-    likelihood: Likelihood, parameters: Array, grid: Array, kernel: Array, height: float
-) -> list[Array]:
-    gains, strengths = score_candidates(likelihood, parameters, kernel)
-    up = likelihood.setting.source_up_m
-    return [
-        np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
-        for index in best_separated(grid, gains, TRIED_CANDIDATES, height)
-    ]
-
-
-def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list[Array]:
-    """Return starts with one source replaced by a pair of half its strength."""
-    sources = likelihood.sources(parameters)
-    starts = []
-    for index, angle in itertools.product(range(len(sources)), SPLIT_ANGLES_RAD):
-        offset = distance_m * np.array([math.cos(angle), math.sin(angle)])
-        pair = np.stack([sources[index], sources[index]])
-        pair[:, :2] += np.stack([offset, -offset])
-        pair[:, 3] -= math.log(2.0)
-        others = np.delete(sources, index, axis=0)
-        background = parameters[: likelihood.head_size]
-        starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
-    return starts
-
-
-def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
-    """Return whether each source is known to be somewhere about the survey.
-
-    What could be anywhere raises all readings alike: it is background, not a source.
+    The first of `known` says where sources may be.
     """
-    places = likelihood.survey.positions_enu_m[:, :2]
-    diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
-    variances = np.diag(np.linalg.inv(fit.information))[likelihood.head_size :]
-    spreads = variances.reshape(-1, SOURCE_PARAMETERS)[:, :2]
-    return bool((ELLIPSE_95 * spreads < diagonal**2).all())
-
-
-def _score(likelihood: Likelihood, fit: Fit) -> float:
-    """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
-    order = likelihood.source_count(fit.parameters)
-    penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
-    if order > 0:
-        penalty -= LOG_PRIOR_ODDS_FIRST
-    for part in (likelihood.bumps, likelihood.law):
-        stds = likelihood.nuisance_stds[
-            part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS
-        ]
-        _, volume = np.linalg.slogdet(fit.information[part, part] * np.outer(stds, stds))
-        penalty += 0.5 * float(volume)
-    return fit.log_likelihood - penalty
+    glances = [trial.glance(one, known[0], largest_order) for one in nuisances]
+    best = max(*(max(one.scores) for one in known), *glances) - HOPELESS
+    return [one for one, glance in zip(nuisances, glances, strict=True) if glance > best]

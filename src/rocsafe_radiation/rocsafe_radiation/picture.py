@@ -13,7 +13,7 @@ from rocsafe_radiation.belief_search import BeliefMap, believe
 from rocsafe_radiation.candidates import best_separated
 from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH, Cordon, cordons
 from rocsafe_radiation.dose_map import DoseMap, dose_map
-from rocsafe_radiation.likelihood import Setting
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.localization import (
     BELIEF_METHOD,
     METHODS,

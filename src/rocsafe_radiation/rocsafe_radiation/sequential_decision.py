@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_radiation.candidates import candidate_grid, grid_kernel
-from rocsafe_radiation.likelihood import Setting
+from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.survey import Survey
 
 Array = NDArray[np.float64]
