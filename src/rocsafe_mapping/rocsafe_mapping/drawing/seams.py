@@ -17,7 +17,9 @@ from scipy.sparse.linalg import spsolve
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.drawing.seam_cost import seam_cost
 from rocsafe_mapping.drawing.sheet import LATTICE_PX, Shares, Sheet, drawn, scores
+from rocsafe_mapping.drawing.whole_things import keep_whole
 
 # Long side of a footprint on the coarse grid.
 COARSE_SIDE_PX = 160
@@ -30,7 +32,10 @@ LARGEST_LOG_GAIN = 1.2
 DARK, BRIGHT = 8, 247
 LEAST_COMMON_PX = 40
 NOBODY = -1
+LENGTH_COST = 1.0
 Labels = NDArray[np.int32]
+Mask = NDArray[np.uint8]
+Place = tuple[slice, slice]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +79,7 @@ def gains(views: Mapping[str, CoarseView]) -> dict[str, tuple[float, float, floa
     """Return factors of blue, green, red for each photograph, by least squares of logarithms."""
     names = sorted(views)
     first, second, ratios, counts = [], [], [], []
-    for a, b in _overlapping(names, views):
+    for a, b in _overlapping([views[name].window for name in names]):
         ratio = _log_ratio(views[names[a]], views[names[b]])
         if ratio is not None:
             first.append(a)
@@ -106,9 +111,8 @@ def _held(design: csr_matrix, weight: FloatArray, wanted: FloatArray, hold: floa
     return np.asarray(solved).reshape(design.shape[1], -1)
 
 
-def _overlapping(names: list[str], views: Mapping[str, CoarseView]) -> list[tuple[int, int]]:
-    """Return the index pairs of views that meet."""
-    windows = [views[name].window for name in names]
+def _overlapping(windows: list[Window]) -> list[tuple[int, int]]:
+    """Return the index pairs of windows that meet."""
     boxes = np.array([(w.row, w.column, w.row + w.height, w.column + w.width) for w in windows])
     pairs = []
     for a, box in enumerate(boxes):
@@ -139,8 +143,8 @@ def owners(views: Mapping[str, CoarseView], names: list[str], window: Window) ->
     """Return the index in `names` of the photograph that each coarse pixel shows, or -1.
 
     Near the lines where two photographs show the ground equally well the border is moved to where
-    they look alike, by dynamic programming (Uyttendaele et al. 2001), so that it runs round what
-    stands up.
+    they agree, so that it runs round what stands up; what it would still cut is shown whole by one
+    photograph where that is possible.
     """
     best = np.zeros((window.height, window.width), np.float32)
     second = np.zeros_like(best)
@@ -149,39 +153,63 @@ def owners(views: Mapping[str, CoarseView], names: list[str], window: Window) ->
         part = view.window.within(window)
         np.maximum(second[part], np.minimum(best[part], view.scores), out=second[part])
         np.maximum(best[part], view.scores, out=best[part])
-    masks, pictures, corners = [], [], []
-    for name in names:
-        view = views[name]
+    shown = [views[name] for name in names]
+    masks = []
+    for view in shown:
         part = view.window.within(window)
         # Only the two best compete: where many overlap, the others are no better a choice.
         least = np.maximum(best[part] * (1.0 - SEAM_SLACK), second[part])
         is_near = (view.scores > 0.0) & (view.scores >= least)
         masks.append(np.where(is_near, 255, 0).astype(np.uint8))
-        pictures.append(view.colours)
-        corners.append((view.window.column, view.window.row))
-    cut = _cut(pictures, corners, masks)
+    cost = _cut(shown, masks, window)
     labels = np.full((window.height, window.width), NOBODY, np.int32)
     found = np.zeros((window.height, window.width), np.float32)
     for is_cut in (True, False):
-        for number, name in enumerate(names):
-            view = views[name]
+        for number, view in enumerate(shown):
             part = view.window.within(window)
             open_to = (view.scores > found[part]) & (labels[part] == NOBODY)
             if is_cut:
-                open_to = (cut[number] > 0) & (view.scores > found[part])
+                open_to = (masks[number] > 0) & (view.scores > found[part])
             labels[part][open_to] = number
             found[part][open_to] = view.scores[open_to]
+    keep_whole(labels, cost, shown, window)
     return labels
 
 
-def _cut(
-    pictures: list[NDArray[np.uint8]],
-    corners: list[tuple[int, int]],
-    masks: list[NDArray[np.uint8]],
-) -> list[NDArray[np.uint8]]:
-    if len(pictures) < 2:
-        return masks
+def _cut(shown: list[CoarseView], masks: list[Mask], window: Window) -> Shares:
+    """Part the masks of photographs that compete; return the cost of seams in `window`.
+
+    Photographs far from each other come first: what is left is between neighbours.
+    """
+    cost = np.zeros((window.height, window.width), np.float32)
+    boxes = [view.window for view in shown]
+    middles = np.array([(box.row + box.height / 2, box.column + box.width / 2) for box in boxes])
+    pairs = _overlapping(boxes)
+    for a, b in sorted(pairs, key=lambda ab: -np.sum((middles[ab[0]] - middles[ab[1]]) ** 2)):
+        shared = boxes[a].cut(boxes[b])
+        parts = shared.within(boxes[a]), shared.within(boxes[b])
+        if np.any((masks[a][parts[0]] > 0) & (masks[b][parts[1]] > 0)):
+            found = _cost(shown[a], shown[b], parts)
+            at = shared.within(window)
+            np.maximum(cost[at], found, out=cost[at])
+            _part((masks[a], masks[b]), (boxes[a], boxes[b]), found, parts[1])
+    return cost
+
+
+def _cost(first: CoarseView, second: CoarseView, parts: tuple[Place, Place]) -> Shares:
+    """Return the cost of a seam where two photographs meet; nothing where one shows nothing."""
+    one, other = first.colours[parts[0]], second.colours[parts[1]]
+    is_seen = (first.scores[parts[0]] > 0.0) & (second.scores[parts[1]] > 0.0)
+    return seam_cost(one, np.where(is_seen[..., np.newaxis], other, one))
+
+
+def _part(masks: tuple[Mask, Mask], boxes: tuple[Window, Window], cost: Shares, at: Place) -> None:
+    """Part two masks by dynamic programming (Uyttendaele et al. 2001)."""
+    # The finder's costs are the squared differences of pictures.
+    pictures = [np.zeros((*mask.shape, 3), np.float32) for mask in masks]
+    pictures[1][at[0], at[1], 0] = np.sqrt(cost + np.float32(LENGTH_COST))
     # The stubs of OpenCV know no arrays here.
     finder: Any = cv2.detail_DpSeamFinder('COLOR')  # type: ignore[attr-defined]
-    cut = finder.find(pictures, corners, masks)
-    return [mask.get() if isinstance(mask, cv2.UMat) else mask for mask in cut]
+    cut = finder.find(pictures, [(box.column, box.row) for box in boxes], list(masks))
+    for mask, found in zip(masks, cut, strict=True):
+        mask[...] = found.get() if isinstance(found, cv2.UMat) else found
