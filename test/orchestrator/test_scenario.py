@@ -54,6 +54,7 @@ REFUSED = [
     ('name', '../up', 'must match'),
     ('clock.start', 'noon', 'must be a valid datetime'),
     ('camera.ground', 'no.tif', 'must be procedural or the path of a GeoTIFF; no such file'),
+    ('survey.terrain_file', 'no.tif', 'must be the path of a GeoTIFF of heights; no such file'),
     ('camera.effects.vignetting', 2.0, 'must be less than or equal to 1'),
     ('camera.gimbal', 1, 'must be a valid boolean'),
     ('radiation.sources[0].sigma_usvps', -1.0, 'must be greater than 0'),
@@ -73,6 +74,7 @@ REFUSED_BLOCKS = [
     ('radiation.sources[0].line', [[53.28, -9.06]], 'must have one of position, line, area'),
     ('radiation.shields', [WALL], "radiation.model = 'paper': must be shielded where there are"),
     ('radiation.scene_file', 'gone.yaml', "radiation.scene_file = 'gone.yaml': must be the path"),
+    ('camera', {'backend': 'engine', 'scene_file': 'no.yaml'}, 'must be the path of a scene; no '),
     (
         'radiation',
         {'model': 'shielded', 'shields': [{**WALL, 'wall_m': 0.5}]},

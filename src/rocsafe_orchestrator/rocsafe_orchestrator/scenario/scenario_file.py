@@ -22,8 +22,8 @@ MOST_LINES = 10
 def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = None) -> Scenario:
     """Read and check the scenario at `path`; `speed` and `seed` replace those of the file.
 
-    The region of a GeoJSON or KML file becomes part of the scenario, and the path of a ground
-    image becomes absolute: what is returned stands for itself.
+    Regions of files become part of the scenario, and the paths of other files become absolute:
+    what is returned stands for itself.
 
     Raises
     ------
@@ -33,10 +33,7 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
     scenario = _validated(path.name, _with_options(content, speed, seed))
-    for with_absolute in (
-        _with_region, _with_ground, _with_scene, _with_terrain, _with_shielding_scene,
-    ):  # fmt: skip
-        scenario = with_absolute(scenario, path)
+    scenario = _with_files(_with_region(scenario, path), path)
     lines = mistakes(scenario)
     if lines:
         raise _error([f'{path.name}: {line}' for line in lines])
@@ -111,54 +108,25 @@ def _places(ring: Any) -> tuple[LatLon, ...]:
     return tuple((point.latitude_deg, point.longitude_deg) for point in ring)
 
 
-def _with_ground(scenario: Scenario, path: Path) -> Scenario:
-    """Return `scenario` with the absolute path of its ground image, if it names one."""
-    ground = scenario.camera.ground
-    if ground == 'procedural':
-        return scenario
-    image = (path.parent / ground).resolve()
-    if not image.is_file():
-        line = f'camera.ground = {ground!r}: must be procedural or the path of a GeoTIFF'
-        raise ScenarioError(f'{path.name}: {line}; no such file')
-    camera = scenario.camera.model_copy(update={'ground': str(image)})
-    return scenario.model_copy(update={'camera': camera})
-
-
-def _with_scene(scenario: Scenario, path: Path) -> Scenario:
-    """Return `scenario` with the absolute path of the scene that the engine draws."""
-    camera = scenario.camera
-    if camera.backend != 'engine':
-        return scenario
-    named = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
-    file = (path.parent / named).resolve()
-    if not file.is_file():
-        line = f'camera.scene_file = {named!r}: must be the path of a scene'
-        raise ScenarioError(f'{path.name}: {line}; no such file')
-    camera = camera.model_copy(update={'scene_file': str(file)})
-    return scenario.model_copy(update={'camera': camera})
-
-
-def _with_terrain(scenario: Scenario, path: Path) -> Scenario:
-    """Return `scenario` with the absolute path of its elevation model, if it names one."""
-    terrain = scenario.survey.terrain_file
-    if not terrain:
-        return scenario
-    file = (path.parent / terrain).resolve()
-    if not file.is_file():
-        line = f'survey.terrain_file = {terrain!r}: must be the path of a GeoTIFF of heights'
-        raise ScenarioError(f'{path.name}: {line}; no such file')
-    survey = scenario.survey.model_copy(update={'terrain_file': str(file)})
-    return scenario.model_copy(update={'survey': survey})
-
-
-def _with_shielding_scene(scenario: Scenario, path: Path) -> Scenario:
-    """Return `scenario` with the absolute path of the scene whose things shield, if any."""
-    named = scenario.radiation.scene_file
-    if not named:
-        return scenario
-    file = (path.parent / named).resolve()
-    if not file.is_file():
-        line = f'radiation.scene_file = {named!r}: must be the path of a scene'
-        raise ScenarioError(f'{path.name}: {line}; no such file')
-    radiation = scenario.radiation.model_copy(update={'scene_file': str(file)})
-    return scenario.model_copy(update={'radiation': radiation})
+def _with_files(scenario: Scenario, path: Path) -> Scenario:
+    """Return `scenario` with the absolute paths of the other files that it names."""
+    camera, radiation = scenario.camera, scenario.radiation
+    ground = None if camera.ground == 'procedural' else camera.ground
+    scene = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
+    drawn = scene if camera.backend == 'engine' else None
+    terrain = scenario.survey.terrain_file or None
+    for block, key, named, what in (
+        ('camera', 'ground', ground, 'procedural or the path of a GeoTIFF'),
+        ('camera', 'scene_file', drawn, 'the path of a scene'),
+        ('survey', 'terrain_file', terrain, 'the path of a GeoTIFF of heights'),
+        ('radiation', 'scene_file', radiation.scene_file or None, 'the path of a scene'),
+    ):
+        if named is None:
+            continue
+        file = (path.parent / named).resolve()
+        if not file.is_file():
+            line = f'{block}.{key} = {named!r}: must be {what}'
+            raise ScenarioError(f'{path.name}: {line}; no such file')
+        values = getattr(scenario, block).model_copy(update={key: str(file)})
+        scenario = scenario.model_copy(update={block: values})
+    return scenario
