@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,16 +83,18 @@ def ctrl_c_is_heard() -> None:
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain of our own, so that parallel runs do not hear each other."""
-    yield from reserved_domain()
+    with reserved_domain() as number:
+        os.environ['ROS_DOMAIN_ID'] = str(number)
+        yield number
 
 
+@contextmanager
 def reserved_domain() -> Iterator[int]:
-    """Yield the number of a domain that nobody else on this machine has."""
+    """Hold a domain that nobody else on this machine has, and give its number."""
     domain_coordinator = pytest.importorskip(
         'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
     )
     with domain_coordinator.domain_id() as number:
-        os.environ['ROS_DOMAIN_ID'] = str(number)
         yield int(number)
 
 

@@ -16,7 +16,9 @@ DEADLINE_S = 20.0
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain for this folder: its robot poses as a vehicle to the session's end."""
-    yield from reserved_domain()
+    with reserved_domain() as number:
+        os.environ['ROS_DOMAIN_ID'] = str(number)
+        yield number
 
 
 @pytest.fixture(scope='session')

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test.conftest import reserved_domain
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.processes.launches import find_executable
@@ -124,11 +125,8 @@ def is_alive(pid: int) -> bool:
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain for missions alone: other tests keep vehicles of their own in theirs."""
-    domain_coordinator = pytest.importorskip(
-        'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
-    )
-    with domain_coordinator.domain_id() as number:
-        yield int(number)
+    with reserved_domain() as number:
+        yield number
 
 
 @pytest.fixture(scope='session')
@@ -141,21 +139,31 @@ def rocsafe() -> Path:
 
 
 class Hangar:
-    """Starts missions in a folder, and ends what is left of them."""
+    """Starts missions in a folder, and ends what is left of them.
 
-    def __init__(self, command: Path, domain_id: int, folder: Path) -> None:
+    They are those of the scenario that the module of the tests names, else of the small one.
+    """
+
+    def __init__(
+        self, command: Path, domain_id: int, folder: Path, request: pytest.FixtureRequest
+    ) -> None:
         self._command = command
         self._domain_id = domain_id
         self._folder = folder
+        self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
         self._flights: list[Flight] = []
 
     def __call__(self, *options: str) -> Flight:
-        """Start the small mission with `options` of `rocsafe run`."""
+        """Start the mission with `options` of `rocsafe run`."""
         folder = self._folder / f'flight-{len(self._flights)}'
-        self._flights.append(Flight(self._command, self._domain_id, folder, *options))
-        return self._flights[-1]
+        flight = Flight(self._command, self._domain_id, folder, *options, scenario=self._scenario)
+        self._flights.append(flight)
+        return flight
 
-    def clear(self) -> None:
+    def __enter__(self) -> 'Hangar':
+        return self
+
+    def __exit__(self, *_: object) -> None:
         """End what still flies."""
         for flight in self._flights:
             if flight.process.poll() is None:
@@ -164,20 +172,24 @@ class Hangar:
 
 
 @pytest.fixture
-def fly(rocsafe: Path, ros_domain_id: int, tmp_path: Path) -> Iterator[Hangar]:
-    """Give a function that starts the small mission."""
-    hangar = Hangar(rocsafe, ros_domain_id, tmp_path)
-    yield hangar
-    hangar.clear()
+def fly(
+    rocsafe: Path, ros_domain_id: int, tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator[Hangar]:
+    """Give a function that starts the mission."""
+    with Hangar(rocsafe, ros_domain_id, tmp_path, request) as hangar:
+        yield hangar
 
 
 @pytest.fixture(scope='module')
 def complete(
-    rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
+    rocsafe: Path,
+    ros_domain_id: int,
+    tmp_path_factory: pytest.TempPathFactory,
+    request: pytest.FixtureRequest,
 ) -> Iterator[Flight]:
-    """Give a mission that was flown to its end as fast as possible."""
-    hangar = Hangar(rocsafe, ros_domain_id, tmp_path_factory.mktemp('complete'))
-    flight = hangar()
-    assert flight.end() == 0, flight.output
-    yield flight
-    hangar.clear()
+    """Give the mission, flown to its end as fast as possible."""
+    folder = tmp_path_factory.mktemp('complete')
+    with Hangar(rocsafe, ros_domain_id, folder, request) as hangar:
+        flight = hangar()
+        assert flight.end() == 0, flight.output
+        yield flight

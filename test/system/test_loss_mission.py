@@ -5,7 +5,7 @@ import json
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,32 +17,15 @@ from .conftest import Flight
 pytestmark = pytest.mark.system
 
 SCENARIO = Path(__file__).with_name('loss.yaml')
-Launch = Callable[..., Flight]
+Fly = Callable[..., Flight]
 
 
-@pytest.fixture
-def launch(rocsafe: Path, ros_domain_id: int, tmp_path: Path) -> Iterator[Launch]:
-    """Give a function that starts the mission; end what still flies after the test."""
-    flights = []
-
-    def start(*options: str) -> Flight:
-        folder = tmp_path / 'flight'
-        flights.append(Flight(rocsafe, ros_domain_id, folder, *options, scenario=SCENARIO))
-        return flights[-1]
-
-    yield start
-    for flight in flights:
-        if flight.process.poll() is None:
-            os.killpg(flight.process.pid, signal.SIGKILL)
-            flight.process.wait()
-
-
-def test_others_take_over_from_two_that_are_lost(launch: Launch) -> None:
+def test_others_take_over_from_two_that_are_lost(fly: Fly) -> None:
     """One's process keeps dying, the other's battery fails: the last photographs the rest.
 
     Time does not wait for the one that is gone; the mission is complete and tells who was lost.
     """
-    flight = launch('--speed', '12')
+    flight = fly('--speed', '12')
     flight.wait_for_images(2)
     while 'the others take over' not in flight.output and flight.process.poll() is None:
         pid = flight.pid_of('rav3')

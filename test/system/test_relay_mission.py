@@ -2,9 +2,6 @@
 """A mission with a late take-off, a battery change and landings elsewhere, flown as planned."""
 
 import json
-import os
-import signal
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,31 +22,15 @@ NS = 1e9
 
 
 @pytest.fixture(scope='module')
-def flown(
-    rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Flight]:
-    """Give the mission, flown to its end."""
-    folder = tmp_path_factory.mktemp('relay') / 'flight'
-    flight = Flight(rocsafe, ros_domain_id, folder, scenario=SCENARIO)
-    try:
-        assert flight.end() == 0, flight.output
-        yield flight
-    finally:
-        if flight.process.poll() is None:
-            os.killpg(flight.process.pid, signal.SIGKILL)
-            flight.process.wait()
-
-
-@pytest.fixture(scope='module')
-def record(flown: Flight) -> RunRecord:
+def record(complete: Flight) -> RunRecord:
     """Give what the run recorded."""
-    return read_run(flown.run.path)
+    return read_run(complete.run.path)
 
 
-def test_flight_takes_as_long_as_the_plan(flown: Flight) -> None:
+def test_flight_takes_as_long_as_the_plan(complete: Flight) -> None:
     """Times with delay and battery change, lengths, photographs: what was planned was flown."""
-    plan = json.loads(flown.run.plan.read_text())
-    summary = json.loads(flown.run.summary.read_text())
+    plan = json.loads(complete.run.plan.read_text())
+    summary = json.loads(complete.run.summary.read_text())
     assert {len(route['sorties']) for route in plan['routes']} == {1, 2}
     assert any(route['delay_s'] for route in plan['routes'])
     for vehicle in summary['vehicles']:
@@ -59,21 +40,21 @@ def test_flight_takes_as_long_as_the_plan(flown: Flight) -> None:
         assert vehicle['flown_length_m'] == pytest.approx(vehicle['planned_length_m'], rel=1e-3)
         assert vehicle['state'] == 'landed'
     assert summary['mission_duration_s'] == pytest.approx(plan['makespan_s'], abs=2.0 * STEP_S)
-    assert len(flown.images()) == plan['viewpoint_count']
+    assert len(complete.images()) == plan['viewpoint_count']
 
 
-def test_vehicles_keep_apart_as_planned(flown: Flight) -> None:
+def test_vehicles_keep_apart_as_planned(complete: Flight) -> None:
     """The least distance of the recorded tracks is the plan's, and above what was asked for."""
-    summary: dict[str, Any] = json.loads(flown.run.summary.read_text())
+    summary: dict[str, Any] = json.loads(complete.run.summary.read_text())
     planned = summary['plan']['minimum_separation_m']
     assert planned >= summary['plan']['separation_m'] == 16.0
     assert summary['nearest']['distance_m'] == pytest.approx(planned, abs=0.2)
 
 
-def test_waits_are_told(flown: Flight, record: RunRecord) -> None:
+def test_waits_are_told(complete: Flight, record: RunRecord) -> None:
     """On the ground before a late take-off, and between two flights, the state says why."""
     assert record.log is not None
-    plan = json.loads(flown.run.plan.read_text())
+    plan = json.loads(complete.run.plan.read_text())
     swapping = next(r['vehicle'] for r in plan['routes'] if len(r['sorties']) > 1)
     late = next(r for r in plan['routes'] if r['delay_s'])
     texts = {
@@ -86,10 +67,10 @@ def test_waits_are_told(flown: Flight, record: RunRecord) -> None:
     assert (again - landed) / NS == pytest.approx(30.0, abs=2.0 * STEP_S)
 
 
-def test_vehicles_land_where_their_routes_end(flown: Flight, record: RunRecord) -> None:
+def test_vehicles_land_where_their_routes_end(complete: Flight, record: RunRecord) -> None:
     """One at its own end, one below its last viewpoint, one at home."""
     assert record.log is not None
-    plan = json.loads(flown.run.plan.read_text())
+    plan = json.loads(complete.run.plan.read_text())
     last = plan['routes'][2]['viewpoints'][-1]
     ends = {
         'rav1': (53.27970, -9.06330),
@@ -103,8 +84,8 @@ def test_vehicles_land_where_their_routes_end(flown: Flight, record: RunRecord) 
         assert track.altitude_m[-1] == pytest.approx(66.0, abs=0.01)
 
 
-def test_report_tells_of_it(flown: Flight) -> None:
+def test_report_tells_of_it(complete: Flight) -> None:
     """The page says who took off late, who changed batteries, and how near they came."""
-    page = flown.run.report.read_text(encoding='utf-8')
+    page = complete.run.report.read_text(encoding='utf-8')
     for words in ('Take-off delayed', 'Battery changes', 'rav1 1 ×', 'flown (', 'takes off again'):
         assert words in page

@@ -6,7 +6,7 @@ import itertools
 import json
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,49 +23,28 @@ SURVEY_READINGS = 150
 pytestmark = pytest.mark.system
 
 
-@pytest.fixture(scope='module')
-def searched(
-    rocsafe: Path, ros_domain_id: int, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Flight]:
-    """Give a search that was flown to its end as fast as possible."""
-    folder = tmp_path_factory.mktemp('searched') / 'flight'
-    flight = Flight(rocsafe, ros_domain_id, folder, scenario=SCENARIO)
-    try:
-        assert flight.end() == 0, flight.output
-        yield flight
-    finally:
-        end(flight)
-
-
-def end(flight: Flight) -> None:
-    """End what still flies."""
-    if flight.process.poll() is None:
-        os.killpg(flight.process.pid, signal.SIGKILL)
-        flight.process.wait()
-
-
 def readings(flight: Flight) -> list[dict[str, str]]:
     """Return all readings of a flight in the order of time."""
     with flight.run.readings.open(encoding='utf-8', newline='') as stream:
         return sorted(csv.DictReader(stream), key=lambda row: row['time_ns'])
 
 
-def test_a_further_round_is_flown_to_where_readings_tell_most(searched: Any) -> None:
+def test_a_further_round_is_flown_to_where_readings_tell_most(complete: Any) -> None:
     """Planned by the planner, photographed like any other, and read."""
-    run = searched.run
+    run = complete.run
     plan = json.loads(run.plan.read_text())
     (further,) = run.path.glob('further-*')
     more = json.loads((further / 'plan.json').read_text())
     counts = [sum(len(route['viewpoints']) for route in p['routes']) for p in (plan, more)]
     assert counts[1] == PLACES
-    assert len(searched.images()) == sum(counts)
-    assert searched.info()['outcome'] == 'complete'
-    assert searched.living() == []
+    assert len(complete.images()) == sum(counts)
+    assert complete.info()['outcome'] == 'complete'
+    assert complete.living() == []
 
 
-def test_the_source_is_found_where_it_is(searched: Any) -> None:
+def test_the_source_is_found_where_it_is(complete: Any) -> None:
     """Within 3 m, and the report of it says that more was wanted."""
-    found = json.loads((searched.run.path / 'sources.json').read_text())
+    found = json.loads((complete.run.path / 'sources.json').read_text())
     (source,) = found['sources']
     north_m = (source['place']['latitude_deg'] - SOURCE[0]) * 111_300.0
     east_m = (source['place']['longitude_deg'] - SOURCE[1]) * 66_600.0
@@ -85,41 +64,35 @@ def total_usv(flight: Flight) -> float:
     return sum(float(row['dose_rate_usvh']) for row in readings(flight)) / 3600.0
 
 
-def test_doses_are_recorded(searched: Any) -> None:
+def test_doses_are_recorded(complete: Any) -> None:
     """The dose that the localizer added up is that of the readings."""
-    assert last_dose(searched).dose_usv == pytest.approx(total_usv(searched), rel=0.02)
+    assert last_dose(complete).dose_usv == pytest.approx(total_usv(complete), rel=0.02)
 
 
 @pytest.fixture
-def disturbed(
-    rocsafe: Path, ros_domain_id: int, tmp_path: Path
-) -> Iterator[Callable[[str], Flight]]:
+def disturbed(fly: Callable[..., Flight]) -> Callable[[str], Flight]:
     """Give a function that flies the search and kills a node in the air."""
-    flights: list[Flight] = []
 
-    def fly(node: str) -> Flight:
-        folder = tmp_path / 'flight'
-        flights.append(Flight(rocsafe, ros_domain_id, folder, '--speed', '20', scenario=SCENARIO))
-        flights[-1].wait_for_images(3)
-        os.kill(flights[-1].pid_of(node), signal.SIGKILL)
-        assert flights[-1].end() == 0, flights[-1].output
-        assert flights[-1].info()['restarts'] == {node: 1}
-        return flights[-1]
+    def disturb(node: str) -> Flight:
+        flight = fly('--speed', '20')
+        flight.wait_for_images(3)
+        os.kill(flight.pid_of(node), signal.SIGKILL)
+        assert flight.end() == 0, flight.output
+        assert flight.info()['restarts'] == {node: 1}
+        return flight
 
-    yield fly
-    for flight in flights:
-        end(flight)
+    return disturb
 
 
 def test_a_field_killed_in_the_air_costs_no_reading(
-    searched: Any, disturbed: Callable[[str], Flight]
+    complete: Any, disturbed: Callable[[str], Flight]
 ) -> None:
     """Counted windows and all: the readings are those of the flight that nobody disturbed."""
     flight = disturbed('radiation_field')
     # The further round follows from an estimate that may have had one reading less on the ground.
     here, there = (
         {row['time_ns']: row for row in readings(one)[:SURVEY_READINGS]}
-        for one in (flight, searched)
+        for one in (flight, complete)
     )
     # On the ground either may begin some seconds later: who is found late by the others.
     common = here.keys() & there.keys()
