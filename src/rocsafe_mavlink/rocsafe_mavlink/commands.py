@@ -16,7 +16,6 @@ from rocsafe_mavlink.authority import (
     DO_PAUSE_CONTINUE,
     DO_SET_MISSION_CURRENT,
     MISSION_START,
-    REQUEST_MESSAGE,
     SET_MESSAGE_INTERVAL,
 )
 from rocsafe_mavlink.dialect import Message, addressed
@@ -192,11 +191,6 @@ def change_speed(target: Target, speed_mps: float) -> Message:
 def set_current(target: Target, item: int) -> Message:
     """Return the command to go on with item `item`."""
     return command(DO_SET_MISSION_CURRENT, target, item)
-
-
-def request_message(target: Target, message_id: int) -> Message:
-    """Return the command to send one message once."""
-    return command(REQUEST_MESSAGE, target, message_id)
 
 
 def set_interval(target: Target, message_id: int, rate_hz: float) -> Message:

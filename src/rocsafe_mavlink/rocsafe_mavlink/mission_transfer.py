@@ -6,7 +6,6 @@ So after an upload the mission is read back and compared; what differs is sent a
 does not help, the mission is cleared, so that nothing half-written can be flown.
 """
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -179,8 +178,3 @@ def compare(sent: Sequence[MissionItem], back: Sequence[MissionItem], first_comp
         if found:
             return f'item {number} read back: {found}'
     return ''
-
-
-def content_hash(items: Sequence[MissionItem], first_compared: int) -> str:
-    """Return what a restarted bridge recognises a mission by, the autopilot's own item apart."""
-    return hashlib.sha256(repr(tuple(items[first_compared:])).encode()).hexdigest()

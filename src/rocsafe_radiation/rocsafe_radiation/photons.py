@@ -19,9 +19,7 @@ AIR = 'air'
 LOWEST_ENERGY_KEV, HIGHEST_ENERGY_KEV = 20.0, 3000.0
 # The standard's coefficients are fitted up to here; exp(-40) is nothing.
 LARGEST_MEAN_FREE_PATHS = 40.0
-M_PER_CM = 0.01
 # 20 degrees Celsius and 1013.25 hPa, for which the tables give the density of air.
-REFERENCE_TEMPERATURE_K, REFERENCE_PRESSURE_HPA = 293.15, 1013.25
 TANH_MINUS_2 = math.tanh(-2.0)
 
 Array = NDArray[np.float64]
@@ -137,15 +135,6 @@ def dose_per_kerma_sv_gy(energies_kev: ArrayLike) -> Array:
     return np.asarray(
         np.interp(_log_energies(energies_kev), np.log(table['energies_kev']), table['sv_per_gy'])
     )
-
-
-def air_density_kg_m3(
-    temperature_k: float = REFERENCE_TEMPERATURE_K, pressure_hpa: float = REFERENCE_PRESSURE_HPA
-) -> float:
-    """Return the density of dry air, as an ideal gas."""
-    reference = material(AIR).density_kg_m3
-    warmth = REFERENCE_TEMPERATURE_K / temperature_k
-    return reference * warmth * pressure_hpa / REFERENCE_PRESSURE_HPA
 
 
 def _log_energies(energies_kev: ArrayLike) -> Array:

@@ -141,11 +141,3 @@ def jpeg_of(image: Image, quality: int, remark: str = '') -> bytes:
         return jpeg
     text = remark.encode()
     return jpeg[:2] + _COMMENT + struct.pack('>H', len(text) + 2) + text + jpeg[2:]
-
-
-def image_of(jpeg: bytes) -> Image:
-    """Return the image (blue, green, red) of a JPEG file."""
-    pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)
-    if pixels is None:
-        raise GroundError(f'no image in {len(jpeg)} bytes that should be a JPEG file')
-    return pixels

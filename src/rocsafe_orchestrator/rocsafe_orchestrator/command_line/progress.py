@@ -16,7 +16,6 @@ from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus
 
 # Wall time between two plain lines of the same phase.
 PLAIN_PERIOD_S = 10.0
-BAR_WIDTH = 20
 
 _STATE_STYLES = {
     FlightState.FLYING: 'green',

@@ -22,7 +22,6 @@ from rocsafe_orchestrator.products.run_record import Photograph
 MOST_MOSAIC_PX = 2000
 MOST_MOSAIC_BYTES = 1_200_000
 _MOSAIC_QUALITIES = (82, 70, 55, 40)
-THUMBNAIL_WIDTH_PX = 224
 # All thumbnails together; beyond it they become smaller, then fewer.
 MOST_THUMBNAIL_BYTES = 800_000
 _THUMBNAIL_QUALITY = 55
