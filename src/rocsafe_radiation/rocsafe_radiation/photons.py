@@ -19,7 +19,6 @@ AIR = 'air'
 LOWEST_ENERGY_KEV, HIGHEST_ENERGY_KEV = 20.0, 3000.0
 # The standard's coefficients are fitted up to here; exp(-40) is nothing.
 LARGEST_MEAN_FREE_PATHS = 40.0
-# 20 degrees Celsius and 1013.25 hPa, for which the tables give the density of air.
 TANH_MINUS_2 = math.tanh(-2.0)
 
 Array = NDArray[np.float64]
