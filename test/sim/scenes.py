@@ -37,7 +37,7 @@ def plain_map(half_m: tuple[float, float], seed: int = 3) -> GroundMap:
     return GroundMap(-half_m[0], -half_m[1], 0.5, colours, classes)
 
 
-def small_environment(*objects: dict, relief_m: float = 1.5) -> Environment:
+def small_environment(*objects: dict, relief_m: float = 1.5, seed: int = 4) -> Environment:
     """Return a scene of `objects`, by default a handful, on rolling ground."""
     description = describe(*(objects or THINGS))
     terrain = make_terrain(Relief(seed=4, local_m=relief_m, hills_m=20.0).heights)
@@ -47,5 +47,5 @@ def small_environment(*objects: dict, relief_m: float = 1.5) -> Environment:
         terrain=terrain,
         inner=plain_map(INNER_HALF_M),
         outer=plain_map(OUTER_HALF_M),
-        objects=tuple(Placer(description, 4, FRAME, terrain).objects()),
+        objects=tuple(Placer(description, seed, FRAME, terrain).objects()),
     )

@@ -7,7 +7,8 @@ import pytest
 from rocsafe_sim.scene import shapes
 from rocsafe_sim.scene.catalogue import MAKERS
 from rocsafe_sim.scene.mesh import joined
-from rocsafe_sim.scene.parts.plants import coarser
+from rocsafe_sim.scene.parts.thinning import coarser
+from rocsafe_sim.scene.surfaces import Surface
 
 COURSE = np.column_stack([np.linspace(0.0, 18.0, 13), np.linspace(0.0, 3.0, 13), np.zeros(13)])
 SOLIDS = {
@@ -82,3 +83,18 @@ def test_thinned_trees_are_lighter_and_as_large():
     assert len(thin.triangles) < 0.45 * len(full.triangles)
     assert len(thinner.triangles) < len(thin.triangles)
     assert np.allclose(np.ptp(thin.points, axis=0), np.ptp(full.points, axis=0), rtol=0.15)
+
+
+@pytest.mark.parametrize('species', ['oak', 'pine'])
+def test_the_skin_of_a_crown_is_closed_and_faces_outwards(species):
+    """Each edge belongs to two triangles, wound opposite ways; the volume is that of a crown."""
+    tree = MAKERS['tree'].make(np.random.default_rng(3), {'species': species})
+    is_skin = (tree.colours[:, 3] == Surface.CROWN)[tree.triangles].all(axis=1)
+    triangles = tree.triangles[is_skin]
+    edges = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    there, back = ({tuple(edge) for edge in way.tolist()} for way in (edges, edges[:, ::-1]))
+    assert len(there) == len(edges)
+    assert there == back
+    a, b, c = tree.points[triangles].swapaxes(0, 1)
+    volume = np.einsum('ij,ij->i', np.cross(a, b), c).sum() / 6.0
+    assert 20.0 < volume < 300.0

@@ -8,6 +8,12 @@ in vec3 p3d_Normal;
 in vec4 p3d_Color;
 out vec3 shade;
 out vec3 normal;
+#ifdef SKIN
+in vec2 p3d_MultiTexCoord0;
+uniform float leaf_scale;       // 1 / width of the picture of leaves
+out vec2 place;
+out vec2 sunward;
+#endif
 
 void main() {
     gl_Position = p3d_ModelViewProjectionMatrix * p3d_Vertex;
@@ -27,4 +33,9 @@ void main() {
     colour += sun_light * (0.018 * glint * share);
     shade = seen(colour, range);
     normal = n;
+#ifdef SKIN
+    // Shifted by where the tree stands: no two show the same.
+    place = (p3d_ModelMatrix[3].xy + p3d_MultiTexCoord0) * leaf_scale;
+    sunward = (transpose(mat3(p3d_ModelMatrix)) * sun_direction).xy * (0.08 * leaf_scale);
+#endif
 }

@@ -20,7 +20,7 @@ from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, Piece, Sce
 from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, Mesh, rotation_of, unit
-from rocsafe_sim.scene.parts.plants import LEAFY, coarser
+from rocsafe_sim.scene.parts.thinning import LEAFY, coarser
 
 # Bits of the cameras: one for the picture, one for both kinds of numbers.
 LOOK, KNOW = (core.BitMask32.bit(number) for number in range(2))

@@ -14,11 +14,11 @@ from rocsafe_sim.engine.shading import Wardrobe
 from rocsafe_sim.scene.classes import class_number
 from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
-from rocsafe_sim.scene.grain import grain_tile
+from rocsafe_sim.scene.grain import LEAF_TEXEL_M, LEAVES_PX, grain_tile, leaf_tile
 from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, Mesh
-from rocsafe_sim.scene.parts.plants import LEAFY, coarser
+from rocsafe_sim.scene.parts.thinning import LEAFY, coarser
 from rocsafe_sim.scene.shapes import ball
 from rocsafe_sim.scene.surfaces import LOOKS, Surface
 
@@ -60,6 +60,8 @@ class Stage:
         )
         self.root = core.NodePath('scene')
         self.root.setShaderInput('grain', self._grain())
+        self.root.setShaderInput('leaves', upload.grey_texture('leaves', leaf_tile()))
+        self.root.setShaderInput('leaf_scale', 1.0 / (LEAVES_PX * LEAF_TEXEL_M))
         self.root.setShaderInput('looks', _look_table())
         self._wardrobe = Wardrobe()
         self._moving: list[tuple[SceneObject, Any]] = []
@@ -193,12 +195,14 @@ class _Shape:
     nodes: list[Any]
     bounds: Floats
     is_glossy: bool
+    has_skin: bool
 
 
 def _shape(thing: SceneObject, mesh: Mesh) -> _Shape:
     nodes = [upload.geom_node(thing.name, step) for step in _steps(thing, mesh)]
     kinds = np.flatnonzero(np.bincount(mesh.colours[:, 3]))
-    return _Shape(nodes, mesh.bounds, not thing.is_foliage and bool(_GLOSSY & {*kinds.tolist()}))
+    is_glossy = not thing.is_foliage and bool(_GLOSSY & {*kinds.tolist()})
+    return _Shape(nodes, mesh.bounds, is_glossy, Surface.CROWN in kinds)
 
 
 def _steps(thing: SceneObject, mesh: Mesh) -> list[Mesh]:
@@ -220,13 +224,14 @@ def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> 
 
 def _switches(thing: SceneObject, piece: Piece, shape: _Shape) -> tuple[str, ...]:
     """Return the variant that a piece of a thing needs."""
+    skin = ('SKIN',) if shape.has_skin else ()
     if thing.path is None:
         corners = np.array(np.meshgrid(*shape.bounds.T)).reshape(3, -1).T
         places = corners @ piece.rotation.T + piece.offset
     else:
         places = thing.path.places
     is_far = np.linalg.norm(places[:, :2], axis=1).max() > _NEAR_M
-    return (*(('FAR',) if is_far else ()), *(('GLOSSY',) if shape.is_glossy else ()))
+    return (*(('FAR',) if is_far else ()), *(('GLOSSY',) if shape.is_glossy else ()), *skin)
 
 
 def _has_water(chunk: Mesh, ground: GroundMap) -> bool:

@@ -96,6 +96,18 @@ def colour_texture(name: str, image: NDArray[np.uint8], *, is_tile: bool = False
     return texture
 
 
+def grey_texture(name: str, image: NDArray[np.uint8]) -> Any:
+    """Return a mip-mapped texture of brightness, mirrored beyond its edges; row 0 at v = 0."""
+    texture = core.Texture(name)
+    rows, columns = image.shape
+    texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, core.Texture.FRed)
+    _fill(texture, image)
+    texture.setMinfilter(core.SamplerState.FTLinearMipmapNearest)
+    texture.setMagfilter(core.SamplerState.FTLinear)
+    _wrap(texture, core.SamplerState.WMMirror)
+    return texture
+
+
 def class_texture(name: str, classes: NDArray[np.uint8]) -> Any:
     """Return a texture of class numbers, never interpolated; row 0 at v = 0."""
     texture = core.Texture(name)

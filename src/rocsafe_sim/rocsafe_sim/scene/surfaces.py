@@ -23,6 +23,7 @@ class Surface(IntEnum):
     WATER = 12
     GRASS = 13
     WOOD = 14
+    CROWN = 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,4 +60,5 @@ LOOKS: dict[Surface, Look] = {
     Surface.WATER: Look(0.9, 300.0, 0.1),
     Surface.GRASS: Look(0.04, 10.0, 0.15, 0.4),
     Surface.WOOD: Look(0.03, 8.0, 0.55),
+    Surface.CROWN: Look(0.08, 14.0, 0.18, 0.45),
 }

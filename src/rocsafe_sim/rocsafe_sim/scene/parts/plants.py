@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trees, hedges, shrubs and tufts, leaf by leaf.
+"""Trees, hedges, shrubs and tufts.
 
 Every leaf is a small folded polygon, no cut-out picture: what the labels, the rays and the
-shadows see is what the camera sees.
+shadows see is what the camera sees. Crowns of trees have a skin besides, see `crowns`.
 """
 
 import math
@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.mesh import Colour, Floats, Mesh, joined, unit
+from rocsafe_sim.scene.parts.crowns import Blob, Crown, scattered, skin
 from rocsafe_sim.scene.shapes import tube
 from rocsafe_sim.scene.surfaces import Surface
 
 _BARK: Colour = (88, 74, 60)
+# Leaves on a square metre of the side of a crown.
+_LEAVES_PER_M2 = 15.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,18 +94,13 @@ def _leaf_colours(outward: Floats, species: Species, rng: np.random.Generator) -
     return np.concatenate([np.clip(colours, 8, 250), surface], axis=1).astype(np.uint8)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Blob:
-    centre: Floats
-    radii: Floats
-
-    def fill(self, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        """Return places in the blob, most near its skin, and directions out of it."""
-        direction = unit(rng.normal(0.0, 1.0, (count, 3)))
-        depth = rng.uniform(0.0, 1.0, (count, 1)) ** 0.3
-        ripple = 1.0 + 0.1 * np.sin(direction @ np.array([[7.0], [9.0], [8.0]]) + self.centre[0])
-        outward = unit(direction / self.radii) * depth
-        return self.centre + direction * depth * self.radii * ripple, outward
+def _filled(blob: Blob, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Return places in a blob, most near its skin, and directions out of it."""
+    direction = unit(rng.normal(0.0, 1.0, (count, 3)))
+    depth = rng.uniform(0.0, 1.0, (count, 1)) ** 0.3
+    ripple = 1.0 + 0.1 * np.sin(direction @ np.array([[7.0], [9.0], [8.0]]) + blob.centre[0])
+    outward = unit(direction / blob.radii) * depth
+    return blob.centre + direction * depth * blob.radii * ripple, outward
 
 
 def tree(
@@ -113,33 +110,43 @@ def tree(
     species: str = 'oak',
     density: float = 1.0,
 ) -> Mesh:
-    """Return a tree of `height` and crown `radius`; `density` scales the number of leaves."""
+    """Return a tree of `height` and crown `radius`; `density` scales the number of triangles."""
     kind = _species(species)
     blobs = (
         _cone(rng, height, radius, kind) if kind.is_conical else _crown(rng, height, radius, kind)
     )
-    # Fewer leaves are larger, so that the crown closes all the same.
-    size = 1.0 / math.sqrt(density)
-    areas = np.array([float(blob.radii[0] * blob.radii[2]) for blob in blobs])
-    counts = np.maximum(4, density * 150.0 * areas * (0.34 / kind.leaf_m) ** 2).astype(int)
-    filled = [blob.fill(n, rng) for blob, n in zip(blobs, counts.tolist(), strict=True)]
-    centres = np.concatenate([places for places, _ in filled])
-    outward = np.concatenate([directions for _, directions in filled])
     middle = np.array([0.0, 0.0, (0.5 + 0.5 * kind.crown_from) * height])
-    away = centres - middle
-    inside = np.linalg.norm(away / [radius, radius, 0.5 * height], axis=1, keepdims=True)
-    outward = outward * np.clip(0.35 + 0.75 * inside, 0.3, 1.0)
-    crown = _toned(leaves(centres, outward, kind, rng, size), counts, rng)
-    return joined([crown, *_wood(rng, height, radius, blobs, kind)])
+    size = np.array([radius, radius, 0.5 * (1.0 - kind.crown_from) * height])
+    # Between the lobes the skin does not fall in further than this.
+    core = Blob(centre=middle, radii=(0.45 if kind.is_conical else 0.75) * size)
+    crown = Crown(
+        lobes=[*blobs, core],
+        middle=middle,
+        size=size,
+        leaf=kind.leaf,
+        variety=kind.variety,
+    )
+    surface = skin(crown, rng, density)
+    fringe = _fringe(surface, kind, density, rng)
+    return joined([surface, fringe, *_wood(rng, height, radius, blobs)])
 
 
-def _toned(crown: Mesh, counts: Floats, rng: np.random.Generator) -> Mesh:
-    """Return `crown` with a tone of its own for each blob: branches differ in age and light."""
-    tones = rng.uniform(0.72, 1.28, len(counts))[:, None] + rng.normal(0.0, 0.07, (len(counts), 3))
-    leaf_tones = np.repeat(np.repeat(tones, counts, axis=0), 4, axis=0)
-    colours = crown.colours.copy()
-    colours[:, :3] = np.clip(colours[:, :3] * leaf_tones, 6, 250)
-    return replace(crown, colours=colours)
+def _fringe(surface: Mesh, kind: Species, density: float, rng: np.random.Generator) -> Mesh:
+    """Return leaves on the skin of a crown, lit and coloured nearly as it is.
+
+    They make its outline ragged; of their own they show little, so that photographs from two
+    places see the same crown.
+    """
+    # Fewer leaves are larger, so that the outline stays as ragged.
+    per_m2 = density * _LEAVES_PER_M2 * (0.34 / kind.leaf_m) ** 2
+    centres, outward, tint = scattered(surface, per_m2, rng)
+    centres = centres + outward * rng.uniform(-0.05, 0.1, (len(centres), 1))
+    fringe = leaves(centres, outward, kind, rng, 0.85 / math.sqrt(density))
+    tone = 1.0 + 0.6 * kind.variety * rng.normal(0.0, 0.34, (len(centres), 1))
+    colours = fringe.colours.copy()
+    colours[:, :3] = np.clip(np.repeat(tint * tone, 4, axis=0), 6.0, 250.0)
+    normals = unit(0.35 * fringe.normals + np.repeat(outward, 4, axis=0))
+    return replace(fringe, colours=colours, normals=normals)
 
 
 def _species(name: str) -> Species:
@@ -148,7 +155,7 @@ def _species(name: str) -> Species:
     return SPECIES[name]
 
 
-def _crown(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[_Blob]:
+def _crown(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[Blob]:
     low = kind.crown_from * height
     blobs = []
     for _ in range(22):
@@ -160,37 +167,35 @@ def _crown(rng: np.random.Generator, height: float, radius: float, kind: Species
         reach *= math.sqrt(rng.uniform(0.1, 1.0))
         z = low + size * 0.7 + share * (height - low - 1.4 * size)
         centre = np.array([reach * math.cos(angle), reach * math.sin(angle), z])
-        blobs.append(_Blob(centre=centre, radii=size * np.array([1.0, 1.0, kind.slimness])))
+        blobs.append(Blob(centre=centre, radii=size * np.array([1.0, 1.0, kind.slimness])))
     return blobs
 
 
-def _cone(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[_Blob]:
+def _cone(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[Blob]:
     blobs = []
     # As high as the layers are apart, so that the crown closes up to its tip.
     least_up = 0.62 * (0.94 - kind.crown_from) * height / 8.0
     for layer in range(9):
         share = layer / 8.0
-        girth = 0.75 * radius * (1.0 - share) + 0.12 * radius
+        girth = 0.75 * radius * (1.0 - share) + 0.2 * radius
         z = kind.crown_from * height + share * (0.94 - kind.crown_from) * height
         for k in range(max(1, round(6 * (1.0 - share)))):
             angle = rng.uniform(0.0, 2.0 * math.pi) + k
             reach = 0.62 * girth
             centre = np.array([reach * math.cos(angle), reach * math.sin(angle), z])
             radii = np.array([0.62 * girth, 0.62 * girth, max(0.45 * girth, least_up)])
-            blobs.append(_Blob(centre=centre, radii=radii))
+            blobs.append(Blob(centre=centre, radii=radii))
     return blobs
 
 
-def _wood(
-    rng: np.random.Generator, height: float, radius: float, blobs: list[_Blob], kind: Species
-) -> list[Mesh]:
+def _wood(rng: np.random.Generator, height: float, radius: float, blobs: list[Blob]) -> list[Mesh]:
     thick = 0.035 * height
     top = np.array([rng.normal(0.0, 0.3), rng.normal(0.0, 0.3), 0.75 * height])
     stem = np.linspace([0.0, 0.0, -0.3], top, 6)
     stem[1:-1, :2] += rng.normal(0.0, 0.03 * radius, (4, 2))
     flare = np.array([1.5, 1.0, 0.85, 0.65, 0.45, 0.2]) * thick
     parts = [tube(stem, flare, 8)]
-    for blob in blobs[: 4 if kind.is_conical else 12]:
+    for blob in blobs[:4]:
         start = stem[2] + (stem[4] - stem[2]) * rng.uniform(0.0, 1.0)
         middle = 0.5 * (start + blob.centre) + np.array([0.0, 0.0, -0.08 * height])
         parts.append(
@@ -213,9 +218,9 @@ def shrub(
         angle, reach = rng.uniform(0.0, 2.0 * math.pi), radius * rng.uniform(0.0, 0.6)
         size = radius * rng.uniform(0.4, 0.65)
         centre = np.array([reach * math.cos(angle), reach * math.sin(angle), 0.45 * height])
-        blobs.append(_Blob(centre=centre, radii=np.array([size, size, 0.55 * height])))
+        blobs.append(Blob(centre=centre, radii=np.array([size, size, 0.55 * height])))
     count = max(8, int(density * 230 * radius**2 * (0.22 / kind.leaf_m) ** 2 * 1.4))
-    filled = [blob.fill(count, rng) for blob in blobs]
+    filled = [_filled(blob, count, rng) for blob in blobs]
     centres = np.concatenate([places for places, _ in filled])
     outward = np.concatenate([directions for _, directions in filled])
     is_above = centres[:, 2] > 0.0
@@ -288,47 +293,3 @@ def tufts(
         colours=colours.astype(np.uint8),
         triangles=triangles.astype(np.int32),
     )
-
-
-# Classes of what `coarser` can thin.
-LEAFY = frozenset({'tree', 'hedge', 'shrub'})
-# One leaf of so many is drawn, and wood with one corner in cubes of so many metres.
-_STEPS = ((4, 0.25), (16, 0.7))
-
-
-def coarser(mesh: Mesh) -> list[Mesh]:
-    """Return a plant as it is, and thinned for the distance: fewer, larger leaves."""
-    return [mesh, *(_thinned(mesh, step, cell_m) for step, cell_m in _STEPS)]
-
-
-def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
-    """Return a plant with one of `step` leaves, a triangle as large as those it stands for."""
-    leaf = np.flatnonzero(mesh.colours[:, 3] == Surface.LEAF).reshape(-1, 4)[::step]
-    stem, right, tip, left = np.moveaxis(mesh.points[leaf], 1, 0)
-    back = stem - 0.5 * (left + right)
-    points = np.stack([right + back, tip, left + back], axis=1)
-    middle = points.mean(axis=1, keepdims=True)
-    # A little less than all their area: leaves overlap.
-    grown = middle + (points - middle) * (0.88 * math.sqrt(step))
-    triangles = np.arange(3 * len(leaf)).reshape(-1, 3)
-    crown = _selected(mesh, leaf[:, 1:].ravel(), triangles, grown.reshape(-1, 3))
-    wood = mesh.colours[:, 3] != Surface.LEAF
-    return joined([crown, clustered(_part(mesh, wood), cell_m)]) if wood.any() else crown
-
-
-def _selected(mesh: Mesh, chosen: Floats, triangles: Floats, points: Floats) -> Mesh:
-    return Mesh(
-        points=points,
-        normals=mesh.normals[chosen],
-        places=mesh.places[chosen],
-        colours=mesh.colours[chosen],
-        triangles=triangles.astype(np.int32),
-    )
-
-
-def _part(mesh: Mesh, keep: Floats) -> Mesh:
-    """Return the triangles of `mesh` all of whose corners are to `keep`."""
-    chosen = np.flatnonzero(keep)
-    new = np.cumsum(keep) - 1
-    triangles = new[mesh.triangles[keep[mesh.triangles].all(axis=1)]]
-    return _selected(mesh, chosen, triangles, mesh.points[chosen])

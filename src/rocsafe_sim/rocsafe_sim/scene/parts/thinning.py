@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Plants for the distance: fewer, larger leaves."""
+
+import math
+
+import numpy as np
+
+from rocsafe_sim.scene.coarse import clustered
+from rocsafe_sim.scene.mesh import Floats, Mesh, joined
+from rocsafe_sim.scene.surfaces import Surface
+
+# Classes of what `coarser` can thin.
+LEAFY = frozenset({'tree', 'hedge', 'shrub'})
+# One leaf of so many is drawn, and the rest with one corner in cubes of so many metres.
+_STEPS = ((4, 0.45), (16, 1.0))
+
+
+def coarser(mesh: Mesh) -> list[Mesh]:
+    """Return a plant as it is, and thinned for the distance: fewer, larger leaves."""
+    return [mesh, *(_thinned(mesh, step, cell_m) for step, cell_m in _STEPS)]
+
+
+def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
+    """Return a plant with one of `step` leaves, a triangle as large as those it stands for."""
+    leaf = np.flatnonzero(mesh.colours[:, 3] == Surface.LEAF).reshape(-1, 4)[::step]
+    stem, right, tip, left = np.moveaxis(mesh.points[leaf], 1, 0)
+    back = stem - 0.5 * (left + right)
+    points = np.stack([right + back, tip, left + back], axis=1)
+    middle = points.mean(axis=1, keepdims=True)
+    # A little less than all their area: leaves overlap.
+    grown = middle + (points - middle) * (0.88 * math.sqrt(step))
+    triangles = np.arange(3 * len(leaf)).reshape(-1, 3)
+    crown = _selected(mesh, leaf[:, 1:].ravel(), triangles, grown.reshape(-1, 3))
+    rest = mesh.colours[:, 3] != Surface.LEAF
+    return joined([crown, clustered(_part(mesh, rest), cell_m)]) if rest.any() else crown
+
+
+def _selected(mesh: Mesh, chosen: Floats, triangles: Floats, points: Floats) -> Mesh:
+    return Mesh(
+        points=points,
+        normals=mesh.normals[chosen],
+        places=mesh.places[chosen],
+        colours=mesh.colours[chosen],
+        triangles=triangles.astype(np.int32),
+    )
+
+
+def _part(mesh: Mesh, keep: Floats) -> Mesh:
+    """Return the triangles of `mesh` all of whose corners are to `keep`."""
+    chosen = np.flatnonzero(keep)
+    new = np.cumsum(keep) - 1
+    triangles = new[mesh.triangles[keep[mesh.triangles].all(axis=1)]]
+    return _selected(mesh, chosen, triangles, mesh.points[chosen])
