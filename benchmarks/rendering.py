@@ -170,7 +170,7 @@ def resident_mb() -> float:
 
 def memory_gb() -> float:
     """Return the largest memory this process had."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
 
 
 if __name__ == '__main__':

@@ -3,10 +3,12 @@
 
 import numpy as np
 import pytest
-from test.sim.scenes import THINGS, describe
+from test.sim.scenes import THINGS, describe, plain_map
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.scene import scene_cache
+from rocsafe_sim.engine.thrift import forget
+from rocsafe_sim.scene import map_cache, scene_cache
+from rocsafe_sim.scene.ground_picture import GroundMap
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)
 
@@ -69,3 +71,20 @@ def test_old_scenes_are_forgotten_and_a_full_disk_is_no_failure(tmp_path):
     (tmp_path / 'file').write_text('')
     scene_cache.kept(maker, describe(), 1, ORIGIN, tmp_path / 'file')
     assert maker.count == scene_cache._MOST + 4
+
+
+def test_painted_ground_is_kept_in_a_file_that_processes_share(tmp_path):
+    """What is read is what was painted, mapped from the file; forgotten, it is read again."""
+    painted = []
+
+    def paint() -> GroundMap:
+        painted.append(plain_map((8.0, 8.0)))
+        return painted[-1]
+
+    first, again = (map_cache._kept(tmp_path / 'ground.npz', paint) for _ in range(2))
+    assert len(painted) == 1
+    for ground in (first, again):
+        assert isinstance(ground.colours, np.memmap)
+        forget(ground.colours)
+        assert np.array_equal(ground.colours, painted[0].colours)
+        assert np.array_equal(ground.classes, painted[0].classes)

@@ -7,7 +7,8 @@ import pytest
 from rocsafe_sim.scene import shapes
 from rocsafe_sim.scene.catalogue import MAKERS
 from rocsafe_sim.scene.mesh import joined
-from rocsafe_sim.scene.parts.thinning import coarser
+from rocsafe_sim.scene.parts.plants import tufts
+from rocsafe_sim.scene.parts.thinning import coarser, sparser
 from rocsafe_sim.scene.surfaces import Surface
 
 COURSE = np.column_stack([np.linspace(0.0, 18.0, 13), np.linspace(0.0, 3.0, 13), np.zeros(13)])
@@ -79,9 +80,10 @@ def test_joining_keeps_every_triangle():
 
 def test_thinned_trees_are_lighter_and_as_large():
     """Each step has a fraction of the triangles, and the crown keeps its size."""
-    full, thin, thinner = coarser(made('tree'))
+    full, thin, *thinner = coarser(made('tree'))
     assert len(thin.triangles) < 0.45 * len(full.triangles)
-    assert len(thinner.triangles) < len(thin.triangles)
+    counts = [len(mesh.triangles) for mesh in (thin, *thinner)]
+    assert counts == sorted(counts, reverse=True)
     assert np.allclose(np.ptp(thin.points, axis=0), np.ptp(full.points, axis=0), rtol=0.15)
 
 
@@ -98,3 +100,13 @@ def test_the_skin_of_a_crown_is_closed_and_faces_outwards(species):
     a, b, c = tree.points[triangles].swapaxes(0, 1)
     volume = np.einsum('ij,ij->i', np.cross(a, b), c).sum() / 6.0
     assert 20.0 < volume < 300.0
+
+
+def test_sparser_grass_is_every_other_tuft():
+    """Half the blades, those left where they were."""
+    feet = np.column_stack([np.arange(10.0), np.zeros((10, 2))])
+    full = tufts(np.random.default_rng(2), feet)
+    thin = sparser(full)
+    assert 2 * len(thin.triangles) == len(full.triangles)
+    assert np.array_equal(thin.points[:30], full.points[:30])
+    assert np.array_equal(thin.points[30:60], full.points[60:90])

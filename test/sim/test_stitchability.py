@@ -21,13 +21,13 @@ from rocsafe_sim.engine.studio import Studio
 
 LENS = PinholeCamera(math.radians(60.0), 640, 480)
 HEIGHT_M, OVERLAP = 32.0, 0.4
-# An open wood: half of what is seen is crowns, and some of them meet.
+# Open: of a closed wood two such photographs share three metres of crowns.
 WOOD = {
     'name': 'wood',
     'make': 'tree',
     'with': {'height': 9.0, 'radius': 3.6},
     'scatter': {
-        'count': 30,
+        'count': 40,
         'outline': ((-20.0, -22.0), (20.0, -22.0), (20.0, 40.0), (-20.0, 40.0)),
     },
 }
@@ -99,7 +99,7 @@ def test_photographs_of_a_wood_match_at_40_percent_overlap(drawing, seed):
     """Over crowns and what is between them at least 100 ORB matches, 60 % of them right."""
     first, second = shots(scene(WOOD, seed))
     is_tree = first[0].classes == class_number('tree')
-    assert is_tree.mean() > 0.4
+    assert is_tree.mean() > 0.3
     found, right = matched(first, second)
     assert found >= 100
     assert right >= 0.6

@@ -17,7 +17,12 @@ void main() {
     int kind = int(textureLod(classes, at, 0.0).r * 255.0 + 0.5);
     vec3 to_eye = p3d_ViewMatrixInverse[3].xyz - world;
     float range = length(to_eye);
+#ifdef DISTANT
+    // What the tile comes to on the whole.
+    vec4 tile = vec4(0.5);
+#else
     vec4 tile = texture(grain, world.xy * 0.83);
+#endif
     float light = dot(albedo, vec3(0.3, 0.6, 0.1));
     albedo *= albedo * (0.72 + 0.38 * tile.r + 0.18 * tile.b);
     vec3 n = normalize(normal);

@@ -2,7 +2,8 @@
 // Light, shadows, haze and the tone curve, shared by all surfaces.
 
 // Compiled as needed, for a processor runs both sides of every branch: GLOSSY, WET, WATER, FAR where
-// the finer shadow map ends, MOTION where shadows move.
+// the finer shadow map ends, MOTION where shadows move, DISTANT where a pixel is wider than what is
+// left out.
 
 uniform mat4 p3d_ViewMatrixInverse;
 uniform vec3 sun_direction;
@@ -51,12 +52,16 @@ float past_moving(vec3 world) {
 
 float shadow(vec3 world, float slope) {
     vec3 at = (TO_SHADOW * vec4(world, 1.0)).xyz;
-    vec2 texel = vec2(0.75) / vec2(textureSize(SHADOW_MAP, 0));
     float z = at.z - 0.6 * SLACK - SLACK * slope;
+#ifdef DISTANT
+    float still = textureLod(SHADOW_MAP, vec3(at.xy, z), 0.0);
+#else
+    vec2 texel = vec2(0.75) / vec2(textureSize(SHADOW_MAP, 0));
     float still = 0.25 * (texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.7, 0.3), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.3, 0.7), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(-0.7, -0.3), z))
                  + texture(SHADOW_MAP, vec3(at.xy + texel * vec2(0.3, -0.7), z)));
+#endif
     return still * past_moving(world);
 }
 

@@ -17,6 +17,7 @@ from rocsafe_sim.engine.shade import Shade
 from rocsafe_sim.engine.smoothing import smoothed
 from rocsafe_sim.engine.stage import EYE, FOCAL_PX, Stage
 from rocsafe_sim.engine.target import OneThread, make_buffer, pixels_of
+from rocsafe_sim.engine.thrift import trim
 from rocsafe_sim.scene.environment import Environment, SceneObject
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats
@@ -46,10 +47,12 @@ class Renderer:
     def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
         self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
-        self.stage = Stage(environment, weather)
+        self.stage = Stage(environment, weather, self.pipe)
         self.stage.light(lighting)
         self.stage.move(0.0)
+        trim()
         self._shade = Shade(self.pipe, self.stage, lighting)
+        trim()
         self._time_s = 0.0
 
     def set_time(self, time_s: float) -> None:

@@ -10,7 +10,9 @@ import numpy as np
 from panda3d import core
 
 from rocsafe_sim.engine import upload
+from rocsafe_sim.engine.pipe import Pipe
 from rocsafe_sim.engine.shading import Wardrobe
+from rocsafe_sim.engine.thrift import forget
 from rocsafe_sim.scene.classes import class_number
 from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
@@ -18,20 +20,21 @@ from rocsafe_sim.scene.grain import LEAF_TEXEL_M, LEAVES_PX, grain_tile, leaf_ti
 from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, Mesh
-from rocsafe_sim.scene.parts.thinning import LEAFY, coarser
+from rocsafe_sim.scene.parts.thinning import LEAFY, coarser, sparser
 from rocsafe_sim.scene.shapes import ball
 from rocsafe_sim.scene.surfaces import LOOKS, Surface
 
 # Bits of the cameras that see a node; ALONE sees the ground and what it is shown, SUN what stands,
 # MOVING what moves.
 EYE, SUN, BARE, ALONE, MOVING = (core.BitMask32.bit(number) for number in range(5))
-_INNER_CELLS, _OUTER_CELLS = 16, 12
+_INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 16, 12, 20
 # Up to these distances, metres, leaves and other things are drawn in full, simpler, simpler still,
 # and grass at all, by a camera of this focal length; a longer one sees as well from further.
 FOCAL_PX = 1100.0
-_LEAVES_M = (70.0, 140.0, 9000.0)
+_LEAVES_M = (62.0, 120.0, 260.0, 9000.0)
 _THINGS_M = (82.0, 160.0, 320.0, 9000.0)
-_GRASS_M = (80.0,)
+_GRASS_M = (42.0, 80.0)
+_GRAIN_M = (130.0, 9000.0)
 # A corner in each cube of so many metres is left of simpler things.
 _CELLS_M = (0.08, 0.16, 0.4)
 # Fewer triangles than these are not worth a simpler mesh.
@@ -40,8 +43,9 @@ _FEW = 60
 _NEAR_M = 165.0
 # Surfaces whose gloss the programs do not leave out.
 _GLOSSY = {int(surface) for surface, look in LOOKS.items() if look.gloss > 0.09}
-# Drawing order: things from near to far, then the ground that they hide, the sky last.
-_THINGS, _GROUND, _SKY = 20, 30, 40
+# Drawing order: things from near to far, then leaves, whose program is another, then the ground
+# that they hide, the sky last.
+_THINGS, _LEAVES, _GROUND, _SKY = 20, 25, 30, 40
 _CLOUDS = {'clear': 0.8, 'overcast': 0.25, 'wet': 0.2, 'fog': 0.0, 'dusk': 0.9}
 
 
@@ -52,17 +56,19 @@ class Stage:
     ----------
     environment : what there is.
     weather : for the clouds.
+    pipe : that will draw it.
     """
 
-    def __init__(self, environment: Environment, weather: str) -> None:
-        core.CullBinManager.getGlobalPtr().addBin(
-            'near_first', core.CullBinManager.BTFrontToBack, _THINGS
-        )
+    def __init__(self, environment: Environment, weather: str, pipe: Pipe) -> None:
+        bins = core.CullBinManager.getGlobalPtr()
+        for name, order in (('near_first', _THINGS), ('leaves', _LEAVES)):
+            bins.addBin(name, core.CullBinManager.BTFrontToBack, order)
         self.root = core.NodePath('scene')
         self.root.setShaderInput('grain', self._grain())
         self.root.setShaderInput('leaves', upload.grey_texture('leaves', leaf_tile()))
         self.root.setShaderInput('leaf_scale', 1.0 / (LEAVES_PX * LEAF_TEXEL_M))
         self.root.setShaderInput('looks', _look_table())
+        self._pipe = pipe
         self._wardrobe = Wardrobe()
         self._moving: list[tuple[SceneObject, Any]] = []
         self._weather = weather
@@ -121,20 +127,37 @@ class Stage:
         inner, around = ground.attachNewNode('inner'), ground.attachNewNode('around')
         self._wardrobe.dress(around, 'ground', 'FAR', 'GLOSSY', 'WATER')
         around.hide(BARE)
-        _dress(inner, environment.inner)
-        _dress(around, environment.outer)
+        self._lay(inner, environment.inner)
+        self._lay(around, environment.outer)
         self.inner = inner
         self.inner_area = (environment.inner.west_m, environment.inner.south_m,
                            *environment.inner.size_m)  # fmt: skip
         for mesh in upload.grid_meshes(terrain.inner, _INNER_CELLS):
-            chunk = inner.attachNewNode(upload.geom_node('chunk', mesh))
+            chunk = inner.attachNewNode('chunk')
             water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
-            self._wardrobe.dress(chunk, 'ground', 'INNER', *moving, *water)
+            nodes = [upload.geom_node('chunk', mesh)] * 2
+            steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), _GRAIN_M)
+            self._dress_steps(steps, 'ground', 'INNER', *moving, *water)
         for mesh in upload.grid_meshes(terrain.outer, _OUTER_CELLS, terrain.inner):
             around.attachNewNode(upload.geom_node('chunk', mesh))
-        for mesh in upload.grid_meshes(terrain.far, 200, terrain.outer):
+        for mesh in upload.grid_meshes(terrain.far, _FAR_CELLS, terrain.outer):
             around.attachNewNode(upload.geom_node('far', mesh))
         self._add_grass(environment.tufts)
+
+    def _lay(self, node: Any, ground: GroundMap) -> None:
+        picture = upload.colour_texture('ground', ground.colours)
+        # Handed over at once: three copies of it at a time are most of what a scene needs.
+        host = self._pipe.host
+        picture.prepare(host.getGsg().getPreparedObjects())
+        host.setActive(True)
+        self._pipe.engine.renderFrame()
+        host.setActive(False)
+        forget(ground.colours)
+        node.setShaderInput('ground', picture)
+        node.setShaderInput('classes', upload.class_texture('classes', ground.classes))
+        width, height = ground.size_m
+        area = core.LVecBase4f(ground.west_m, ground.south_m, 1.0 / width, 1.0 / height)
+        node.setShaderInput('ground_area', area)
 
     def _add_grass(self, tufts: Sequence[Mesh]) -> None:
         grass = self.root.attachNewNode('grass')
@@ -142,11 +165,10 @@ class Stage:
         grass.setTwoSided(True)
         self._wardrobe.dress(grass, 'foliage')
         grass.setShaderInput('meta', core.LVecBase4i(class_number('grass'), GROUND_NUMBER, 0, 0))
-        grass.setBin('near_first', 0)
+        grass.setBin('leaves', 0)
         for mesh in tufts:
-            _add_steps(
-                grass, [upload.geom_node('tufts', mesh)], mesh.bounds.mean(axis=0), _GRASS_M
-            )
+            nodes = [upload.geom_node('tufts', step) for step in (mesh, sparser(mesh))]
+            _add_steps(grass, nodes, mesh.bounds.mean(axis=0), _GRASS_M)
 
     def _add_objects(self, environment: Environment) -> None:
         shapes: dict[int, _Shape] = {}
@@ -166,18 +188,25 @@ class Stage:
             )
             if thing.is_foliage:
                 parent.setTwoSided(True)
+                parent.setBin('leaves', 0)
             for piece in thing.pieces:
                 key = id(piece.mesh)
                 if key not in shapes:
                     shapes[key] = _shape(thing, piece.mesh)
-                placed = _add_piece(parent, thing, piece, shapes[key])
+                steps = _add_piece(parent, thing, piece, shapes[key])
                 name = 'foliage' if thing.is_foliage else 'object'
                 switches = _switches(thing, piece, shapes[key])
                 if has_motion and name == 'object' and 'FAR' not in switches:
                     switches = (*switches, 'MOTION')
-                self._wardrobe.dress(placed, name, *switches)
+                self._dress_steps(steps, name, *switches)
             if thing.path is not None:
                 self._moving.append((thing, parent))
+
+    def _dress_steps(self, steps: list[Any], name: str, *switches: str) -> None:
+        """Let nodes be drawn by a program, all but the first without what only shows near by."""
+        for number, node in enumerate(steps):
+            distant = ('DISTANT',) if number and name != 'foliage' else ()
+            self._wardrobe.dress(node, name, *switches, *distant)
 
     def _add_sky(self) -> None:
         dome = ball(6000.0, 24).flipped()
@@ -214,12 +243,11 @@ def _steps(thing: SceneObject, mesh: Mesh) -> list[Mesh]:
     return [mesh, *(clustered(mesh, cell_m) for cell_m in _CELLS_M)]
 
 
-def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> Any:
+def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> list[Any]:
     placed = parent.attachNewNode('piece')
     _place(placed, piece, is_moving=thing.path is not None)
     ranges = _LEAVES_M if thing.label in LEAFY else _THINGS_M
-    _add_steps(placed, shape.nodes, shape.bounds.mean(axis=0), ranges)
-    return placed
+    return _add_steps(placed, shape.nodes, shape.bounds.mean(axis=0), ranges)
 
 
 def _switches(thing: SceneObject, piece: Piece, shape: _Shape) -> tuple[str, ...]:
@@ -249,28 +277,25 @@ def _place(placed: Any, piece: Piece, *, is_moving: bool) -> None:
     placed.setMat(core.LMatrix4f(*(float(value) for value in values)))
 
 
-def _add_steps(parent: Any, nodes: list[Any], middle: Floats, ranges: tuple[float, ...]) -> None:
-    """Add one of `nodes` under `parent`, the finer the nearer the camera is to `middle`.
+def _add_steps(
+    parent: Any, nodes: list[Any], middle: Floats, ranges: tuple[float, ...]
+) -> list[Any]:
+    """Draw one of `nodes` under `parent`, the finer the nearer the camera is to `middle`.
 
     The k-th is drawn up to the k-th of `ranges`, metres; a single one without ranges always.
     """
     if len(nodes) == 1 and len(ranges) > 1:
-        parent.attachNewNode(nodes[0])
-        return
+        return [parent.attachNewNode(nodes[0])]
     steps = core.LODNode('steps')
     steps.setCenter(core.LPoint3f(*(float(value) for value in middle)))
     placed = parent.attachNewNode(steps)
+    found = []
     for node, near, far in zip(nodes, (0.0, *ranges), ranges, strict=False):
         steps.addSwitch(far, near)
-        placed.attachNewNode(node)
-
-
-def _dress(node: Any, ground: GroundMap) -> None:
-    node.setShaderInput('ground', upload.colour_texture('ground', ground.colours))
-    node.setShaderInput('classes', upload.class_texture('classes', ground.classes))
-    width, height = ground.size_m
-    area = core.LVecBase4f(ground.west_m, ground.south_m, 1.0 / width, 1.0 / height)
-    node.setShaderInput('ground_area', area)
+        step = placed.attachNewNode('step')
+        step.attachNewNode(node)
+        found.append(step)
+    return found
 
 
 def _look_table() -> Any:

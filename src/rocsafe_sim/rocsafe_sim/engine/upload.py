@@ -14,6 +14,8 @@ from rocsafe_sim.scene.terrain import HeightGrid
 _ROW = np.dtype(
     [('point', '<f4', 3), ('normal', 'i1', 4), ('colour', 'u1', 4), ('place', '<f4', 2)]
 )
+# The last number of 16 bits means no corner.
+_MOST_16_BIT = 65535
 
 
 def _format() -> Any:
@@ -37,10 +39,11 @@ def geom_node(name: str, mesh: Mesh) -> Any:
     data.uncleanSetNumRows(len(rows))
     memoryview(data.modifyArray(0)).cast('B')[:] = rows.view(np.uint8).data
     triangles = core.GeomTriangles(core.Geom.UHStatic)
-    triangles.setIndexType(core.Geom.NTUint32)
+    is_small = len(rows) < _MOST_16_BIT
+    triangles.setIndexType(core.Geom.NTUint16 if is_small else core.Geom.NTUint32)
     indices = triangles.modifyVertices()
     indices.uncleanSetNumRows(3 * len(mesh.triangles))
-    corners = mesh.triangles.astype(np.uint32)
+    corners = mesh.triangles.astype(np.uint16 if is_small else np.uint32)
     memoryview(indices).cast('B')[:] = corners.data.cast('B')
     geom = core.Geom(data)
     geom.addPrimitive(triangles)

@@ -49,31 +49,42 @@ def maps(
 
 
 def _kept(path: Path, paint: Painter) -> GroundMap:
-    try:
+    with suppress(OSError, ValueError, KeyError):
         return _read(path)
-    except (OSError, ValueError, KeyError):
-        ground = paint()
+    ground = paint()
     try:
         _write(path, ground)
-    except OSError:
+        # Its picture is then part of the file, not of this process.
+        return _read(path)
+    except (OSError, ValueError, KeyError):
         # A full or read-only disk costs time at the next start, nothing else.
         with suppress(OSError):
             path.unlink()
     return ground
 
 
+def _picture_of(path: Path) -> Path:
+    return path.with_suffix('.npy')
+
+
 def _read(path: Path) -> GroundMap:
     with np.load(path, allow_pickle=False) as content:
         west, south, texel = content['place'].tolist()
-        return GroundMap(west, south, texel, content['colours'], content['classes'])
+        classes = content['classes']
+    # Mapped, not read: processes share it, and what is not looked at needs no memory.
+    colours = np.load(_picture_of(path), mmap_mode='r', allow_pickle=False)
+    return GroundMap(west, south, texel, colours, classes)
 
 
 def _write(path: Path, ground: GroundMap) -> None:
-    """Write the file whole or not at all: others may be reading and writing the same one."""
+    """Write both files whole or not at all: others may be reading and writing the same ones."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f'{path.stem}.{os.getpid()}.part.npz')
     place = np.array([ground.west_m, ground.south_m, ground.texel_m])
-    np.savez(part, place=place, colours=ground.colours, classes=ground.classes)
+    picture = path.with_name(f'{path.stem}.{os.getpid()}.part.npy')
+    np.save(picture, ground.colours)
+    picture.replace(_picture_of(path))
+    part = path.with_name(f'{path.stem}.{os.getpid()}.part.npz')
+    np.savez(part, place=place, classes=ground.classes)
     part.replace(path)
 
 

@@ -28,7 +28,7 @@ _WAVES = 14
 # Leaves shade each other: a crown is darker than a leaf.
 _SHADED, _SHADED_SIDE = 0.72, 0.64
 # Leaves on the top of a crown, as a share of those on its sides.
-_ON_TOP = 0.3
+_ON_TOP = 0.45
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +78,7 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
     reach = _reach(crown, direction)
     points = crown.middle + reach[:, None] * direction
     # Calm on top, where vehicles look at it, ragged on the sides.
-    dents = _dents(points, rng) * (0.4 + 1.1 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
+    dents = _dents(points, rng) * (0.6 + 0.9 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
     points = points + dents[:, None] * direction
     # Stereographic: finer on the sides, stretched nowhere.
     unrolled = 2.0 / np.maximum(1.0 + sphere[:, 2:], 0.4)

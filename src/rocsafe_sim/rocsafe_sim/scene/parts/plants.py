@@ -15,6 +15,8 @@ from rocsafe_sim.scene.parts.crowns import Blob, Crown, scattered, skin
 from rocsafe_sim.scene.shapes import tube
 from rocsafe_sim.scene.surfaces import Surface
 
+# Of a tuft of grass.
+BLADES, POINTS_OF_BLADE = 6, 5
 _BARK: Colour = (88, 74, 60)
 # Leaves on a square metre of the side of a crown.
 _LEAVES_PER_M2 = 15.0
@@ -261,12 +263,11 @@ def tufts(
     rng: np.random.Generator, feet: Floats, height: float = 0.35, colour: Colour = (92, 106, 54)
 ) -> Mesh:
     """Return long grass: a bunch of bent blades at each of `feet` (n, 3)."""
-    blades = 6
-    count = len(feet) * blades
+    count = len(feet) * BLADES
     turn = rng.uniform(0.0, 2.0 * math.pi, count)
     lean = np.column_stack([np.cos(turn), np.sin(turn)])
     tall = height * rng.uniform(0.5, 1.3, count)
-    foot = np.repeat(feet, blades, axis=0)
+    foot = np.repeat(feet, BLADES, axis=0)
     foot[:, :2] += lean * rng.uniform(0.0, 0.16, (count, 1))
     bend = tall * rng.uniform(0.3, 0.9, count)
     tip = foot + np.column_stack([lean * bend[:, None], tall])
@@ -277,9 +278,9 @@ def tufts(
     points = np.stack(
         [foot - side, foot + side, knee + 0.8 * side, tip, knee - 0.8 * side], axis=1
     )
-    base = 5 * np.arange(count)[:, None]
+    base = POINTS_OF_BLADE * np.arange(count)[:, None]
     triangles = np.concatenate([base + np.array(c) for c in ((0, 1, 2), (0, 2, 4), (4, 2, 3))])
-    tone = np.repeat(rng.uniform(0.75, 1.25, len(feet)), blades) * rng.uniform(0.8, 1.2, count)
+    tone = np.repeat(rng.uniform(0.75, 1.25, len(feet)), BLADES) * rng.uniform(0.8, 1.2, count)
     dry = rng.uniform(0.0, 1.0, (count, 1)) ** 3 * np.array([60.0, 30.0, 20.0])
     shade = np.array([0.55, 0.55, 0.9, 1.15, 0.9])
     tint = (np.array(colour) * tone[:, None] + dry)[:, None] * shade[:, None]

@@ -7,17 +7,25 @@ import numpy as np
 
 from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.mesh import Floats, Mesh, joined
+from rocsafe_sim.scene.parts.plants import BLADES, POINTS_OF_BLADE
 from rocsafe_sim.scene.surfaces import Surface
 
 # Classes of what `coarser` can thin.
 LEAFY = frozenset({'tree', 'hedge', 'shrub'})
 # One leaf of so many is drawn, and the rest with one corner in cubes of so many metres.
-_STEPS = ((4, 0.45), (16, 1.0))
+_STEPS = ((4, 0.45), (16, 1.0), (64, 1.7))
 
 
 def coarser(mesh: Mesh) -> list[Mesh]:
     """Return a plant as it is, and thinned for the distance: fewer, larger leaves."""
     return [mesh, *(_thinned(mesh, step, cell_m) for step, cell_m in _STEPS)]
+
+
+def sparser(tufts: Mesh) -> Mesh:
+    """Return long grass with half its tufts."""
+    tuft = BLADES * POINTS_OF_BLADE
+    keep = np.arange(len(tufts.points)) // tuft % 2 == 0
+    return _part(tufts, keep)
 
 
 def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
