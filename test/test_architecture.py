@@ -61,8 +61,6 @@ DOMAINS = {
 # What puts domains together: the mission's processes, and data sets of scenes with the Exif of
 # the image store.
 ABOVE = {'rocsafe_orchestrator', 'rocsafe_dataset'}
-# One physics: what is simulated and what is estimated share these modules.
-SHARED_PHYSICS = {'rocsafe_radiation.physics', 'rocsafe_radiation.detector'}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',
@@ -142,6 +140,12 @@ class Module:
     def roots(self) -> set[str]:
         """First parts of the imported names."""
         return {name.split('.')[0] for name in self.imports}
+
+    @cached_property
+    def texts(self) -> set[str]:
+        """Its literal texts, such as names of packages whose executables it starts."""
+        constants = (node.value for node in ast.walk(self.tree) if isinstance(node, ast.Constant))
+        return {value for value in constants if isinstance(value, str)}
 
     @cached_property
     def accesses(self) -> set[str]:
@@ -226,19 +230,8 @@ def test_node_does_no_arithmetic(module):
 
 @each([module for module in MODULES if module.package in DOMAINS])
 def test_domains_do_not_know_each_other(module):
-    """Domain packages meet in messages only, except for the one physics."""
-    foreign = {
-        name
-        for name in module.imports
-        if name.split('.')[0] in (DOMAINS | ABOVE) - {module.package}
-    }
-    if module.package == 'rocsafe_sim':
-        foreign = {
-            name
-            for name in foreign
-            if '.'.join(name.split('.')[:2]) not in SHARED_PHYSICS | {'rocsafe_radiation'}
-        }
-    assert not foreign
+    """Domain packages meet in messages, and in functions that parameters name."""
+    assert not module.roots & ((DOMAINS | ABOVE) - {module.package})
 
 
 @each([module for module in MODULES if module.package in ('rocsafe_orchestrator', 'rocsafe_ros')])
@@ -257,20 +250,25 @@ def test_module_has_a_name_and_says_what_it_is(module):
     assert ast.get_docstring(module.tree)
 
 
-def declared(manifest: Path) -> set[str]:
-    """Return the keys of the dependencies that a package needs to run."""
+TO_RUN = ('depend', 'exec_depend')
+TO_BUILD_OR_TEST = ('buildtool_depend', 'build_depend', 'test_depend')
+
+
+def declared(manifest: Path, *kinds: str) -> set[str]:
+    """Return the keys of the dependencies of a package, of some kinds."""
     root = ElementTree.parse(manifest).getroot()  # noqa: S314 - our own files
-    kinds = ('depend', 'exec_depend', 'buildtool_depend', 'build_depend', 'test_depend')
     return {str(item.text).strip() for kind in kinds for item in root.findall(kind)}
 
 
 @pytest.mark.parametrize('manifest', MANIFESTS, ids=lambda path: path.parent.name)
 def test_package_declares_what_it_imports(manifest):
-    """A package that imports another names it in package.xml, by its rosdep key."""
+    """And what it starts, by rosdep keys in package.xml, and nothing else."""
     modules = [module for module in MODULES if module.package == manifest.parent.name]
     imported = {root for module in modules for root in module.roots} - STANDARD
     wanted = {ROSDEP_KEYS.get(root, root) for root in imported - {manifest.parent.name} - OPTIONAL}
-    assert wanted - declared(manifest) == set()
+    assert wanted - declared(manifest, *TO_RUN) == set()
+    started = {text for module in modules for text in module.texts}
+    assert not modules or declared(manifest, *TO_RUN) - wanted - started == set()
 
 
 @pytest.mark.parametrize('manifest', MANIFESTS, ids=lambda path: path.parent.name)
@@ -279,7 +277,7 @@ def test_dependencies_are_names_that_rosdep_knows(manifest):
     lines = Path(__file__).with_name('rosdep_names.txt').read_text().splitlines()
     known = {line for line in lines if line and not line.startswith('#')}
     ours = {path.parent.name for path in MANIFESTS}
-    assert declared(manifest) - ours - known == set()
+    assert declared(manifest, *TO_RUN, *TO_BUILD_OR_TEST) - ours - known == set()
 
 
 @pytest.mark.parametrize('path', sorted(SOURCES.glob('*/setup.cfg')), ids=lambda p: p.parent.name)
