@@ -39,12 +39,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class SceneShot:
-    """A photograph and where some of its ground pixels (n, 2) truly are: (east, north), (n, 2)."""
+    """A photograph and where some of its pixels (n, 2) truly are: (east, north), (n, 2).
+
+    `is_ground` (n,) tells which of them show ground; the others show what stands on it.
+    """
 
     record: ShotRecord
     jpeg: bytes
     pixels: Floats
     true_m: Floats
+    is_ground: NDArray[np.bool_]
 
 
 def derailment_shots(folder: Path) -> tuple[LocalFrame, list[SceneShot]]:
@@ -82,7 +86,7 @@ def derailment_shots(folder: Path) -> tuple[LocalFrame, list[SceneShot]]:
 
 
 def errors_m(shot: SceneShot, sheet: Sheet, shift_m: Floats) -> Floats:
-    """Return how far the map is off (n, 2) at the ground that a photograph shows.
+    """Return how far the map is off (n, 2) at what a photograph shows.
 
     `shift_m` is (east, north) of the map's frame in that of the truth.
     """
@@ -128,8 +132,9 @@ def _taken(
     numbers = np.minimum(truth.numbers, 65_535).astype(np.uint16)
     cv2.imwrite(str(labels / f'{record.shot_id}.png'), numbers)
     rows, columns = np.mgrid[10:480:CHECK_EVERY_PX, 10:640:CHECK_EVERY_PX].reshape(2, -1)
-    is_ground = (numbers[rows, columns] >= GROUND_NUMBERS) & (numbers[rows, columns] < 65_535)
-    rows, columns = rows[is_ground], columns[is_ground]
+    is_solid = (numbers[rows, columns] > 0) & (numbers[rows, columns] < 65_535)
+    rows, columns = rows[is_solid], columns[is_solid]
+    is_ground = numbers[rows, columns] >= GROUND_NUMBERS
     pixels = np.column_stack([columns, rows]).astype(float)
     lens = record.camera
     rays = np.column_stack([
@@ -140,4 +145,4 @@ def _taken(
     depth = truth.depth_m[rows, columns][:, np.newaxis].astype(float)
     true = centre + (rays * depth) @ rotation.T
     jpeg = bytes(cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, 90])[1])
-    return SceneShot(record, jpeg, pixels, true[:, :2])
+    return SceneShot(record, jpeg, pixels, true[:, :2], is_ground)

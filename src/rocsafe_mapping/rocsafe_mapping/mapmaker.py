@@ -4,7 +4,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,10 +13,13 @@ from rocsafe_mapping.alignment.photo import (
     FloatArray,
     GroundFrame,
     Photo,
+    footprint,
     ground_frame_of,
     photo_of_record,
 )
+from rocsafe_mapping.alignment.relief_error import height_error, leaning_m
 from rocsafe_mapping.alignment.state import Lens
+from rocsafe_mapping.alignment.surface import Surface
 from rocsafe_mapping.alignment.survey import BY_GPS, Placement, Survey
 from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
 from rocsafe_mapping.drawing.picture import Pictures, ReadImage
@@ -26,6 +29,13 @@ from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.shot import ShotRecord
 
 DEFAULT_MAX_PIXELS = 400_000_000
+# Shares of the four corners of a photograph at 8 x 8 places spread over it, shape (64, 4).
+_ALONG = (np.arange(8) + 0.5) / 8
+EVENLY = np.stack(
+    [np.outer(a, b).ravel() for a, b in (
+        (1 - _ALONG, 1 - _ALONG), (1 - _ALONG, _ALONG), (_ALONG, _ALONG), (_ALONG, 1 - _ALONG)
+    )], axis=1,
+)  # fmt: skip
 Notice = Callable[[str], None]
 
 
@@ -58,9 +68,10 @@ class Alignment:
     Attributes
     ----------
     photos, placements: by name.
-    errors_m: standard error of each tied photograph's corners on the ground.
+    errors_m: standard error of each tied photograph's corners on level ground.
     held_out_px: residuals (n, 2) of ties that were not adjusted.
     ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
+    heights_error: standard error of the ground's heights with what stands there.
     """
 
     photos: Mapping[str, Photo]
@@ -69,9 +80,19 @@ class Alignment:
     held_out_px: FloatArray
     ties_m: FloatArray
     standing_m: FloatArray
+    heights_error: Surface = field(default_factory=Surface)
 
-    def error_m(self, name: str) -> float:
-        """Return the standard error of one photograph's place."""
+    def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
+        """Return the standard error of what a photograph shows: all of it, or points (n, 2)."""
+        pose = self.placements[name].pose
+        if ground_m is None:
+            corners = footprint(self.photos[name], pose)
+            ground_m = EVENLY @ corners
+        leaning = leaning_m(self.heights_error, pose, ground_m)
+        return math.hypot(self._placing_error_m(name), float(np.sqrt(np.mean(leaning**2))))
+
+    def _placing_error_m(self, name: str) -> float:
+        """Return the standard error of a photograph's corners if the ground were as found."""
         if name in self.errors_m:
             return self.errors_m[name]
         photo = self.photos[name]
@@ -165,6 +186,7 @@ class Mapmaker:
             standing_m=above_m,
             photos=photos,
             placements=survey.placements(),
+            heights_error=height_error(state.surface, ties_m, above_m),
             errors_m=stated_error_m(photos, pairs, state) if state.poses else {},
             held_out_px=residuals_px(photos, pairs, state, held_out=True),
         )

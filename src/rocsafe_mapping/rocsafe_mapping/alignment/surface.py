@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ground's height as a coarse grid, where photographs show that it is not level."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags, identity, kron, vstack
@@ -14,7 +14,7 @@ RELIEF_STD_M = 6.0
 BEND_STD_M = 0.5
 # Things that stand on the ground: height of a tie within its cell.
 CLUTTER_STD_M = 0.4
-ROUNDS = 4
+ROUNDS, SAMPLES = 4, 32
 MOST_NODES = 40_000
 
 
@@ -43,10 +43,10 @@ class Surface:
         """Return the heights (n,) at points (n, 2)."""
         if self.is_level:
             return np.full(len(ground_m), self.heights_m[0, 0])
-        nodes, weights = self._weights(ground_m)
+        nodes, weights = self.weights(ground_m)
         return np.sum(self.heights_m.ravel()[nodes] * weights, axis=1)
 
-    def _weights(self, ground_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def weights(self, ground_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the four nodes about each point (n, 4) and their weights (n, 4)."""
         rows, columns = self.heights_m.shape
         x = np.clip((ground_m[:, 0] - self.west_m) / self.cell_m, 0.0, columns - 1.001)
@@ -67,10 +67,7 @@ class Surface:
         heights_m, std_m: measured there and how well, shape (n,).
         """
         rows, columns = self.heights_m.shape
-        nodes, weights = self._weights(ground_m)
-        size = rows * columns
-        line = np.repeat(np.arange(len(nodes)), 4)
-        design = csr_matrix((weights.ravel(), (line, nodes.ravel())), shape=(len(nodes), size))
+        design = self._design(ground_m)
         rest = _stiffness(rows, columns)
         variance = std_m**2 + CLUTTER_STD_M**2
         found = self.heights_m.ravel()
@@ -79,12 +76,31 @@ class Surface:
             trust = 1.0 / (variance * np.sqrt(1.0 + off**2 / (4.0 * variance)))
             normal = (design.T @ diags(trust) @ design + rest).tocsc()
             found = splu(normal, permc_spec='MMD_AT_PLUS_A').solve(design.T @ (trust * heights_m))
-        return Surface(
-            west_m=self.west_m,
-            south_m=self.south_m,
-            cell_m=self.cell_m,
-            heights_m=found.reshape(rows, columns),
-        )
+        return self.with_heights(found.reshape(rows, columns))
+
+    def uncertainty_m(self, ground_m: FloatArray, std_m: FloatArray) -> FloatArray:
+        """Return the standard error of the nodes, laid through points as `fitted` has them.
+
+        It is that of random grounds drawn with the covariance of the fit.
+        """
+        rows, columns = self.heights_m.shape
+        design = diags(1.0 / std_m) @ self._design(ground_m)
+        roots = vstack([design, *_stiffness_roots(rows, columns)]).tocsr()
+        factor = splu((roots.T @ roots).tocsc(), permc_spec='MMD_AT_PLUS_A')
+        draws = np.random.default_rng(0).standard_normal((roots.shape[0], SAMPLES))
+        found = np.sqrt(np.mean(factor.solve(np.asarray(roots.T @ draws)) ** 2, axis=1))
+        return np.asarray(found).reshape(rows, columns)
+
+    def with_heights(self, heights_m: FloatArray) -> 'Surface':
+        """Return this grid with other heights."""
+        return replace(self, heights_m=heights_m)
+
+    def _design(self, ground_m: FloatArray) -> csr_matrix:
+        """Return the matrix (n, nodes) that interpolates heights at points (n, 2)."""
+        nodes, weights = self.weights(ground_m)
+        line = np.repeat(np.arange(len(nodes)), 4)
+        shape = (len(nodes), self.heights_m.size)
+        return csr_matrix((weights.ravel(), (line, nodes.ravel())), shape=shape)
 
 
 def level_grid(ground_m: FloatArray, cell_m: float) -> Surface:
@@ -104,11 +120,16 @@ def level_grid(ground_m: FloatArray, cell_m: float) -> Surface:
 
 def _stiffness(rows: int, columns: int) -> csr_matrix:
     """Return the information that heights are small and change evenly."""
+    roots = vstack(_stiffness_roots(rows, columns)).tocsr()
+    stiffness: csr_matrix = roots.T @ roots
+    return stiffness
+
+
+def _stiffness_roots(rows: int, columns: int) -> tuple[csr_matrix, ...]:
+    """Return matrices whose products with heights have unit variance."""
     along = kron(identity(rows), _second_differences(columns))
     across = kron(_second_differences(rows), identity(columns))
-    bend = vstack([along, across]).tocsr()
-    stiffness: csr_matrix = bend.T @ bend / BEND_STD_M**2
-    return stiffness + identity(rows * columns) / RELIEF_STD_M**2
+    return along / BEND_STD_M, across / BEND_STD_M, identity(rows * columns) / RELIEF_STD_M
 
 
 def _second_differences(count: int) -> csr_matrix:

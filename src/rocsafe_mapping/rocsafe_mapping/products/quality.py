@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.alignment.rotation import tilt_and_yaw
@@ -21,6 +22,8 @@ from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 
 FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
+# Of what a photograph shows of a tile, one in so many coarse pixels tells its error.
+SEEN_EVERY = 7
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
 LARGEST_SCALE_OFF = 0.15
@@ -223,22 +226,34 @@ def _tiles(alignment: Alignment, renderer: Renderer) -> list[dict[str, Any]]:
     tiles = []
     for place in window.tiles(side):
         shared = place.cut(window)
-        numbers = set(np.unique(labels[shared.within(window)]).tolist()) - {NOBODY}
-        names = [renderer.names[number] for number in sorted(numbers)]
-        if names:
-            tiles.append(_tile(alignment, names, place, step))
+        seen = _seen(renderer, labels[shared.within(window)], shared)
+        if seen:
+            tiles.append(_tile(alignment, seen, place, step))
     return tiles
 
 
-def _tile(alignment: Alignment, names: list[str], place: Window, step: int) -> dict[str, Any]:
-    is_by_gps = any(alignment.placements[name].placed_by == BY_GPS for name in names)
+def _seen(renderer: Renderer, labels: NDArray[np.int32], place: Window) -> dict[str, FloatArray]:
+    """Return the ground (n, 2) that each photograph shows of a place on the coarse grid."""
+    found = {}
+    for number in sorted(set(np.unique(labels).tolist()) - {NOBODY}):
+        rows, columns = (at[::SEEN_EVERY].astype(float) for at in np.nonzero(labels == number))
+        found[renderer.names[number]] = renderer.coarse.ground_of(
+            columns + (place.column + 0.5), rows + (place.row + 0.5)
+        )
+    return found
+
+
+def _tile(
+    alignment: Alignment, seen: Mapping[str, FloatArray], place: Window, step: int
+) -> dict[str, Any]:
+    is_by_gps = any(alignment.placements[name].placed_by == BY_GPS for name in seen)
     return {
         'row': place.row * step,
         'column': place.column * step,
         'side_px': place.height * step,
         'placed_by': BY_GPS if is_by_gps else BY_FEATURES,
-        'error_m': round(max(alignment.error_m(name) for name in names), 3),
-        'photographs': len(names),
+        'error_m': round(max(alignment.error_m(*shown) for shown in seen.items()), 3),
+        'photographs': len(seen),
     }
 
 
