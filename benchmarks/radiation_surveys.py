@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rocsafe_radiation.fit_setting import Setting
 from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood
+from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, Likelihood
 from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
 from rocsafe_radiation.nuclide import nuclide
 from rocsafe_radiation.photons import AIR
@@ -147,12 +147,25 @@ def trials(
 
 
 def bound_m2(trial: Trial) -> Array:
-    """Return the Cramer-Rao bound of the place of the only true source, shape (2, 2)."""
+    """Return the Cramer-Rao bound of the place of each true source, shape (sources, 2, 2)."""
     likelihood = Likelihood(trial.survey, Setting(), np.empty((trial.survey.size, 0)))
-    x, y, strength = trial.truth[0]
-    truth = np.array([math.log(BACKGROUND_USVH), 0.0, x, y, 0.0, math.log(strength)])
-    information, _ = likelihood.information_and_gradient(truth)
-    return np.asarray(np.linalg.inv(information)[2:4, 2:4])
+    head = [math.log(BACKGROUND_USVH), 0.0]
+    places = [[x, y, 0.0, math.log(strength)] for x, y, strength in trial.truth]
+    information, _ = likelihood.information_and_gradient(np.array([*head, *np.ravel(places)]))
+    bound = np.linalg.inv(information)
+    starts = range(len(head), len(bound), SOURCE_PARAMETERS)
+    return np.stack([bound[start : start + 2, start : start + 2] for start in starts])
+
+
+def errors_at_bound_m(results: list[Trial]) -> Array:
+    """Return distances that an estimator at the bound would miss by, 100 for each source."""
+    generator = np.random.default_rng(0)
+    ways = [
+        generator.multivariate_normal(np.zeros(2), bound, 100)
+        for trial in results
+        for bound in bound_m2(trial)
+    ]
+    return np.asarray(np.hypot(*np.concatenate(ways).T))
 
 
 def print_table(

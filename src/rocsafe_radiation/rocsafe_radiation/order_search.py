@@ -13,9 +13,11 @@ LARGEST_ORDER = 4
 UNEVEN: Nuisance = {'background_std': 0.3}
 ROLLING: Nuisance = {'background_std': 0.2, 'background_spacing_heights': 1.0}
 GROUNDS = (UNEVEN, ROLLING)
+# Another nuclide, other air: of a strong source, readings tell, and its place is moved.
+TILTED: Nuisance = {'tilt_std': 0.4}
 NUISANCES: tuple[Nuisance, ...] = (
     *GROUNDS,
-    {'tilt_std': 0.4},
+    TILTED,
     {'rho': 0.05},
     UNEVEN | {'rho': 0.05},
     {'rho': 0.1},
@@ -49,8 +51,8 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
     """Return the best fits to `survey`, in the nuisance setting that explains it best.
 
     It begins with pure Poisson counts about a constant background. Where these do not explain the
-    readings, or need a weak source or more than one, the other settings are tried, with at most
-    as many sources; the evidence decides. Where the ground proves uneven, sources that it could
+    readings, or need sources, the other settings are tried, with at most as many sources; the
+    evidence decides. Where the ground proves uneven, sources that it could
     feign do not count.
     """
     trial = Trial(survey, setting)
@@ -62,11 +64,11 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
         fewer = plain.order - 1
         tried = [*_promising(trial, NUISANCES, [plain], fewer), *WALLS[:1]]
         others = [trial.orders(one, fewer, plain) for one in tried]
-    elif plain.order == 1 and plain.dispersion >= NOTABLE_DISPERSION:
-        tried = [*_promising(trial, GROUNDS, [plain], 1), *WALLS[:1]]
-        others = [trial.orders(one, 1, plain) for one in tried]
-    elif plain.order == 1 and plain.gain(1) < STRONG_EVIDENCE:
-        others = [trial.orders(one, 1, plain) for one in _promising(trial, GROUNDS, [plain], 1)]
+    elif plain.order == 1:
+        is_doubtful = plain.dispersion >= NOTABLE_DISPERSION
+        is_weak = is_doubtful or plain.gain(1) < STRONG_EVIDENCE
+        tried = _promising(trial, (*GROUNDS, TILTED) if is_weak else (TILTED,), [plain], 1)
+        others = [trial.orders(one, 1, plain) for one in (*tried, *WALLS[:is_doubtful])]
     else:
         return plain
     return credible((plain, *others))
