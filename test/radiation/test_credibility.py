@@ -8,8 +8,10 @@ import pytest
 
 from rocsafe_radiation.credibility import unevenness, weighed
 from rocsafe_radiation.fit_setting import Setting
+from rocsafe_radiation.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization import localize
 from rocsafe_radiation.order_search import search
+from rocsafe_radiation.order_trial import is_placed
 from rocsafe_radiation.survey import Survey
 
 from .simulated_survey import LOSSLESS, survey
@@ -76,3 +78,20 @@ def test_a_weak_source_needs_more_than_the_ground_could_feign():
     assert weighed(weak, 0.2).order == 0
     assert weighed(weak, 0.01).order == 1
     assert dataclasses.replace(weak, scores=weak.scores).probabilities()[1] > 0.99
+
+
+def test_a_source_that_could_be_anywhere_is_background():
+    """Its 95 % ellipse must be no longer than a quarter of the survey, however narrow it is."""
+    readings = survey([])
+    likelihood = Likelihood(readings, SETTING, np.empty((readings.size, 0)))
+    parameters = np.array([np.log(0.1), 0.7, 400.0, 150.0, 0.0, 9.0])
+    placed, lost = (
+        Fit(
+            parameters=parameters,
+            log_likelihood=0.0,
+            information=np.diag([1e4, 4.0, std_m**-2.0, 1.0, 1e8, 100.0]),
+        )
+        for std_m in (20.0, 60.0)
+    )
+    assert is_placed(likelihood, placed)
+    assert not is_placed(likelihood, lost)

@@ -142,4 +142,11 @@ def test_files_agree_on_where_the_source_is(tmp_path):
         assert raster.dtypes == ('float32',) * 3
     kml = ElementTree.parse(tmp_path / 'cordons.kml')  # noqa: S314 - our own file
     names = [element.text for element in kml.iter(f'{{{KML_NAMESPACE}}}name')]
-    assert '100 uSv/h, mean' in names
+    assert '100 µSv/h, mean' in names
+    (told, *_) = [
+        mark.findtext(f'{{{KML_NAMESPACE}}}description')
+        for mark in kml.iter(f'{{{KML_NAMESPACE}}}Placemark')
+        if '100 µSv/h' in mark.findtext(f'{{{KML_NAMESPACE}}}name')
+    ]
+    assert told.startswith('inner cordon (IAEA); ')
+    assert '; 1 mSv after 10 h at its edge' in told

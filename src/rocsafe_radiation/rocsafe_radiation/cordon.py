@@ -28,7 +28,9 @@ LEVEL_NAMES = {
 # Dose for which stay times are told: a year of the public and the yearly limit of a worker (ICRP
 # 103), microsievert.
 STAY_DOSES_USV = {'public_year_1_msv': 1e3, 'worker_year_20_msv': 2e4}
+STAY_MEANINGS = {'public_year_1_msv': '1 mSv', 'worker_year_20_msv': '20 mSv'}
 MEAN, UPPER = 'mean', 'upper_95'
+CONFIDENCE_MEANINGS = {MEAN: 'mean', UPPER: 'upper 95 %'}
 DEGREE_DIGITS = 8
 KML_NAMESPACE = 'http://www.opengis.net/kml/2.2'
 # Blue to yellow, told apart by the colour-blind; KML writes alpha, blue, green, red.
@@ -53,6 +55,15 @@ class Cordon:
     def stay_times_h(self) -> dict[str, float]:
         """Return for how long one may stay at the cordon's edge before a dose is reached."""
         return {name: dose / self.level_usvh for name, dose in STAY_DOSES_USV.items()}
+
+    def description(self) -> str:
+        """Return in words whom it is for, how large it is, and how long one may stay."""
+        parts = [LEVEL_NAMES.get(self.level_usvh, ''), f'{self.area.area:.0f} m²']
+        stays = self.stay_times_h().items()
+        parts += [
+            f'{STAY_MEANINGS[name]} after {hours:.3g} h at its edge' for name, hours in stays
+        ]
+        return '; '.join(part for part in parts if part)
 
 
 def cordons(found: DoseMap, levels_usvh: Sequence[float] = DEFAULT_LEVELS_USVH) -> list[Cordon]:
@@ -111,7 +122,9 @@ def cordon_kml(found: Sequence[Cordon], frame: LocalFrame) -> str:
         if cordon.area.is_empty:
             continue
         placemark = _child(document, 'Placemark')
-        _child(placemark, 'name', f'{cordon.level_usvh:g} uSv/h, {cordon.confidence}')
+        confidence = CONFIDENCE_MEANINGS[cordon.confidence]
+        _child(placemark, 'name', f'{cordon.level_usvh:g} µSv/h, {confidence}')
+        _child(placemark, 'description', cordon.description())
         style = _child(placemark, 'Style')
         line = _child(style, 'LineStyle')
         _child(line, 'color', KML_COLOURS[levels.index(cordon.level_usvh) % len(KML_COLOURS)])

@@ -37,7 +37,7 @@ def write_dose_map(path: Path, found: DoseMap, frame: LocalFrame) -> None:
     origin = frame.origin
     projection = CRS.from_proj4(
         f'+proj=tmerc +lat_0={origin.latitude_deg!r} +lon_0={origin.longitude_deg!r} +k=1 '
-        '+x_0=0 +y_0=0 +ellps=WGS84 +units=m +no_defs'
+        '+x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs'
     )
     rows, columns = found.mean_usvh.shape
     # Nodes are the centres of pixels; the first row of a GeoTIFF is the northernmost.

@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 Nuisance = dict[str, Any]
 # Chi-square of two degrees of freedom at 0.95.
 ELLIPSE_95 = 5.991
+# Half axes longer than this share of the diagonal of the survey: it could be anywhere.
+LARGEST_ELLIPSE_SHARE = 0.25
 # East, north and strength; the height is known before.
 FREE_PARAMETERS = 3
 TRIED_CANDIDATES = 5
@@ -76,7 +78,7 @@ class Trial:
         while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
             known = _hinted(likelihood, hints, len(fits))
             fit = _with_one_more(likelihood, fits[-1], known, self._grid, self._kernel)
-            if fit is None or not _is_placed(likelihood, fit):
+            if fit is None or not is_placed(likelihood, fit):
                 break
             fits.append(fit)
             scores.append(_score(likelihood, fit))
@@ -183,16 +185,18 @@ def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list
     return starts
 
 
-def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
+def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
     """Return whether each source is known to be somewhere about the survey.
 
     What could be anywhere raises all readings alike: it is background, not a source.
     """
     places = likelihood.survey.positions_enu_m[:, :2]
-    diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
-    variances = np.diag(np.linalg.inv(fit.information))[likelihood.head_size :]
-    spreads = variances.reshape(-1, SOURCE_PARAMETERS)[:, :2]
-    return bool((ELLIPSE_95 * spreads < diagonal**2).all())
+    longest_m = LARGEST_ELLIPSE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0)))
+    covariance = np.linalg.inv(fit.information)
+    starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
+    blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
+    variances = [float(np.linalg.eigvalsh(block)[-1]) for block in blocks]
+    return all(ELLIPSE_95 * variance < longest_m**2 for variance in variances)
 
 
 def _score(likelihood: Likelihood, fit: Fit) -> float:
