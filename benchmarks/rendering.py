@@ -82,10 +82,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         f'memory at most {memory_gb():.2f} GB (<= {most:g} GB: {verdict(memory_gb() <= most)})'
     )
     if arguments.growth:
-        grown = growth_mb(renderer, arguments.growth)
+        start, middle, end = growth_mb(renderer, arguments.growth)
         console.print(
-            f'memory grew by {grown:.0f} MB in {arguments.growth} frames (<= {GROWTH_MB:g} MB: '
-            f'{verdict(grown <= GROWTH_MB)})'
+            f'{arguments.growth} frames: {start:.0f} MB at the start, {middle:.0f} amid, '
+            f'{end:.0f} at the end (+ <= {GROWTH_MB:g} MB: {verdict(end - start <= GROWTH_MB)})'
         )
     return 0
 
@@ -148,18 +148,18 @@ def measured(renderer: AnyRenderer, case: Case, frames: int) -> tuple[float, flo
     return found
 
 
-def growth_mb(renderer: AnyRenderer, frames: int) -> float:
-    """Return by how much memory grows while `frames` are drawn from all around, MB."""
+def growth_mb(renderer: AnyRenderer, frames: int) -> list[float]:
+    """Return the memory before, amid and after `frames` drawn from all around, MB."""
     eye = renderer.camera(PinholeCamera(math.radians(60.0), 160, 120))
-    before = 0.0
+    found = []
     for number in range(SETTLING_FRAMES + frames):
-        if number == SETTLING_FRAMES:
-            before = resident_mb()
+        if number in (SETTLING_FRAMES, SETTLING_FRAMES + frames // 2):
+            found.append(resident_mb())
         turn = 2.399963 * number
         place = np.array([60.0 * math.cos(turn), 60.0 * math.sin(turn), 32.0])
         eye.expose(place, POSES['oblique' if number % 2 else 'nadir'][1])
     eye.close()
-    return resident_mb() - before
+    return [*found, resident_mb()]
 
 
 def resident_mb() -> float:

@@ -7,6 +7,7 @@ ray meets that triangle's plane, so it is exact where the label is.
 
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from panda3d import core
@@ -18,6 +19,7 @@ from rocsafe_sim.engine.pipe import Pipe, open_pipe
 from rocsafe_sim.engine.software_stage import KNOW, LOOK, SoftwareStage
 from rocsafe_sim.engine.target import OneThread, make_buffer, pixels_of
 from rocsafe_sim.scene.environment import Environment
+from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
 from rocsafe_sim.scene.mesh import Floats, unit
 
@@ -132,7 +134,7 @@ class SoftwareEye:
             depth_m=depth,
             numbers=_taken(triangles.numbers[owner], row),
             classes=self._classes(_taken(triangles.kinds[owner], row), depth, position, rotation),
-            normals=np.take(np.rint(127.5 + 127.5 * normal).astype(np.uint8), row, 0, mode='clip'),
+            normals=_taken(_packed(normal), row).view(np.uint8).reshape(*row.shape, 4)[..., :3],
         )
 
     def _depth(
@@ -167,30 +169,57 @@ class SoftwareEye:
         rotation: Floats,
     ) -> NDArray[np.uint8]:
         """Return the class of each pixel; the ground's is read from its maps."""
-        classes = np.maximum(kinds, 0).astype(np.uint8)
-        rows, columns = np.nonzero(kinds < 0)
-        rays = np.stack([self._x[0, columns], self._y[rows, 0], np.ones(len(rows))], axis=1)
-        places = position[:2] + depth[rows, columns][:, None] * (rays @ rotation[:2].T)
-        inner, outer = self._renderer.stage.ground_maps
-        is_inner = np.all(
-            np.abs(places - [inner.west_m, inner.south_m] - 0.5 * np.array(inner.size_m))
-            < 0.5 * np.array(inner.size_m),
-            axis=1,
+        is_ground = kinds < 0
+        reach = np.where(is_ground, depth, np.float32(0.0))
+        east, north = (
+            (reach * self._along(rotation[axis]) + np.float32(position[axis])) for axis in (0, 1)
         )
-        found = inner.classes_at(places)
-        found[~is_inner] = outer.classes_at(places[~is_inner])
-        classes[rows, columns] = found
-        return classes
+        inner, outer = self._renderer.stage.ground_maps
+        found = _class_picture(inner, east, north)
+        width, height = inner.size_m
+        is_inner = (np.abs(east - (inner.west_m + 0.5 * width)) < 0.5 * width) & (
+            np.abs(north - (inner.south_m + 0.5 * height)) < 0.5 * height
+        )
+        if not is_inner.all():
+            found = np.where(is_inner, found, _class_picture(outer, east, north))
+        return np.where(is_ground, found, kinds.astype(np.uint8))
+
+    def _along(self, row: Floats) -> NDArray[np.float32]:
+        """Return the product of each pixel's ray with a row of the rotation."""
+        x, y = self._x.astype(np.float32), self._y.astype(np.float32)
+        return x * np.float32(row[0]) + (y * np.float32(row[1]) + np.float32(row[2]))
+
+
+def _class_picture(
+    ground: GroundMap, east: NDArray[np.float32], north: NDArray[np.float32]
+) -> NDArray[np.uint8]:
+    """Return the class numbers of a map at each pixel's place, clamped to the map."""
+    size_m = ground.size_m
+    rows, columns = ground.classes.shape
+    column = (east - np.float32(ground.west_m)) * np.float32(columns / size_m[0]) - np.float32(0.5)
+    row = (north - np.float32(ground.south_m)) * np.float32(rows / size_m[1]) - np.float32(0.5)
+    return np.asarray(
+        cv2.remap(ground.classes, column, row, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+    )
+
+
+def _packed(normals: Floats) -> NDArray[np.uint32]:
+    """Return unit vectors (n, 3) as bytes, four to a number: taken at once."""
+    found = np.full((len(normals), 4), 255, np.uint8)
+    found[:, :3] = np.rint(127.5 + 127.5 * normals)
+    return found.view(np.uint32)[:, 0]
 
 
 def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return the different values of `drawn`, below `count`, and each pixel's place in them."""
+    # Indices of the width that numpy takes without converting them.
+    index = drawn.astype(np.intp)
     is_drawn = np.zeros(count, bool)
-    is_drawn[drawn] = True
+    is_drawn[index] = True
     chosen = np.flatnonzero(is_drawn)
     rank = np.empty(count, np.intp)
     rank[chosen] = np.arange(len(chosen))
-    return chosen, _taken(rank, drawn.astype(np.intp))
+    return chosen, _taken(rank, index)
 
 
 def _taken(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:

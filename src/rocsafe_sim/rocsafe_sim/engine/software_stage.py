@@ -16,6 +16,7 @@ from panda3d import core
 from rocsafe_sim.engine import upload
 from rocsafe_sim.errors import SceneError
 from rocsafe_sim.scene.classes import class_number
+from rocsafe_sim.scene.coarse import clustered
 from rocsafe_sim.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
 from rocsafe_sim.scene.ground_picture import GroundMap
 from rocsafe_sim.scene.light import Lighting
@@ -24,8 +25,11 @@ from rocsafe_sim.scene.parts.thinning import LEAFY, coarser
 
 # Bits of the cameras: one for the picture, one for both kinds of numbers.
 LOOK, KNOW = (core.BitMask32.bit(number) for number in range(2))
-_INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 48, 24, 200
+_INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 32, 24, 20
 _LARGEST_PX = 4096
+# To how far things are drawn in full, and at all, metres; beyond, with a corner in cubes of so
+# many, if they have more triangles than a few.
+_FINE_M, _BEYOND_M, _CELL_M, _FEW = 90.0, 9000.0, 0.16, 60
 # Brightness of what the sky alone lights, what the sun adds, and what clouds add to the sky.
 _SKY_LIGHT, _SUN_LIGHT, _OVERCAST_LIGHT = 0.55, 0.6, 0.3
 
@@ -72,7 +76,7 @@ class SoftwareStage:
         self.root = core.NodePath('scene')
         self.ground_maps = (environment.inner, environment.outer)
         self._moving: list[tuple[int, SceneObject, Any]] = []
-        self._meshes: dict[int, Mesh] = {}
+        self._meshes: dict[int, list[Mesh]] = {}
         self._sun = np.array(lighting.sun_direction)
         sun_share = min(1.0, max(lighting.sun) / 3.0)
         self._sun_light = _SUN_LIGHT * sun_share
@@ -140,20 +144,37 @@ class SoftwareStage:
         owner = len(self._owners)
         self._owners.append((thing.number, class_number(thing.label)))
         for piece in thing.pieces:
-            mesh = self._coarse(thing, piece)
-            lit = self._lit(mesh, piece.rotation, is_foliage=thing.is_foliage)
-            offset = np.zeros(3) if thing.path is not None else piece.offset
-            placed = replace(lit, points=mesh.points @ piece.rotation.T + offset)
-            seen = parent.attachNewNode(upload.geom_node(thing.name, placed))
-            seen.hide(KNOW)
-            self._know(parent, placed.points[placed.triangles], owner)
+            self._add_piece(parent, thing, piece, owner)
         if thing.path is not None:
             self._moving.append((owner, thing, parent))
 
-    def _coarse(self, thing: SceneObject, piece: Piece) -> Mesh:
+    def _add_piece(self, parent: Any, thing: SceneObject, piece: Piece, owner: int) -> None:
+        offset = np.zeros(3) if thing.path is not None else piece.offset
+        meshes = self._steps(thing, piece)
+        steps = core.LODNode('steps')
+        middle = piece.rotation @ piece.mesh.bounds.mean(axis=0) + offset
+        steps.setCenter(core.LPoint3f(*(float(value) for value in middle)))
+        below = parent.attachNewNode(steps)
+        for number, mesh in enumerate(meshes):
+            is_last = number == len(meshes) - 1
+            steps.addSwitch(_BEYOND_M if is_last else _FINE_M, _FINE_M * number)
+            lit = self._lit(mesh, piece.rotation, is_foliage=thing.is_foliage)
+            placed = replace(lit, points=mesh.points @ piece.rotation.T + offset)
+            step = below.attachNewNode('step')
+            seen = step.attachNewNode(upload.geom_node(thing.name, placed))
+            seen.hide(KNOW)
+            self._know(step, placed.points[placed.triangles], owner)
+
+    def _steps(self, thing: SceneObject, piece: Piece) -> list[Mesh]:
+        """Return the mesh of a piece for near by, and a simpler one for the distance."""
         key = id(piece.mesh)
         if key not in self._meshes:
-            self._meshes[key] = coarser(piece.mesh)[-1] if thing.label in LEAFY else piece.mesh
+            mesh = piece.mesh
+            is_small = len(mesh.triangles) < _FEW
+            self._meshes[key] = (
+                coarser(mesh)[2:] if thing.label in LEAFY
+                else [mesh] if is_small else [mesh, clustered(mesh, _CELL_M)]
+            )  # fmt: skip
         return self._meshes[key]
 
     def _know(self, parent: Any, corners: Floats, owner: int) -> None:
