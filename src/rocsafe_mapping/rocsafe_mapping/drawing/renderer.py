@@ -23,7 +23,6 @@ from rocsafe_mapping.drawing.seams import (
 from rocsafe_mapping.drawing.sheet import Sheet, drawn
 
 TILE_PX = 256
-OPAQUE = 255
 Rgba = NDArray[np.uint8]
 
 
@@ -102,10 +101,9 @@ class Renderer:
             colours = self._drawn(self.names[next(iter(masks))], tile)
         else:
             colours = self._blended(window, masks)[inner]
-        rgba = np.empty((*is_seen.shape, 4), np.uint8)
-        rgba[..., :3] = colours[..., ::-1]
-        rgba[..., 3] = np.where(is_seen, OPAQUE, 0)
-        rgba[~is_seen] = 0
+        rgba: Rgba = cv2.cvtColor(np.ascontiguousarray(colours), cv2.COLOR_BGR2RGBA)
+        if not np.all(is_seen):
+            rgba[~is_seen] = 0
         return rgba
 
     def _blended(self, window: Window, masks: dict[int, Mask]) -> NDArray[np.uint8]:

@@ -30,12 +30,19 @@ class Seen:
     Attributes
     ----------
     across, down: pixels of the photograph.
-    cosines: squared cosines of the angles off nadir.
+    window: that is seen.
+    steepness: squared cosines of the angles off nadir, at every 16th pixel edge of the window.
     """
 
     across: Shares
     down: Shares
-    cosines: Shares
+    window: Window
+    steepness: FloatArray
+
+    @property
+    def cosines(self) -> Shares:
+        """Squared cosines of the angles off nadir, (height, width)."""
+        return spread_lattice(self.steepness, self.window)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,7 +103,8 @@ class Sheet:
         return Seen(
             across=spread_lattice(pixels[..., 0], window),
             down=spread_lattice(pixels[..., 1], window),
-            cosines=spread_lattice(cosines.reshape(ground.shape[:2]), window),
+            window=window,
+            steepness=cosines.reshape(ground.shape[:2]),
         )
 
 
