@@ -8,6 +8,7 @@ weight. It needs no law of the dose rate to converge and cannot be led astray by
 places no better than a cell.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -79,11 +80,12 @@ def believe(
     for other in beliefs[1:]:
         merged.merge(other)
     probabilities = merged.probabilities()
-    sources = [
-        _source(cluster, probabilities, grid, survey, options)
-        for cluster in _clusters(probabilities > BELIEVED)
-    ]
-    return _localization(survey, sources, probabilities), BeliefMap(
+    clusters = _clusters(probabilities > BELIEVED)
+    sources = [_source(one, probabilities, grid, survey, options) for one in clusters]
+    # Within so much, nothing tells a source from those found already.
+    apart = round(PEAK_HEIGHTS * survey.height_m(options.source_up_m) / grid.cell_m)
+    others = probabilities[~_about(clusters, grid.shape, apart)]
+    return _localization(survey, sources, others), BeliefMap(
         corner_m=grid.corner_m, cell_m=grid.cell_m, probabilities=probabilities
     )
 
@@ -196,6 +198,17 @@ def _clusters(believed: NDArray[np.bool_]) -> list[list[tuple[int, int]]]:
     return clusters
 
 
+def _about(
+    clusters: list[list[tuple[int, int]]], shape: tuple[int, int], margin: int
+) -> NDArray[np.bool_]:
+    """Return which cells lie at most `margin` cells from a patch, shape (rows, columns)."""
+    near: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+    for row, column in itertools.chain.from_iterable(clusters):
+        top, left = max(row - margin, 0), max(column - margin, 0)
+        near[top : row + margin + 1, left : column + margin + 1] = True
+    return near
+
+
 def _source(
     cluster: list[tuple[int, int]],
     probabilities: Array,
@@ -214,6 +227,12 @@ def _source(
     centre = np.average(places, axis=0, weights=weights) if weights.any() else centres.mean(axis=0)
     strength, log_std = _strength(centre, survey, options)
     spread = grid.cell_m**2 / 12.0 + centres.var(axis=0) / len(cluster)
+    aside = np.diag(np.sqrt(spread))
+    moved = [_strength(centre + way, survey, options)[0] for way in (*aside, *-aside)]
+    # Beside what is counted, the place is not known: half the square for each side of an axis.
+    log_std = math.hypot(
+        log_std, float(np.linalg.norm(np.log(np.array(moved) / strength))) / 2**0.5
+    )
     covariance = np.diag([*spread.tolist(), options.source_up_std_m**2, log_std**2])
     place = survey.ground.raised(np.array([[*centre.tolist(), options.source_up_m]]))[0]
     log_odds = [math.log(p / (1.0 - p)) for p in probabilities[tuple(cells.T)].tolist() if p < 1.0]
@@ -226,23 +245,26 @@ def _source(
 
 
 def _strength(centre: Array, survey: Survey, options: LocalizationOptions) -> tuple[float, float]:
-    """Return the strength that explains the readings around, and the deviation of its log."""
+    """Return the strength that explains the readings around, and the deviation of its log.
+
+    Farther ones tell more of the background, which half of the readings know too high.
+    """
     place = survey.ground.raised(np.array([[*centre.tolist(), options.source_up_m]]))[0]
     kernel: Kernel = options.kernel
     squares = ((survey.positions_enu_m - place) ** 2).sum(axis=1)
     added = survey.exposures * kernel.values(squares)
     excess = survey.counts - survey.exposures * _median_level_usvh(survey)
-    weights = added / np.maximum(survey.counts, 1.0)
+    reach = PEAK_HEIGHTS * survey.height_m(options.source_up_m)
+    near = squares <= squares.min() + reach**2
+    weights = near * added / np.maximum(survey.counts, 1.0)
     strength = max(float(weights @ excess) / float(weights @ added), 1e-3)
     return strength, 1.0 / math.sqrt(max(strength**2 * float(weights @ added), 1e-9))
 
 
-def _localization(
-    survey: Survey, sources: list[SourceEstimate], probabilities: Array
-) -> Localization:
+def _localization(survey: Survey, sources: list[SourceEstimate], others: Array) -> Localization:
+    """Return what was found; `others`: probabilities of the cells away from all of `sources`."""
     count = len(sources)
     # Cells are independent: nothing more when none of the others holds a source.
-    others = probabilities[probabilities <= BELIEVED]
     surely = float(np.exp(np.log1p(-np.minimum(others, 0.999)).sum()))
     order = [0.0] * count + [surely, 1.0 - surely]
     background = _median_level_usvh(survey)
