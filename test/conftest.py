@@ -31,8 +31,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     computed in the test's own process has one try.
     """
     for item in items:
-        fixtures = getattr(item, 'fixturenames', ())
-        if 'ros_domain_id' in fixtures or item.get_closest_marker('system'):
+        if 'ros' in getattr(item, 'fixturenames', ()) or item.get_closest_marker('system'):
             item.add_marker(pytest.mark.flaky(reruns=1))
 
 
