@@ -15,7 +15,13 @@ from pathlib import Path
 from typing import Any
 
 OTHERS_LIMIT_S = 3.3
-"""Longest wait for the participants of this machine: they announce themselves every 3 s."""
+"""Longest wait for what may not be there: participants announce themselves every 3 s."""
+
+COUNTED_LIMIT_S = 6.5
+"""Longest wait for participants of this machine that are known to be there.
+
+On a busy machine the first announcement may be late, or be lost before we listen.
+"""
 
 REMOTE_WAIT_S = 0.3
 """Wait for participants of other machines, which answer our first announcement."""
@@ -42,7 +48,7 @@ def await_discovery(node: Any, spin_time_s: float | None) -> None:
     minimum_s = REMOTE_WAIT_S if may_reach_other_machines() else 0.0
     domain_id = int(os.environ.get('ROS_DOMAIN_ID') or 0)
     seen, changed = None, start
-    while time.monotonic() - start < OTHERS_LIMIT_S:
+    while time.monotonic() - start < COUNTED_LIMIT_S:
         now, graph = time.monotonic(), _graph(node)
         if graph != seen:
             seen, changed = graph, now
