@@ -18,8 +18,8 @@ import cv2
 from rocsafe_sim import scene_command
 
 ROOT = Path(__file__).resolve().parents[1]
-LARGEST_BYTES = 250_000
-QUALITIES = (92, 88, 84, 80, 75, 70, 60)
+LARGEST_BYTES = 200_000
+QUALITIES = (92, 88, 84, 80, 75, 70, 65, 60, 55)
 OPENINGS: dict[str, dict[str, list[str]]] = {
     'derailment': {
         'nadir': ['--nadir', '--eye=10,4,32'],

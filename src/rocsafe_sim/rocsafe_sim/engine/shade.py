@@ -191,5 +191,6 @@ def _blurred(depth: Floats) -> Floats:
     sigma = _BLUR_M / _CANOPY_TEXEL_M
     weight = cv2.GaussianBlur(cover, (0, 0), sigma)
     mean = cv2.GaussianBlur(height * cover, (0, 0), sigma) / np.maximum(weight, 1e-3)
-    # Sparse cover hides little: sink it towards the ground and below.
-    return np.asarray(np.where(weight > 0.02, mean - 5.0 * (1.0 - weight), -1e3), np.float32)
+    # Sparse cover hides little, and none where the blur ends, which would show as an edge.
+    sunk = 5.0 * (1.0 - weight) + 18.0 * np.maximum(0.0, 1.0 - weight / 0.3)
+    return np.asarray(np.where(weight > 0.02, mean - sunk, -1e3), np.float32)
