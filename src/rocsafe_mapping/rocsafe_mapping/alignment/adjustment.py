@@ -12,10 +12,10 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
 from rocsafe_mapping.alignment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.matching import Pair
+from rocsafe_mapping.alignment.normal import factored
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
 from rocsafe_mapping.alignment.projection import Carried
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Lens, Noise, State
@@ -90,7 +90,7 @@ def stated_error_m(
     unknowns = Unknowns.of(photos, names, with_lenses=True)
     equations = Equations(photos, ties_of(pairs, photos, held_out=False), unknowns)
     jacobian, residuals = equations.rows(state)
-    factor = splu((jacobian.T @ jacobian).tocsc(), permc_spec='MMD_AT_PLUS_A')
+    factor = factored(jacobian.T @ jacobian)
     draws = np.random.default_rng(0).standard_normal((len(residuals), SAMPLES))
     steps = factor.solve(np.asarray(jacobian.T @ draws))
     squares = np.zeros(len(names))
@@ -143,7 +143,7 @@ def _settled(equations: Equations, state: State, most_steps: int) -> State:
         normal = (jacobian.T @ jacobian).tocsc()
         # Longer on the diagonal where the step failed: the gradient's own direction in the end.
         normal.setdiag(normal.diagonal() * (1.0 + damping))
-        step = splu(normal, permc_spec='MMD_AT_PLUS_A').solve(-(jacobian.T @ residuals))
+        step = factored(normal).solve(-(jacobian.T @ residuals))
         moved = equations.unknowns.moved(state, step)
         gain = cost - equations.cost(moved)
         if gain >= -1e-9 * cost:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags, identity, kron, vstack
-from scipy.sparse.linalg import splu
 
+from rocsafe_mapping.alignment.normal import factored
 from rocsafe_mapping.alignment.photo import FloatArray
 
 # How far the ground is believed to leave its plane, and to bend from cell to cell, metres.
@@ -16,6 +16,7 @@ BEND_STD_M = 0.5
 CLUTTER_STD_M = 0.4
 ROUNDS, SAMPLES = 4, 32
 MOST_NODES = 40_000
+SETTLED_M = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,12 +71,14 @@ class Surface:
         design = self._design(ground_m)
         rest = _stiffness(rows, columns)
         variance = std_m**2 + CLUTTER_STD_M**2
-        found = self.heights_m.ravel()
+        found: FloatArray = self.heights_m.ravel()
         for _ in range(ROUNDS):
             off = heights_m - design @ found
             trust = 1.0 / (variance * np.sqrt(1.0 + off**2 / (4.0 * variance)))
-            normal = (design.T @ diags(trust) @ design + rest).tocsc()
-            found = splu(normal, permc_spec='MMD_AT_PLUS_A').solve(design.T @ (trust * heights_m))
+            normal = design.T @ diags(trust) @ design + rest
+            before, found = found, factored(normal).solve(design.T @ (trust * heights_m))
+            if np.max(np.abs(found - before)) < SETTLED_M:
+                break
         return self.with_heights(found.reshape(rows, columns))
 
     def uncertainty_m(self, ground_m: FloatArray, std_m: FloatArray) -> FloatArray:
@@ -86,7 +89,7 @@ class Surface:
         rows, columns = self.heights_m.shape
         design = diags(1.0 / std_m) @ self._design(ground_m)
         roots = vstack([design, *_stiffness_roots(rows, columns)]).tocsr()
-        factor = splu((roots.T @ roots).tocsc(), permc_spec='MMD_AT_PLUS_A')
+        factor = factored(roots.T @ roots)
         draws = np.random.default_rng(0).standard_normal((roots.shape[0], SAMPLES))
         found = np.sqrt(np.mean(factor.solve(np.asarray(roots.T @ draws)) ** 2, axis=1))
         return np.asarray(found).reshape(rows, columns)
