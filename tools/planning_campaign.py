@@ -6,8 +6,9 @@
 Each number draws a survey (`drawn_surveys`), which is planned with a budget of 0.05 to 0.2 s or a
 number of proposals, then up to two situations in which it goes on. Every plan must be accepted by
 the independent checker, and not be worse than a survey tool's split; every refusal must be one
-line that the planner says on purpose; nothing may take longer than a minute. Ends with 1 if there
-was a fault. A fault names its number: `--first N --count 1` has it again.
+line that the planner says on purpose; no survey may take longer than a minute of processor time,
+or ten by the clock. Ends with 1 if there was a fault. A fault names its number:
+`--first N --count 1` has it again.
 """
 
 import argparse
@@ -34,6 +35,11 @@ from rocsafe_planner.replanning import remaining_request
 from rocsafe_planner.request import SurveyRequest
 
 LIMIT_S = 60
+# By the clock: for a search that waits and does nothing.
+CLOCK_LIMIT_S = 600
+PROGRESS = 20
+COMPARED = 4
+"""One of so many surveys is also planned by the survey tools' methods."""
 SPLITS = ('boustrophedon_minmax', 'boustrophedon_equal', 'strips')
 
 
@@ -69,7 +75,9 @@ def look(number: int, tally: Tally, *, with_files: bool = False) -> None:
             continue
         tally.plans += 1
         tally.slowest = max(tally.slowest, (time.monotonic() - began, number))
-        tally.faults.extend(f'{number}.{times}: {fault}' for fault in _faults(plan, with_files))
+        found = [*_faults(plan, with_files)]
+        found += [] if number % COMPARED else [*_worse_than_splits(plan)]
+        tally.faults.extend(f'{number}.{times}: {fault}' for fault in found)
 
 
 def _hurried(request: SurveyRequest, number: int) -> SurveyRequest:
@@ -96,7 +104,6 @@ def _note_error(name: str, error: Exception, tally: Tally) -> None:
 def _faults(plan: SurveyPlan, with_files: bool) -> Iterator[str]:
     """Yield all that is wrong with a plan."""
     yield from check_plan(plan)
-    yield from _worse_than_splits(plan)
     if with_files:
         yield from _file_faults(plan)
 
@@ -127,7 +134,7 @@ def _file_faults(plan: SurveyPlan) -> Iterator[str]:
 
 
 def _overdue(_number: int, _frame: FrameType | None) -> None:
-    raise OverdueError(f'takes longer than {LIMIT_S} s')
+    raise OverdueError(f'takes longer than {LIMIT_S} s of processor time or {CLOCK_LIMIT_S} s')
 
 
 def main() -> int:
@@ -138,15 +145,18 @@ def main() -> int:
     parser.add_argument('--files', action='store_true', help='write and read each plan too')
     parser.add_argument('--refusals', action='store_true', help='print what was refused')
     options = parser.parse_args()
-    signal.signal(signal.SIGALRM, _overdue)
+    for kind in (signal.SIGALRM, signal.SIGPROF):
+        signal.signal(kind, _overdue)
     tally, began = Tally(), time.monotonic()
     for number in range(options.first, options.first + options.count):
         known = len(tally.faults)
-        signal.alarm(LIMIT_S)
+        signal.alarm(CLOCK_LIMIT_S)
+        signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
         look(number, tally, with_files=options.files)
-        signal.alarm(0)
         for fault in tally.faults[known:]:
             print(fault, flush=True)
+        if number % PROGRESS == 0:
+            print(f'{number}: {tally.plans} plans', file=sys.stderr, flush=True)
     if options.refusals:
         for text, times in sorted(tally.refusals.items()):
             print(f'{times:5d} {text}')

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
 from rocsafe_planner.bound import lower_bound
 from rocsafe_planner.optimising import Effort, optimised
+from rocsafe_planner.route_values import finish_s
 from rocsafe_planner.routing import nearest_to_shortest
-from rocsafe_planner.swap_search import finish_s
 from rocsafe_planner.tour_splitting import makespan_s
 from rocsafe_planner.vehicle import Aloft
 

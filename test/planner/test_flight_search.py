@@ -11,9 +11,10 @@ from rocsafe_planner.flight_search import caps_within, full_caps, may_search, ti
 from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.optimising import Effort, optimised
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.route_values import finish_s, objective_value
 from rocsafe_planner.sorties import sorties
 from rocsafe_planner.survey_site import survey_site
-from rocsafe_planner.swap_search import finish_s, objective_value, optimised_with_swaps
+from rocsafe_planner.swap_search import optimised_with_swaps
 from rocsafe_planner.vehicle import Aloft
 
 from .fleets import FLEET, problem, request, vehicle

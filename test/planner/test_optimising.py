@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_planner.fleet_problem import FleetProblem
 from rocsafe_planner.objective import OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.optimising import Effort, optimised
@@ -52,6 +53,27 @@ def test_never_worse_than_survey_tools_on_regions(survey):
         for method in (*TOOLS, 'solver')
     }
     assert makespans['solver'] <= min(makespans.values()) + 1e-3
+
+
+def test_who_stands_together_is_alike():
+    """Vehicles at one home begin and end at one site, so that the search may exchange them."""
+    world = problem([(20.0 * k, 9.0) for k in range(9)], [(0.0, 0.0), (0.0, 0.0), (5.0, 0.0)])
+    routed = routing_problem(world, 'longest_time').vehicles
+    assert routed[0].start == routed[0].end == routed[1].start != routed[2].start
+    assert routed[2].start == routed[2].end
+
+
+def test_corners_that_are_flown_round_count_in_the_end():
+    """Whoever passes viewpoints is compared with survey tools as it is flown, not as estimated."""
+    fleet = tuple(dataclasses.replace(v, hover_s=0.0, autopilot=ARDUCOPTER) for v in FLEET)
+    world = problem(
+        [(20.0 * x, 20.0 * y) for x in range(5) for y in range(4)],
+        [(-90.0, 0.0), (0.0, -90.0), (120.0, 90.0)],
+        fleet,
+    )
+    few = Effort(proposals=1)
+    best = min(makespan_s(world, METHODS[tool](world)) for tool in TOOLS)
+    assert makespan_s(world, optimised(world, few).orders) <= best
 
 
 def test_derailment_is_a_fifth_shorter_than_the_papers():

@@ -160,7 +160,8 @@ def test_whatever_happens_the_checker_accepts(data):
     assert check_plan(rest) == []
 
 
-def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way():
+@pytest.mark.parametrize('clearance_m', [0.0, 2.0])
+def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way(clearance_m):
     """Closed around a vehicle in the air, a zone is left at its nearest side; that is told."""
     situation = midway(PLAN, 0.5, 'rav2')
     here = situation.alive['rav1'].position
@@ -168,7 +169,9 @@ def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way():
         offset(here, e, n) for e, n in ((-8.0, -20.0), (30.0, -20.0), (30.0, 20.0), (-8.0, 20.0))
     )
     rest = replan(
-        PLAN,
+        dataclasses.replace(
+            PLAN, request=dataclasses.replace(PLAN.request, clearance_m=clearance_m)
+        ),
         Situation(
             alive=situation.alive,
             visited=situation.visited,
@@ -177,7 +180,7 @@ def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way():
     )
     assert check_plan(rest) == []
     # 8 m to the west, and the clearance
-    assert leaving_exclusions_m(rest) == pytest.approx({'rav1': 10.0}, abs=0.01)
+    assert leaving_exclusions_m(rest) == pytest.approx({'rav1': 8.0 + clearance_m}, abs=0.01)
     way_out = rest.routes[0].sorties[0].bends[0][0]
     assert way_out.longitude_deg < here.longitude_deg
     assert way_out.latitude_deg == pytest.approx(here.latitude_deg, abs=1e-7)

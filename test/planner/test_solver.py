@@ -25,8 +25,11 @@ from rocsafe_planner.solver import (
     solve,
 )
 from rocsafe_planner.solver.compiled import cache_directory
+from rocsafe_planner.solver.flatten import tables_of
+from rocsafe_planner.solver.giant_tour import braid, cut, tour_of
 from rocsafe_planner.solver.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
+from rocsafe_planner.solver.starts import first_plans, sector_plan
 
 from . import tiny_routing
 
@@ -282,3 +285,42 @@ def test_neighbours_lead_out_of_a_cluster():
     rightmost = int(points[:30, 0].argmax())
     assert (near[rightmost, 5:] >= 30).sum() >= 3
     assert (near_rows(costs, 17)[rightmost] < 30).all()
+
+
+@pytest.mark.parametrize('home', [(0.0, 0.0), (2.2, 2.7)])
+def test_sectors_serve_everybody_once(home):
+    """Equal numbers for all, whether the home is at a corner or in the middle."""
+    away = grid(6) / 20.0 - np.array(home)
+    order, lengths = sector_plan(away, 5)
+    assert sorted(order.tolist()) == list(range(len(away)))
+    assert lengths.max() - lengths.min() <= 1
+
+
+def test_sectors_are_a_better_start_than_strips():
+    """Ten vehicles from a corner of 50 by 50 points, each 1 from the next."""
+    points = np.array([(x, y) for x in range(50) for y in range(50)], float)
+    problem = one_depot(points[1:], points[0], 10)
+    plans = [*first_plans(problem, tables_of(problem)), sector_plan(points[1:], 10)]
+    longest = [max(solution_costs(problem, plan)) for plan in plans]
+    assert longest[-1] == min(longest)
+
+
+def solution_costs(problem, plan):
+    """Return the costs of a plan's routes."""
+    routes = np.split(plan[0], np.cumsum(plan[1])[:-1])
+    return [solver.route_cost(problem, v, tuple(map(int, r))) for v, r in enumerate(routes)]
+
+
+def test_tours_are_cut_no_worse_than_they_were():
+    """A plan as a tour and back; a braid of two tours has every customer once."""
+    points = np.random.default_rng(5).uniform(0.0, 100.0, (40, 2))
+    problem = one_depot(points[1:], points[0], 4)
+    choices, tables = np.random.default_rng(1), tables_of(problem)
+    plans = list(first_plans(problem, tables))
+    tours = [tour_of(plan, points[1:] - points[0], choices) for plan in plans]
+    for plan, tour in zip(plans, tours, strict=True):
+        again = cut(tables, tour)
+        assert sorted(again[0].tolist()) == list(range(39))
+        assert max(solution_costs(problem, again)) <= max(solution_costs(problem, plan)) + 1e-4
+    child = braid(tours[0], tours[1], choices)
+    assert sorted(child.tolist()) == list(range(39))

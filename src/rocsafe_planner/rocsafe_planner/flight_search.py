@@ -143,7 +143,8 @@ def _task(problem: FleetProblem, caps: Caps, objective: str) -> RoutingProblem:
 
 def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) -> RoutedVehicle:
     """Return a flight as a vehicle of its own."""
-    vehicle, home = slot.vehicle, problem.home_site(slot.vehicle)
+    vehicle, place_of = slot.vehicle, table.place_of
+    home, end = place_of[problem.home_site(vehicle)], problem.end_site(vehicle)
     is_first, is_last = slot.number == 0, slot.number == slot.of - 1
     spec = problem.vehicles[vehicle]
     spec = spec if is_last else dataclasses.replace(spec, is_open=False, end=None)
@@ -154,8 +155,8 @@ def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) 
     flight = problem.flight(vehicle)
     slack_s = 2.0 * turn_s(flight.performance) if flight.passes else 0.0
     return RoutedVehicle(
-        start=problem.start_site(vehicle) if is_first else home,
-        end=problem.end_site(vehicle) if is_last else home,
+        start=place_of[problem.start_site(vehicle)] if is_first else home,
+        end=home if not is_last else None if end is None else place_of[end],
         legs=legs,
         fixed_cost=fixed + swap_s,
         idle_cost=idle_cost(problem, vehicle, objective) if is_first else 0.0,

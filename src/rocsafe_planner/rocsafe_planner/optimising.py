@@ -15,6 +15,7 @@ from rocsafe_planner.boustrophedon import (
 )
 from rocsafe_planner.fleet_problem import FleetProblem, Order
 from rocsafe_planner.optimised import Optimised
+from rocsafe_planner.route_values import objective_value
 from rocsafe_planner.routing_task import PEAK_OBJECTIVES, routing_problem
 from rocsafe_planner.sensor_repair import with_sensors
 from rocsafe_planner.solver import Progress, SearchOptions, solve
@@ -57,7 +58,11 @@ class Effort:
 def optimised(
     problem: FleetProblem, effort: Effort, watch: Watch = lambda _value, _bound: True
 ) -> Optimised:
-    """Return routes that are no worse than those of any survey tool's method."""
+    """Return routes that are no worse than those of any survey tool's method.
+
+    The search knows corners that are flown round, and batteries that are changed, by estimates
+    only: in the end all are compared as they are flown.
+    """
     options = search_options(len(problem.points), effort)
     watcher = _Watcher(watch, options.clock)
     starts = [method(problem) for method in (boustrophedon_minmax, boustrophedon_equal, strips)]
@@ -70,8 +75,9 @@ def optimised(
         watcher,
         [tuple(tuple(order) for order in orders) for orders in starts],
     )
+    candidates = [[list(route) for route in solution.routes], *starts]
     return Optimised(
-        orders=[list(route) for route in solution.routes],
+        orders=min(candidates, key=lambda one: objective_value(problem, one, effort.objective)),
         bound=solution.bound.value if _is_proof(problem, effort.objective) else math.nan,
         bound_name=solution.bound.name,
     )

@@ -124,10 +124,10 @@ def _leaves(
 ) -> bool:
     """Return whether a flight begins too near to exclusions and leaves them the shortest way."""
     here, there = shapely.points(plane_of(frame_of(plan), (start, first)))
-    clearance_m = plan.request.clearance_m
-    if shapely.distance(here, zones) >= clearance_m - ABSOLUTE_M:
+    closed = _closed(plan, zones)
+    if not shapely.intersects(here, closed):
         return False
-    shortest_m = shapely.distance(here, shapely.boundary(_closed(plan, zones)))
+    shortest_m = shapely.distance(here, shapely.boundary(closed))
     return bool(shapely.distance(here, there) <= shortest_m + ABSOLUTE_M)
 
 

@@ -66,11 +66,14 @@ class LegTable:
     ----------
     legs
         All kinds that were asked for, by their numbers.
+    place_of
+        For each site the first of those at its place, see `same_places`.
     """
 
     def __init__(self, problem: FleetProblem, is_bounded: bool = False) -> None:
         self._problem = problem
         self._is_bounded = is_bounded
+        self.place_of = same_places(problem)
         self._numbers: dict[tuple[object, ...], int] = {}
         self.legs: list[Legs] = []
         self._is_plain = problem.legs_are_plain
@@ -145,17 +148,30 @@ def _vehicle(
     problem: FleetProblem, vehicle: int, table: LegTable, objective: str
 ) -> RoutedVehicle:
     spec, climb_s = problem.vehicles[vehicle], problem.first_fixed_s(vehicle)
-    time = table.time(vehicle)
+    time, end = table.time(vehicle), problem.end_site(vehicle)
     legs, fixed = priced(spec, vehicle, table, objective, climb_s)
     return RoutedVehicle(
-        start=problem.start_site(vehicle),
-        end=problem.end_site(vehicle),
+        start=table.place_of[problem.start_site(vehicle)],
+        end=None if end is None else table.place_of[end],
         legs=legs,
         fixed_cost=fixed,
         idle_cost=idle_cost(problem, vehicle, objective),
         limit=_limit_s(spec, climb_s + rest_s(spec, table.legs[time])),
         limit_legs=time,
     )
+
+
+def same_places(problem: FleetProblem) -> list[int]:
+    """Return for each site the first of those where routes begin or end at its place.
+
+    Vehicles that stand together are alike to the search only if they begin at the same site.
+    """
+    places = np.column_stack([problem.sites, problem.ups_m]).tolist()
+    first: dict[tuple[float, ...], int] = {}
+    return [
+        site if site < len(problem.points) else first.setdefault(tuple(place), site)
+        for site, place in enumerate(places)
+    ]
 
 
 def priced(

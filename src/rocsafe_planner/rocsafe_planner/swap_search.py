@@ -7,14 +7,11 @@ are searched for too; what lands first is taken, or what has least of another ob
 """
 
 import dataclasses
-import math
 from collections import Counter
-from collections.abc import Callable, Iterator
-
-import numpy as np
+from collections.abc import Callable
 
 from rocsafe_planner.errors import BeyondEnduranceError
-from rocsafe_planner.fleet_problem import FleetProblem, IndexArray, Order
+from rocsafe_planner.fleet_problem import FleetProblem, Order
 from rocsafe_planner.flight_search import (
     Flight,
     caps_within,
@@ -26,8 +23,7 @@ from rocsafe_planner.flight_search import (
 )
 from rocsafe_planner.optimised import Optimised
 from rocsafe_planner.optimising import Effort, Watch, optimised, search_options
-from rocsafe_planner.routing_task import PEAK_OBJECTIVES
-from rocsafe_planner.sorties import sorties
+from rocsafe_planner.route_values import finish_s, objective_value, vehicle_value
 
 # Of the time: the search that knows nothing of batteries, and each of those that do.
 _FIRST_SHARE = 0.35
@@ -126,7 +122,7 @@ def _flights(problem: FleetProblem, orders: list[Order]) -> list[Flight]:
 def _mean_s(problem: FleetProblem, orders: list[Order]) -> float:
     """Return the mean of the vehicles' times; 0 if one of them cannot be."""
     try:
-        times = [_cost(problem, k, order, 'total_time') for k, order in enumerate(orders)]
+        times = [vehicle_value(problem, k, order, 'total_time') for k, order in enumerate(orders)]
     except BeyondEnduranceError:
         return 0.0
     return sum(times) / len(times)
@@ -135,62 +131,6 @@ def _mean_s(problem: FleetProblem, orders: list[Order]) -> float:
 def _part(effort: Effort, share: float) -> Effort:
     """Return a part of the time, or with a number of proposals all of it."""
     return dataclasses.replace(effort, budget_s=share * effort.budget_s)
-
-
-def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
-    """Return when the last vehicle has landed, swaps included; infinite if that cannot be."""
-    return objective_value(problem, orders, 'longest_time')
-
-
-def objective_value(problem: FleetProblem, orders: list[Order], objective: str) -> float:
-    """Return the value of an objective, flights to change batteries included.
-
-    It is in seconds, metres or watt seconds; infinite if a battery is too weak.
-    """
-    try:
-        costs = [_cost(problem, k, order, objective) for k, order in enumerate(orders)]
-    except BeyondEnduranceError:
-        return math.inf
-    return max(costs) if objective in PEAK_OBJECTIVES else sum(costs)
-
-
-def _cost(problem: FleetProblem, vehicle: int, order: Order, objective: str) -> float:
-    """Return what a vehicle's flights cost."""
-    flights, spec = sorties(problem, vehicle, order), problem.vehicles[vehicle]
-    if objective.endswith('distance'):
-        return _length_m(problem, vehicle, flights)
-    swaps_s = max(0, len(flights) - 1) * (spec.battery_swap_s or 0.0)
-    time_s = _route_s(problem, vehicle, order, flights)
-    if objective == 'energy':
-        hover_s = len(order) * spec.hover_s
-        moving_s = time_s - swaps_s - hover_s
-        return moving_s * spec.cruise_power_w + hover_s * spec.hover_power_w
-    return time_s
-
-
-def _length_m(problem: FleetProblem, vehicle: int, flights: list[Order]) -> float:
-    legs = (problem.legs_m(stops[:-1], stops[1:]) for stops in _stops(problem, vehicle, flights))
-    return (problem.exit_m(vehicle) if flights else 0.0) + float(sum(leg.sum() for leg in legs))
-
-
-def _route_s(problem: FleetProblem, vehicle: int, order: Order, flights: list[Order]) -> float:
-    if len(flights) < 2:
-        return problem.duration_s(vehicle, order)
-    spec = problem.vehicles[vehicle]
-    total = (len(flights) - 1) * (spec.battery_swap_s or 0.0) + len(order) * spec.hover_s
-    total += problem.first_fixed_s(vehicle) + (len(flights) - 1) * problem.fixed_s(vehicle)
-    for stops in _stops(problem, vehicle, flights):
-        total += float(problem.legs_s(vehicle, stops[:-1], stops[1:]).sum())
-    return total
-
-
-def _stops(problem: FleetProblem, vehicle: int, flights: list[Order]) -> Iterator[IndexArray]:
-    """Yield the sites of each flight."""
-    home = problem.home_site(vehicle)
-    for number, flight in enumerate(flights):
-        start = problem.start_site(vehicle) if number == 0 else home
-        end = problem.end_site(vehicle) if number == len(flights) - 1 else home
-        yield np.array([start, *flight, *([] if end is None else [end])], dtype=np.intp)
 
 
 def _without_swaps(problem: FleetProblem) -> FleetProblem:

@@ -12,13 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_planner.solver.flatten import DENSE_SITES
+from rocsafe_planner.solver.giant_tour import braid, cut, tour_of
 from rocsafe_planner.solver.outcome import SearchOptions
 from rocsafe_planner.solver.search import Lane, Manner, Pacer, Plan
+from rocsafe_planner.solver.tables import Floats, Ints
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""
-LEAST_CYCLE, MOST_CYCLE = 5_000, 20_000
+LEAST_CYCLE, MOST_CYCLE = 5_000, 120_000
 """Proposals a customer of a cycle from hot to cold."""
+MANY_CYCLES, FEW_CYCLES = 12, 4
+"""Into how many a search is divided where it is long enough: small problems gain by crosses, large
+ones by cooling slowly."""
+LARGE = 500
+"""Customers from which on a problem is large."""
 SHORT_CYCLE, LONGER_CYCLE = 2_500, 25
 """Most of a small problem, and how many more for each customer: few customers settle soon, and
 crosses then find more than longer cycles would."""
@@ -26,8 +33,12 @@ FOUNDERS = 4
 """Cycles from a construction before plans are crossed."""
 MEMBERS = 10
 """Plans that are kept for crossing."""
+TOURS = 0.5
+"""How often they are crossed as tours instead of route by route."""
 SMALL_RUINS = (600, 1500)
 """Of 4096 proposals, how many are ruin and recreate in cycles where there is a table of legs."""
+LARGE_RUINS = (40, 120)
+"""How many where there are many customers besides: ten times the proposals do more."""
 HASTY_RUINS, HASTE = 200, 5000
 """How many where there are fewer than so many proposals a customer in all."""
 PATIENCE = 100_000
@@ -52,21 +63,41 @@ class Cycle:
     """Plan to cross with; none: annealed as it is."""
     chosen: tuple[int, ...] = ()
     """Routes of `plan` that a cross keeps whole."""
+    tour: Ints | None = None
+    """All customers in an order that is to be cut among the vehicles."""
 
     def begin(self, lane: Lane) -> None:
         """Set the routes of a lane to what this cycle starts from."""
-        if self.other is None:
+        if self.tour is not None:
+            lane.begin(cut(lane.tables, self.tour))
+        elif self.other is None:
             lane.begin(self.plan)
         else:
             lane.cross(self.plan, self.other, list(self.chosen), self.manner)
 
 
 class Schedule:
-    """Hands out cycles until proposals or time are spent."""
+    """Hands out cycles until proposals or time are spent.
 
-    def __init__(self, options: SearchOptions, customers: int, first: Plan) -> None:
+    Parameters
+    ----------
+    options
+        How long to search.
+    customers
+        How many there are.
+    first
+        What cycles from hot to cold begin with.
+    away
+        (n, 2) where customers are, seen from the home of all vehicles, if these are alike: then
+        plans are also crossed as tours.
+    """
+
+    def __init__(
+        self, options: SearchOptions, customers: int, first: Plan, away: Floats | None = None
+    ) -> None:
         self.options = options
         self.first = first
+        self.away = away
         self.members: list[tuple[float, Plan]] = []
         self.customers = customers
         self.done = 0
@@ -82,8 +113,9 @@ class Schedule:
         is_patient = share > PATIENCE
         self.floors = PATIENT_FLOORS if is_patient else FLOORS
         self.sharper = PATIENT_SHARPER if is_patient else SHARPER
-        most = min(MOST_CYCLE, SHORT_CYCLE + LONGER_CYCLE * customers)
-        cycle = min(max(share / 12, LEAST_CYCLE), most)
+        most = MOST_CYCLE if customers >= LARGE else SHORT_CYCLE + LONGER_CYCLE * customers
+        cycles = FEW_CYCLES if customers >= LARGE else MANY_CYCLES
+        cycle = min(max(share / cycles, LEAST_CYCLE), most)
         self.full = total if self.is_single else customers * cycle
 
     def more(self) -> bool:
@@ -122,6 +154,11 @@ class Schedule:
         if not crosses:
             return Cycle(plan=self.first, manner=self._manner(hot), proposals=proposals)
         one, other = self._parents()
+        manner = self._manner(float(self.choices.choice([-1.0, -2.0, -3.0])))
+        if self.away is not None and self.choices.random() < TOURS:
+            tours = [tour_of(plan, self.away, self.choices) for plan in (one, other)]
+            tour = braid(tours[0], tours[1], self.choices)
+            return Cycle(plan=one, manner=manner, proposals=proposals, tour=tour)
         vehicles = len(one[1])
         count = int(self.choices.integers(1, max(2, vehicles)))
         chosen = self.choices.permutation(vehicles)[:count]
@@ -129,7 +166,7 @@ class Schedule:
             plan=one,
             other=other,
             chosen=tuple(int(r) for r in chosen),
-            manner=self._manner(float(self.choices.choice([-1.0, -2.0, -3.0]))),
+            manner=manner,
             proposals=proposals,
         )
 
@@ -161,6 +198,8 @@ class Schedule:
         """
         if self.customers > DENSE_SITES:
             return 10 if self.is_single else 40
+        if self.customers >= LARGE:
+            return int(self.choices.choice(LARGE_RUINS))
         return int(self.choices.choice(SMALL_RUINS)) if self.has_time else HASTY_RUINS
 
     def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:

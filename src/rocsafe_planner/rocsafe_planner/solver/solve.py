@@ -18,7 +18,8 @@ from rocsafe_planner.solver.problem import Routes, RoutingProblem, route_cost, r
 from rocsafe_planner.solver.relaxation import relax
 from rocsafe_planner.solver.schedule import Schedule
 from rocsafe_planner.solver.search import Lane, Plan
-from rocsafe_planner.solver.starts import first_plans
+from rocsafe_planner.solver.starts import first_plans, sector_plan, seen_from_home
+from rocsafe_planner.solver.tables import Floats
 
 POLL_S = 0.02
 CHUNK = 16384
@@ -27,6 +28,8 @@ UNKNOWN = Bound(value=0.0, name='none')
 PLAIN_ROUNDS = 4
 CHEAP_BOUNDS = 3
 """Bounds that need no compiled loops."""
+SECTORS_UP_TO = 1.1
+"""Times the value of the best start, from which on sectors are no start."""
 SURE_BOUNDS = 12
 """Looks at the bound after a search that counts proposals: always the same bound."""
 
@@ -78,7 +81,9 @@ class _Search:
         self._begin(lanes[0], starts)
         if options.bound_share > 0:
             self.bounds = improving_bounds(self.problem, self.incumbent.value)
-        schedule = Schedule(options, self.problem.customers, self.incumbent.plan)
+        away = seen_from_home(self.problem) if peak and lanes[0].alike else None
+        first = self._construction(lanes[0], away)
+        schedule = Schedule(options, self.problem.customers, first, away)
         if IS_COMPILED:
             with ThreadPoolExecutor(max_workers=options.threads) as pool:
                 while schedule.more() and not self.stop.is_set() and not self._closed():
@@ -101,6 +106,17 @@ class _Search:
             incumbent.offer(lane.worth(), plan)
             self.incumbent = incumbent
             self._tell()
+
+    def _construction(self, lane: Lane, away: Floats | None) -> Plan:
+        """Return what cycles begin with: sectors, unless the best plan is far shorter."""
+        vehicles = len(self.problem.vehicles)
+        if away is None or not 1 < vehicles <= len(away) // 4:
+            return self.incumbent.plan
+        plan = sector_plan(away, vehicles)
+        lane.begin(plan)
+        value = lane.worth()
+        self.incumbent.offer(value, plan)
+        return plan if value <= SECTORS_UP_TO * self.incumbent.value else self.incumbent.plan
 
     def _improve_plainly(self, lane: Lane) -> None:
         """Do what can be done without compiled loops."""

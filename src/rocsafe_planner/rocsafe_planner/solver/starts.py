@@ -147,6 +147,58 @@ def first_plans(problem: RoutingProblem, tables: Tables) -> Iterator[tuple[Ints,
         yield assigned(tables, order)
 
 
+def seen_from_home(problem: RoutingProblem) -> Floats | None:
+    """Return where customers are, (n, 2), seen from where all vehicles begin and end.
+
+    None where they do not, or places are not known.
+    """
+    homes = {site for vehicle in problem.vehicles for site in (vehicle.start, vehicle.end)}
+    home = homes.pop()
+    if problem.points is None or homes or home is None:
+        return None
+    away: Floats = problem.points[: problem.customers, :2] - problem.points[home, :2]
+    return away
+
+
+def sector_plan(away: Floats, vehicles: int) -> tuple[Ints, Ints]:
+    """Return a plan in which each vehicle flies out along one side of a sector and back the other.
+
+    Sectors about the home hold equal numbers of customers, whose places seen from there are
+    `away`, (n, 2). Every vehicle has its share of what lies near the home and of what lies far:
+    a search that begins with strips of rows gets there late, or never.
+    """
+    # Rounded: rounding must not decide the order of customers in one direction.
+    angle = np.round(np.arctan2(away[:, 1], away[:, 0]), 9)
+    order = np.argsort(angle, kind='stable')
+    gaps = np.diff(angle[order], append=angle[order[0]] + 2 * np.pi)
+    order = np.roll(order, -1 - int(gaps.argmax()))
+    sectors = np.array_split(order, vehicles)
+    routes = [
+        np.concatenate([half if k == 0 else half[::-1] for k, half in enumerate(halves)])
+        for halves in ([_in_rings(away, h) for h in np.array_split(s, 2)] for s in sectors)
+    ]
+    lengths = np.array([len(route) for route in routes], np.int32)
+    return np.concatenate(routes).astype(np.int32), lengths
+
+
+def _in_rings(away: Floats, members: Ints) -> Ints:
+    """Return customers ring by ring outwards, to and fro, in rings of the width that is shortest.
+
+    `members` come in the order of their angles.
+    """
+    far = np.sqrt((away[members] ** 2).sum(axis=1))
+    spacing = max(float(far.max(initial=0.0)) / max(len(members), 1), 1e-9)
+    best, least = members, np.inf
+    for width in spacing * 2.0 ** np.arange(0.0, 6.5, 0.5):
+        ring = np.floor(np.round(far / width, 9)).astype(np.int64)
+        across = np.arange(len(members))
+        found = members[np.lexsort((np.where(ring % 2 == 0, across, -across), ring))]
+        length = round(float(np.sqrt((np.diff(away[found], axis=0) ** 2).sum(axis=1)).sum()), 6)
+        if length < least:
+            best, least = found, length
+    return best
+
+
 def by_vehicle(order: Ints, turn: Ints, lengths: Ints) -> Ints:
     """Bring consecutive routes, cut in the order of `turn`, into the order of the vehicles."""
     ends = np.cumsum(lengths[turn])
