@@ -84,15 +84,15 @@ def test_flights_keep_to_their_batteries(swapped):
         assert all(0.0 < place.duration_s(k, flight) <= 100.0 for flight in flights)
 
 
-@pytest.mark.parametrize('objective', ['total_distance', 'energy'])
-def test_other_objectives_count_the_flights_too(objective):
-    """Routes that are cut afterwards cost more, whatever is added up."""
+@pytest.mark.parametrize(('objective', 'share'), [('total_distance', 0.99), ('energy', 1.0)])
+def test_other_objectives_count_the_flights_too(objective, share):
+    """Routes that are cut afterwards cost no less, and often more, whatever is added up."""
     place, effort = world(endurance_s=100.0), Effort(objective=objective, proposals=8_000)
     plain = optimised(place, effort).orders
     orders = optimised_with_swaps(place, effort, lambda _value, _bound: True).orders
     values = [objective_value(place, each, objective) for each in (orders, plain)]
     assert sorted(i for order in orders for i in order) == list(range(len(FIELD)))
-    assert values[0] < 0.995 * values[1] < math.inf
+    assert values[0] <= share * values[1] * (1.0 + 1e-9) < math.inf
 
 
 def test_values_of_objectives_are_those_of_the_plan():

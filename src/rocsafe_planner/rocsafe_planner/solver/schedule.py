@@ -19,13 +19,14 @@ from rocsafe_planner.solver.tables import Floats, Ints
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""
-LEAST_CYCLE, MOST_CYCLE = 5_000, 120_000
-"""Proposals a customer of a cycle from hot to cold."""
+LEAST_CYCLE, MIDDLE_CYCLE, MOST_CYCLE = 5_000, 20_000, 120_000
+"""Proposals a customer of a cycle from hot to cold: least, most, and most of large problems."""
 MANY_CYCLES, FEW_CYCLES = 12, 4
 """Into how many a search is divided where it is long enough: small problems gain by crosses, large
 ones by cooling slowly."""
-LARGE = 500
-"""Customers from which on a problem is large."""
+LARGE, LONG = 500, 100
+"""Customers in all, and of each vehicle, from which on a problem is large: nearly that of one
+traveller, whose way is found by many cheap moves."""
 SHORT_CYCLE, LONGER_CYCLE = 2_500, 25
 """Most of a small problem, and how many more for each customer: few customers settle soon, and
 crosses then find more than longer cycles would."""
@@ -113,8 +114,13 @@ class Schedule:
         is_patient = share > PATIENCE
         self.floors = PATIENT_FLOORS if is_patient else FLOORS
         self.sharper = PATIENT_SHARPER if is_patient else SHARPER
-        most = MOST_CYCLE if customers >= LARGE else SHORT_CYCLE + LONGER_CYCLE * customers
-        cycles = FEW_CYCLES if customers >= LARGE else MANY_CYCLES
+        self.is_large = customers >= max(LARGE, LONG * len(first[1]))
+        most = (
+            MOST_CYCLE
+            if self.is_large
+            else min(MIDDLE_CYCLE, SHORT_CYCLE + LONGER_CYCLE * customers)
+        )
+        cycles = FEW_CYCLES if self.is_large else MANY_CYCLES
         cycle = min(max(share / cycles, LEAST_CYCLE), most)
         self.full = total if self.is_single else customers * cycle
 
@@ -198,7 +204,7 @@ class Schedule:
         """
         if self.customers > DENSE_SITES:
             return 10 if self.is_single else 40
-        if self.customers >= LARGE:
+        if self.is_large:
             return int(self.choices.choice(LARGE_RUINS))
         return int(self.choices.choice(SMALL_RUINS)) if self.has_time else HASTY_RUINS
 
