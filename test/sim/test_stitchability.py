@@ -94,7 +94,7 @@ def test_photographs_match_at_40_percent_overlap(drawing, seed):
     assert right >= 0.8
 
 
-@pytest.mark.parametrize('seed', [3, 5])
+@pytest.mark.parametrize('seed', [5, 13])
 def test_photographs_of_a_wood_match_at_40_percent_overlap(drawing, seed):
     """Over crowns and what is between them at least 100 ORB matches, 60 % of them right."""
     first, second = shots(scene(WOOD, seed))
