@@ -119,7 +119,7 @@ class SoftwareEye:
 
     def _frame(self, position: Floats, rotation: Floats) -> Frame:
         triangles = self._renderer.stage.triangles
-        packed = np.ascontiguousarray(self._plane(1)[::-1]).view(np.uint32)[..., 0]
+        packed = np.asarray(cv2.flip(self._plane(1), 0)).view(np.uint32)[..., 0]
         drawn = packed & np.uint32(0xFFFFFF)
         # What cannot be is an edge that the pipe blended: sky.
         drawn[drawn >= len(triangles.owners)] = 0
@@ -130,7 +130,7 @@ class SoftwareEye:
         depth = self._depth(placed, normal, (position, rotation), row)
         depth[drawn == 0] = np.inf
         return Frame(
-            image=np.ascontiguousarray(self._plane(0)[::-1, :, :3]),
+            image=np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0)),
             depth_m=depth,
             numbers=_taken(triangles.numbers[owner], row),
             classes=self._classes(_taken(triangles.kinds[owner], row), depth, position, rotation),

@@ -27,9 +27,9 @@ from rocsafe_sim.scene.parts.thinning import LEAFY, coarser
 LOOK, KNOW = (core.BitMask32.bit(number) for number in range(2))
 _INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 32, 24, 20
 _LARGEST_PX = 4096
-# To how far things are drawn in full, and at all, metres; beyond, with a corner in cubes of so
-# many, if they have more triangles than a few.
-_FINE_M, _BEYOND_M, _CELL_M, _FEW = 90.0, 9000.0, 0.16, 60
+# To how far plants and other things are drawn in full, and all at all, metres; beyond, things have
+# a corner in cubes of so many, if they have more triangles than a few.
+_LEAVES_M, _FINE_M, _BEYOND_M, _CELL_M, _FEW = 90.0, 60.0, 9000.0, 0.16, 60
 # Brightness of what the sky alone lights, what the sun adds, and what clouds add to the sky.
 _SKY_LIGHT, _SUN_LIGHT, _OVERCAST_LIGHT = 0.55, 0.6, 0.3
 
@@ -151,13 +151,14 @@ class SoftwareStage:
     def _add_piece(self, parent: Any, thing: SceneObject, piece: Piece, owner: int) -> None:
         offset = np.zeros(3) if thing.path is not None else piece.offset
         meshes = self._steps(thing, piece)
+        fine_m = _LEAVES_M if thing.label in LEAFY else _FINE_M
         steps = core.LODNode('steps')
         middle = piece.rotation @ piece.mesh.bounds.mean(axis=0) + offset
         steps.setCenter(core.LPoint3f(*(float(value) for value in middle)))
         below = parent.attachNewNode(steps)
         for number, mesh in enumerate(meshes):
             is_last = number == len(meshes) - 1
-            steps.addSwitch(_BEYOND_M if is_last else _FINE_M, _FINE_M * number)
+            steps.addSwitch(_BEYOND_M if is_last else fine_m, fine_m * number)
             lit = self._lit(mesh, piece.rotation, is_foliage=thing.is_foliage)
             placed = replace(lit, points=mesh.points @ piece.rotation.T + offset)
             step = below.attachNewNode('step')
