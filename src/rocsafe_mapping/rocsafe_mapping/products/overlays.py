@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The map for programs that do not read GeoTIFF: picture with world file, KML, MBTiles."""
 
+import math
 from pathlib import Path
 from xml.sax.saxutils import escape
 
@@ -12,10 +13,15 @@ from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from rasterio.enums import Resampling
 from rasterio.errors import RasterioError
+from rasterio.io import DatasetReader
+from rasterio.transform import Affine
+from rasterio.vrt import WarpedVRT
+from rasterio.warp import calculate_default_transform, transform_bounds
 
 from rocsafe_geo.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.products.cog import CACHE_BYTES
+from rocsafe_mapping.web_tiles import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 
 LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -75,7 +81,8 @@ def write_mbtiles(cog: Path, path: Path) -> None:
     try:
         part.unlink(missing_ok=True)
         with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
-            rasterio.shutil.copy(cog, part, driver='MBTILES', TILE_FORMAT='PNG')
+            with rasterio.open(cog) as map_file, _on_tiles(map_file) as tiled:
+                rasterio.shutil.copy(tiled, part, driver='MBTILES', TILE_FORMAT='PNG')
             with rasterio.open(part, 'r+') as file:
                 levels = [2**power for power in range(1, 10)
                           if max(file.width, file.height) >> power >= 64]  # fmt: skip
@@ -86,6 +93,35 @@ def write_mbtiles(cog: Path, path: Path) -> None:
         part.unlink(missing_ok=True)
         discard_part(path)
         raise MappingError(f'cannot write tiles {path}: {error}') from error
+
+
+def _on_tiles(source: DatasetReader) -> WarpedVRT:
+    """Return a map in the web's projection, its edges those of tiles.
+
+    Left to itself, GDAL lays the map up to a pixel beside its place.
+    """
+    wished, _, _ = calculate_default_transform(
+        source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', source.width, source.height, *source.bounds
+    )
+    zoom = round(math.log2(2.0 * WORLD_M / TILE_PX / wished.a))
+    pixel_m = 2.0 * WORLD_M / TILE_PX / 2**zoom
+    side_m = TILE_PX * pixel_m
+    west, south, east, north = transform_bounds(
+        source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', *source.bounds
+    )
+    first, top = math.floor((west + WORLD_M) / side_m), math.floor((WORLD_M - north) / side_m)
+    columns = math.ceil((east + WORLD_M) / side_m) - first
+    rows = math.ceil((WORLD_M - south) / side_m) - top
+    return WarpedVRT(
+        source,
+        crs=f'EPSG:{WEB_MERCATOR_EPSG}',
+        transform=Affine(
+            pixel_m, 0.0, first * side_m - WORLD_M, 0.0, -pixel_m, WORLD_M - top * side_m
+        ),
+        width=columns * TILE_PX,
+        height=rows * TILE_PX,
+        resampling=Resampling.bilinear,
+    )
 
 
 def _corners(epsg: int, bounds_m: tuple[float, float, float, float]) -> str:
