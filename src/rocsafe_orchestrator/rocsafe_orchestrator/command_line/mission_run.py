@@ -187,6 +187,7 @@ class MissionRun:
             vehicles=monitor.vehicles,
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
+            viewpoints_planned=monitor.viewpoints_planned,
             peak=monitor.peak,
             flight_time_s=monitor.flight_time_s,
             wall_time_s=now_s - self._started_s,

@@ -141,7 +141,7 @@ def plain_line(status: RunStatus) -> str:
     parts = [f'{clock_text(status.wall_time_s)} {status.phase.name.lower()}']
     if status.images_expected:
         waypoints = sum(vehicle.viewpoints_visited for vehicle in status.vehicles)
-        parts.append(f'waypoint {waypoints} of {status.images_expected}')
+        parts.append(f'waypoint {waypoints} of {status.viewpoints_planned}')
         parts.append(f'{status.images_stored} images stored')
     if status.peak is not None:
         parts.append(peak_text(status.peak))

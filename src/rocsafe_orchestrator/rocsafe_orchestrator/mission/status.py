@@ -79,6 +79,8 @@ class RunStatus:
     Attributes
     ----------
     text: why the mission failed or was cancelled, empty if neither.
+    images_expected: by all plans that are flown one after the other.
+    viewpoints_planned: by the plan that is flown now.
     flight_time_s: simulated seconds since the first take-off.
     wall_time_s: seconds since the run began.
     real_time_factor: simulated over wall time of late; NaN while nothing flies.
@@ -90,6 +92,7 @@ class RunStatus:
     vehicles: tuple[VehicleStatus, ...] = ()
     images_stored: int = 0
     images_expected: int = 0
+    viewpoints_planned: int = 0
     peak: DosePeak | None = None
     flight_time_s: float = 0.0
     wall_time_s: float = 0.0
@@ -112,6 +115,7 @@ class Monitor:
         self._takeoff_s: float | None = None
         self.peak: DosePeak | None = None
         self.images_expected = 0
+        self.viewpoints_planned = 0
         self.time_s = 0.0
 
     @property

@@ -71,7 +71,8 @@ class VehicleFigures:
     Attributes
     ----------
     flown_duration_s: take-off to touch-down, or to the last word heard.
-    planned_duration_s, planned_length_m: of its route in the first plan.
+    planned_duration_s, planned_length_m: of its route, None if it flew more than one plan: what
+        each took of the flight is not told.
     viewpoints_planned: by all plans; of one that another replaced, those visited before.
     integrated_dose_usv: dose that the vehicle took, by trapezoids over its readings.
     """
@@ -264,15 +265,16 @@ def _viewpoint_count(plan: Plan) -> int:
 def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     route = _route_of(record.plan, name)
     samples = record.log.samples.get(name, ()) if record.log else ()
+    is_replanned = len({sample.plan_id for sample in samples} - {''}) > 1
     readings = [r for r in record.log.readings if r.vehicle == name] if record.log else []
     flight = flight_ns(samples)
     last = samples[-1] if samples else None
     visited, planned = viewpoints_of(samples, route)
     return VehicleFigures(
         name=name,
-        planned_duration_s=route.duration_s if route else None,
+        planned_duration_s=route.duration_s if route and not is_replanned else None,
         flown_duration_s=(flight[1] - flight[0]) / NS_PER_S if flight else None,
-        planned_length_m=route.length_m if route else None,
+        planned_length_m=route.length_m if route and not is_replanned else None,
         flown_length_m=last.distance_flown_m if last else None,
         viewpoints_planned=planned,
         viewpoints_visited=visited,
