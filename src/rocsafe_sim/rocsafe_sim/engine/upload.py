@@ -101,24 +101,23 @@ def colour_texture(name: str, image: NDArray[np.uint8], *, is_tile: bool = False
 
 def grey_texture(name: str, image: NDArray[np.uint8]) -> Any:
     """Return a mip-mapped texture of brightness, mirrored beyond its edges; row 0 at v = 0."""
-    texture = core.Texture(name)
-    rows, columns = image.shape
-    texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, core.Texture.FRed)
-    _fill(texture, image)
-    texture.setMinfilter(core.SamplerState.FTLinearMipmapNearest)
-    texture.setMagfilter(core.SamplerState.FTLinear)
-    _wrap(texture, core.SamplerState.WMMirror)
-    return texture
+    filters = core.SamplerState.FTLinearMipmapNearest, core.SamplerState.FTLinear
+    return _of_bytes(name, image, *filters)
 
 
 def class_texture(name: str, classes: NDArray[np.uint8]) -> Any:
     """Return a texture of class numbers, never interpolated; row 0 at v = 0."""
+    return _of_bytes(name, classes, core.SamplerState.FTNearest, core.SamplerState.FTNearest)
+
+
+def _of_bytes(name: str, values: NDArray[np.uint8], smaller: Any, larger: Any) -> Any:
+    """Return a texture of single bytes, filtered so where it is drawn smaller and larger."""
     texture = core.Texture(name)
-    rows, columns = classes.shape
+    rows, columns = values.shape
     texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, core.Texture.FRed)
-    _fill(texture, classes)
-    texture.setMinfilter(core.SamplerState.FTNearest)
-    texture.setMagfilter(core.SamplerState.FTNearest)
+    _fill(texture, values)
+    texture.setMinfilter(smaller)
+    texture.setMagfilter(larger)
     _wrap(texture, core.SamplerState.WMMirror)
     return texture
 
