@@ -19,8 +19,10 @@ from rocsafe_planner.solver.tables import Floats, Ints
 
 CHUNK = 16384
 """Proposals between two looks at the clock."""
-LEAST_CYCLE, MIDDLE_CYCLE, MOST_CYCLE = 5_000, 20_000, 120_000
-"""Proposals a customer of a cycle from hot to cold: least, most, and most of large problems."""
+LEAST_CYCLE, MIDDLE_CYCLE = 5_000, 20_000
+"""Proposals a customer of a cycle from hot to cold: least and most."""
+LARGE_LEAST_CYCLE, MOST_CYCLE = 30_000, 120_000
+"""The same of large problems."""
 MANY_CYCLES, FEW_CYCLES = 12, 4
 """Into how many a search is divided where it is long enough: small problems gain by crosses, large
 ones by cooling slowly."""
@@ -108,20 +110,21 @@ class Schedule:
         self.usual_rate = RATES[customers > DENSE_SITES]
         total = options.proposals or options.budget_s * self.usual_rate
         share = total / customers
-        self.is_single = share < 4 * LEAST_CYCLE
+        self.is_large = customers >= max(LARGE, LONG * len(first[1]))
+        least = LARGE_LEAST_CYCLE if self.is_large else LEAST_CYCLE
+        self.is_single = share < 4 * least
         self.hot_start = share > 2000
         self.has_time = share > HASTE
         is_patient = share > PATIENCE
         self.floors = PATIENT_FLOORS if is_patient else FLOORS
         self.sharper = PATIENT_SHARPER if is_patient else SHARPER
-        self.is_large = customers >= max(LARGE, LONG * len(first[1]))
         most = (
             MOST_CYCLE
             if self.is_large
             else min(MIDDLE_CYCLE, SHORT_CYCLE + LONGER_CYCLE * customers)
         )
         cycles = FEW_CYCLES if self.is_large else MANY_CYCLES
-        cycle = min(max(share / cycles, LEAST_CYCLE), most)
+        cycle = min(max(share / cycles, least), most)
         self.full = total if self.is_single else customers * cycle
 
     def more(self) -> bool:
