@@ -15,7 +15,7 @@ from rocsafe_mavlink import video_stream
 from rocsafe_mavlink.film import Film
 from rocsafe_mavlink.photographer import Photographer
 from rocsafe_mavlink.pictures import open_source
-from rocsafe_mavlink.video_stream import Frame, VideoStream, dates_of
+from rocsafe_mavlink.video_stream import Frame, VideoStream, dates_of, is_catching_up
 
 # Of a viewer that looks at a stream for some seconds before it shows it, on a busy machine.
 DEADLINE_S = 60.0
@@ -112,3 +112,20 @@ def test_video_gives_the_frame_of_the_moment(tmp_path):
     pixels = cv2.imdecode(np.frombuffer(taken.jpeg, np.uint8), cv2.IMREAD_COLOR)
     assert abs(int(pixels.mean()) - 120) < 4
     assert stream.at(now_s + 5.0) is None
+
+
+def test_frames_that_waited_do_not_tell_the_clock():
+    """Until one came when it was due: the newest of them is less under way than all before."""
+    waited = [Frame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
+    assert all(is_catching_up(waited[:count], 100.52) for count in range(1, 21))
+    later = [*waited, Frame(100.52, 2.0, 20), Frame(100.62, 2.1, 21)]
+    assert not is_catching_up(later, 100.62)
+    silent = [Frame(100.0 + n, -1e17, n) for n in range(2)]
+    assert not is_catching_up(silent, 101.0)
+
+
+def test_frames_that_came_at_once_are_dated_when_no_more_come():
+    """A file is read faster than it was filmed."""
+    waited = [Frame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
+    assert not is_catching_up(waited, 101.1)
+    assert not is_catching_up([], 0.0)

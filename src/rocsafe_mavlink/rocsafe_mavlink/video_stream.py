@@ -69,7 +69,10 @@ class VideoStream:
 
     def at(self, unix_s: float) -> Picture | None:
         """Return the frame nearest to `unix_s`; None while there is none that is near."""
-        dated = dates_of(list(self._frames))
+        frames = list(self._frames)
+        if not self._is_over.is_set() and is_catching_up(frames, self._clock()):
+            return None
+        dated = dates_of(frames)
         if not dated:
             return None
         taken_s, pixels = min(dated, key=lambda frame: abs(frame[0] - unix_s))
@@ -101,6 +104,20 @@ class VideoStream:
             # Opened anew: its clock began again.
             self._frames.clear()
         self._frames.append(Frame(arrived_s, told_s, pixels))
+
+
+def is_catching_up(frames: list[Frame], now_s: float) -> bool:
+    """Return whether frames that waited while the stream was opened still come at `now_s`.
+
+    They come faster than they were taken, each less under way than all before it: none of them
+    tells yet what the stream's clock is ahead.
+    """
+    if not frames or now_s - frames[-1].arrived_s > LARGEST_DISTANCE_S:
+        return False
+    if len(frames) < 2:
+        return True
+    *before, newest_s = (frame.arrived_s - frame.told_s for frame in frames)
+    return newest_s < min(before) - 0.5 * (frames[-1].told_s - frames[-2].told_s)
 
 
 def dates_of(frames: list[Frame]) -> list[tuple[float, cv2.typing.MatLike]]:
