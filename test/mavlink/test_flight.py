@@ -10,16 +10,18 @@ from test.mavlink.telemetry import after, heartbeat, ready
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.ardupilot import AUTO, COPTER, RTL
+from rocsafe_mavlink.fence import Fence
 from rocsafe_mavlink.flight import FlightStage, adopted, fly, home_moved
 from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint, mission_of
 from rocsafe_mavlink.mission_item import MissionItem
-from rocsafe_mavlink.preflight import FlightLimits, Verdict, failures, preflight
+from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, failures, preflight
 from rocsafe_mavlink.px4 import MULTICOPTER
 from rocsafe_mavlink.vehicle import Battery
 
 HOME = GeoPosition(47.397742, 8.545594)
 NOW_S = 100.0
+UNFENCED = Knowledge(fence=Fence())
 
 
 def plan(count=3, **options):
@@ -322,13 +324,41 @@ def shutter_words(flown):
 
 def verdicts(vehicle, flown=None, **limits):
     """Return the checks that did not pass."""
-    checks = preflight(vehicle, COPTER, flown or plan(), FlightLimits(**limits), NOW_S)
+    checks = preflight(vehicle, COPTER, flown or plan(), FlightLimits(**limits), NOW_S, UNFENCED)
     return {check.name for check in checks if check.verdict is Verdict.FAIL}, failures(checks)
+
+
+def fence_check(**known):
+    """Return the look at the fence before `plan()`."""
+    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, Knowledge(**known))
+    return next(check for check in checks if check.name == 'within fence')
+
+
+def test_fence_is_read_before_a_flight():
+    """Until then the flight waits; a vehicle that keeps none, or does not tell, is warned of."""
+    unread = fence_check()
+    assert (unread.verdict, unread.value, unread.may_pass_soon) == (
+        Verdict.FAIL,
+        'not read yet',
+        True,
+    )
+    assert fence_check(fence=Fence()).verdict is Verdict.PASS
+    silent = fence_check(fence_error='no answer to a count')
+    assert (silent.verdict, silent.value) == (Verdict.WARN, 'no answer to a count')
+
+
+def test_leg_across_an_exclusion_is_outside():
+    """Though both its ends are where a vehicle may be."""
+    places = [waypoint.position for waypoint in plan().waypoints]
+    near = [offset(places[0], *step) for step in ((-5.0, 9.0), (5.0, 9.0), (5.0, 12.0))]
+    check = fence_check(fence=Fence(exclusions=(tuple(near),)))
+    assert (check.verdict, check.may_pass_soon) == (Verdict.FAIL, False)
+    assert 'legs partly outside' in check.value
 
 
 def test_ready_vehicle_passes():
     """Only what a simulator does not tell, and what was not read yet, is warned of."""
-    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S)
+    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, UNFENCED)
     assert {check.name for check in checks if check.verdict is not Verdict.PASS} == {
         'geoid',
         'settings',

@@ -7,6 +7,7 @@ import struct
 import pytest
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.telemetry import heartbeat, ready, said
+from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition, distance_m, offset
@@ -207,6 +208,49 @@ def test_fence_travels_and_holds():
     assert Fence().holds(PLACE)
     with pytest.raises(ValueError, match='3 or more'):
         Fence(inclusions=(ring[:2],))
+
+
+def ring(half_m):
+    """Return the corners of a square about home."""
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return tuple(offset(PLACE, half_m * east, half_m * north) for east, north in corners)
+
+
+@pytest.mark.parametrize('delay_s', [0.0, 0.1, 0.2, 0.3, 0.5, 5.0])
+def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
+    """Be the fence that it replaces unread, half read, or known: none is taken for the new one."""
+    air = Air()
+    air.until(lambda: air.vehicle().autopilot is not None)
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(900.0),))))
+    air.wait(delay_s)
+    orders = OperatorOrders(TARGET, air.station, FlightLimits())
+    orders.push_fence(Fence(inclusions=(ring(120.0),)))
+    words = []
+    while not any('outside' in word for word in words):
+        assert air.now_s < 100.0
+        air.step()
+        words.append(words_of_fence(air))
+    assert set(words) == {'not read yet', '1 of 3 waypoints outside'}
+
+
+def words_of_fence(air):
+    """Return what the look at the fence says before a flight of 150 m to the north."""
+    checks = air.station.route_checks(TARGET, plan(), FlightLimits())
+    return next((check.value for check in checks if check.name == 'within fence'), 'not read yet')
+
+
+def test_route_that_leaves_the_fence_takes_the_place_of_none():
+    """Nor does one that is too high or too far away; one that may be flown does."""
+    air = Air()
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(400.0),))))
+    flying(air)
+    air.until(lambda: air.station.member(TARGET).fence is not None)
+    for count, highest_m, word in ((9, 120.0, 'fence'), (3, 20.0, 'heights'), (60, 120.0, 'dist')):
+        with pytest.raises(ValueError, match=word):
+            air.station.fly_instead(TARGET, plan(count), FlightLimits(highest_m=highest_m))
+    air.station.fly_instead(TARGET, plan(4), FlightLimits())
+    air.until(lambda: air.station.member(TARGET).errand.is_over)
+    assert air.station.member(TARGET).errand.error == ''
 
 
 def test_silent_vehicle_is_taken_to_fly_on():

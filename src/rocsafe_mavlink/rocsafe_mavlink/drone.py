@@ -184,9 +184,7 @@ class Drone:
         if self.vehicle.contact(now_s) is not Contact.FRESH or self.vehicle.is_armed:
             raise WaitError(self._why_it_waits(now_s))
         station = self._line.station
-        checks = station.checks(self.spec.target, assignment.plan, self.spec.limits, now_s)
-        if not is_failed_for_good(checks) and failures(checks):
-            raise WaitError(failures(checks))
+        _wait_for(station.checks(self.spec.target, assignment.plan, self.spec.limits, now_s))
         outgoing = station.fly(self.spec.target, assignment.plan, self.spec.limits, now_s, time_s)
         # Noted before the first byte goes out: a kill in between finds the plan.
         self._journal.write(Entry(assignment=assignment))
@@ -202,10 +200,13 @@ class Drone:
 
         Raises
         ------
+        WaitError: if its fence has not yet been read.
         ValueError: saying why not.
         """
-        self._line.station.require_contact(self.spec.target, now_s)
-        self._line.station.fly_instead(self.spec.target, assignment.plan)
+        station, target, limits = self._line.station, self.spec.target, self.spec.limits
+        station.require_contact(target, now_s)
+        _wait_for(station.route_checks(target, assignment.plan, limits))
+        station.fly_instead(target, assignment.plan, limits)
         if self._journal.entry is not None:
             self._journal.write(replace(self._journal.entry, successor=assignment))
 
@@ -297,3 +298,9 @@ class Drone:
             distance_m=entry.distance_m,
             duration_s=entry.duration_s,
         )
+
+
+def _wait_for(checks: tuple[Check, ...]) -> None:
+    """Raise `WaitError` if nothing failed but what may pass soon."""
+    if not is_failed_for_good(checks) and failures(checks):
+        raise WaitError(failures(checks))

@@ -4,7 +4,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shapely.geometry import Point, Polygon
+from shapely.geometry import LineString, Point, Polygon
+from shapely.geometry.base import BaseGeometry
 
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.position import GeoPosition
@@ -42,9 +43,15 @@ class Fence:
 
     def holds(self, place: GeoPosition) -> bool:
         """Whether a vehicle may be at `place`."""
-        point = Point(place.longitude_deg, place.latitude_deg)
-        within = all(_polygon(ring).covers(point) for ring in self.inclusions)
-        return within and not any(_polygon(ring).intersects(point) for ring in self.exclusions)
+        return self._holds(Point(*_lon_lat(place)))
+
+    def holds_leg(self, start: GeoPosition, end: GeoPosition) -> bool:
+        """Whether a vehicle may fly straight from `start` to `end`."""
+        return self._holds(LineString([_lon_lat(start), _lon_lat(end)]))
+
+    def _holds(self, shape: BaseGeometry) -> bool:
+        within = all(_polygon(ring).covers(shape) for ring in self.inclusions)
+        return within and not any(_polygon(ring).intersects(shape) for ring in self.exclusions)
 
 
 def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
@@ -104,4 +111,8 @@ def _place(item: MissionItem) -> GeoPosition:
 
 
 def _polygon(ring: Ring) -> Polygon:
-    return Polygon([(corner.longitude_deg, corner.latitude_deg) for corner in ring])
+    return Polygon([_lon_lat(corner) for corner in ring])
+
+
+def _lon_lat(place: GeoPosition) -> tuple[float, float]:
+    return place.longitude_deg, place.latitude_deg

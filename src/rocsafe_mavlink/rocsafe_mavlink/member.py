@@ -49,6 +49,7 @@ class Member:
     download: of its mission or fence, while one is under way.
     stored: the mission that lies on it, as read back since it was last found; None: not read.
     fence: the polygons of its fence; None: not read.
+    fence_error: why its fence cannot be read; empty while it may be.
     """
 
     vehicle: Vehicle
@@ -63,6 +64,7 @@ class Member:
     download: Download | None = None
     stored: tuple[MissionItem, ...] | None = None
     fence: Fence | None = None
+    fence_error: str = ''
     _was_lost: bool = False
 
     @classmethod
@@ -94,7 +96,7 @@ class Member:
 
     def knowledge(self) -> Knowledge:
         """Return what was read from it besides."""
-        return Knowledge(parameters=self.reader, fence=self.fence)
+        return Knowledge(parameters=self.reader, fence=self.fence, fence_error=self.fence_error)
 
     def may_hear(self, address: Address, now_s: float) -> bool:
         """Whether `address` may speak for it: one at a time, until it falls silent."""
@@ -135,12 +137,20 @@ class Member:
             return sent
         if self._was_lost:
             # What lies on it may be another mission by now.
-            self._was_lost, self.stored, self.fence = False, None, None
+            self._was_lost, self.stored = False, None
+            self.forget_fence()
         return sent + self._asked(now_s) + self._look(now_s)
+
+    def forget_fence(self) -> None:
+        """Forget its fence, which may be another by now, and what was read of it so far."""
+        self.fence, self.fence_error = None, ''
+        if self.download is not None and self.download.mission_type == MissionType.FENCE:
+            self.download = None
 
     def _forget(self) -> None:
         """Forget what a vehicle that was started again may no longer have."""
-        self.stored = self.fence = self.reader = self.download = None
+        self.stored = self.reader = self.download = None
+        self.forget_fence()
         flight = self.flight
         if flight is not None and flight.stage is FlightStage.FLYING:
             cause = flight.cause or Outcome.RESTARTED
@@ -152,19 +162,24 @@ class Member:
         return [] if due is None else [set_interval(self.target, *due)]
 
     def _look(self, now_s: float) -> list[Message]:
-        """Read from it what is not known: in the air its mission, on the ground the rest."""
+        """Read from it what is not known: in the air its mission, on the ground its settings.
+
+        Its fence is read in both: a route may take the place of another in the air.
+        """
         if self.download is not None:
             self.download, sent = self.download.on_tick(now_s)
             return sent + self._read_on()
-        if self.vehicle.is_armed:
-            is_known = self.stored is not None or self._is_beginning
-            return [] if is_known else self._begin(MissionType.MISSION, now_s)
-        self.stored = None
-        if self._is_beginning or (self.errand is not None and not self.errand.is_over):
+        if not self.vehicle.is_armed:
+            self.stored = None
+        if self._is_beginning:
             return []
-        if self.fence is None:
+        if self.vehicle.is_armed and self.stored is None:
+            return self._begin(MissionType.MISSION, now_s)
+        if self.errand is not None and not self.errand.is_over:
+            return []
+        if self.fence is None and not self.fence_error:
             return self._begin(MissionType.FENCE, now_s)
-        return self._read_parameters(now_s)
+        return [] if self.vehicle.is_armed else self._read_parameters(now_s)
 
     @property
     def _is_beginning(self) -> bool:
@@ -191,8 +206,10 @@ class Member:
         self.download = None
         if done.mission_type == MissionType.MISSION:
             self.stored = done.items
-        else:
+        elif done.stage is DownloadStage.DONE:
             self.fence = _fence(done.items)
+        else:
+            self.fence_error = done.error
         return []
 
     def _read_parameters(self, now_s: float) -> list[Message]:

@@ -77,16 +77,14 @@ class OperatorOrders:
             home = require_reachable(place, height_m, vehicle.home, self._limits)
         except ValueError as error:
             raise OrderRefusedError(str(error)) from error
-        fence = self._station.member(self._target).fence
-        if fence is not None and not fence.holds(place):
-            raise OrderRefusedError('the place is outside the fence')
+        self._require_within_fence(place)
         self._begin(lambda desk, _vehicle: desk.go_to(place, height_m, home))
 
     def push_fence(self, fence: Fence) -> None:
         """Replace the polygons of the fence."""
         self._begin(lambda desk, _vehicle: desk.push_fence(fence))
-        # Read again, as it lies there then.
-        self._station.member(self._target).fence = None
+        # Read again, as it lies there then: until that is done no flight begins.
+        self._station.member(self._target).forget_fence()
 
     def push_rally(self, points: Sequence[GeoPosition], height_m: float) -> None:
         """Replace the rally points."""
@@ -95,6 +93,13 @@ class OperatorOrders:
         except ValueError as error:
             raise OrderRefusedError(str(error)) from error
         self._begin(lambda desk, _vehicle: desk.push(MissionType.RALLY, items))
+
+    def _require_within_fence(self, place: GeoPosition) -> None:
+        member = self._station.member(self._target)
+        if member.fence is None and not member.fence_error:
+            raise OrderRefusedError('its fence is still being read')
+        if member.fence is not None and not member.fence.holds(place):
+            raise OrderRefusedError('the place is outside the fence')
 
     def _in_air(self, now_s: float) -> Vehicle:
         try:

@@ -48,7 +48,8 @@ class Check:
     @property
     def may_pass_soon(self) -> bool:
         """Whether waiting can help: a vehicle that was just switched on."""
-        return self.name in _PASSING_SOON or 'not known' in self.value
+        is_untold = self.value == NOT_READ or 'not known' in self.value
+        return is_untold or self.name in _PASSING_SOON
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,10 +84,18 @@ class FlightLimits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Knowledge:
-    """What was read from a vehicle besides what it says by itself; None: not read."""
+    """What was read from a vehicle besides what it says by itself.
+
+    Attributes
+    ----------
+    parameters: its settings; None: not read.
+    fence: the polygons of its fence; None: not read.
+    fence_error: why its fence cannot be read; empty while it may be.
+    """
 
     parameters: ParameterReader | None = None
     fence: Fence | None = None
+    fence_error: str = ''
 
 
 def preflight(
@@ -110,10 +119,20 @@ def preflight(
         return (*checks, Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'))
     if plan is None:
         return tuple(checks)
-    fence = [] if known.fence is None else [_fence_check(plan, known.fence)]
     checks += [] if plan.home is None else [_home_check(plan.home, _place(vehicle.home), limits)]
     energy = _energy_check(plan, vehicle, limits)
-    return (*checks, *_plan_checks(plan, _place(vehicle.home), limits), energy, *fence)
+    *way, fence = route_checks(vehicle, plan, limits, known)
+    return (*checks, *way, energy, fence)
+
+
+def route_checks(
+    vehicle: Vehicle, plan: FlightPlan, limits: FlightLimits, known: Knowledge
+) -> tuple[Check, ...]:
+    """Return every look at the way that `plan` takes, be it from the ground or in the air."""
+    if vehicle.home is None:
+        return (Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'),)
+    home = _place(vehicle.home)
+    return (*_plan_checks(plan, home, limits), _fence_check(plan, home, known))
 
 
 def failures(checks: tuple[Check, ...]) -> str:
@@ -224,10 +243,18 @@ def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -
     )
 
 
-def _fence_check(plan: FlightPlan, fence: Fence) -> Check:
-    outside = [w for w in plan.waypoints if not fence.holds(w.position)]
-    value = f'{len(outside)} of {len(plan.waypoints)} waypoints outside'
-    return _check('within fence', not outside, value, 'none outside')
+def _fence_check(plan: FlightPlan, home: GeoPosition, known: Knowledge) -> Check:
+    name, limit = 'within fence', 'none outside'
+    if known.fence is None:
+        verdict = Verdict.WARN if known.fence_error else Verdict.FAIL
+        return Check(name, verdict, known.fence_error or NOT_READ, limit)
+    places = [waypoint.position for waypoint in plan.waypoints]
+    outside = sum(not known.fence.holds(place) for place in places)
+    if outside:
+        return _check(name, False, f'{outside} of {len(places)} waypoints outside', limit)
+    legs = list(pairwise([home, *places, home]))
+    outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
+    return _check(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
 
 
 def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> list[Check]:

@@ -18,7 +18,7 @@ from rocsafe_mavlink.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.link import Address, Link
 from rocsafe_mavlink.member import Member
 from rocsafe_mavlink.orders import Desk, Writer
-from rocsafe_mavlink.preflight import Check, FlightLimits, failures, preflight
+from rocsafe_mavlink.preflight import Check, FlightLimits, failures, preflight, route_checks
 from rocsafe_mavlink.vehicle import Contact, Vehicle
 
 HEARTBEAT_PERIOD_S = 1.0
@@ -130,6 +130,13 @@ class Station:
         knowledge = member.knowledge()
         return preflight(member.vehicle, member.autopilot(), plan, limits, now_s, knowledge)
 
+    def route_checks(
+        self, target: Target, plan: FlightPlan, limits: FlightLimits
+    ) -> tuple[Check, ...]:
+        """Return every look at the way of a plan that is to be flown in place of another."""
+        member = self._members[target]
+        return route_checks(member.vehicle, plan, limits, member.knowledge())
+
     def fly(
         self, target: Target, plan: FlightPlan, limits: FlightLimits, now_s: float, time_s: float
     ) -> Outgoing:
@@ -178,16 +185,20 @@ class Station:
         member.errand = write(desk, member.vehicle)
         member.errand_count += 1
 
-    def fly_instead(self, target: Target, plan: FlightPlan) -> Mission:
+    def fly_instead(self, target: Target, plan: FlightPlan, limits: FlightLimits) -> Mission:
         """Begin to fly another plan in the air; `tick` sends it.
 
         Raises
         ------
-        ValueError: as `order`, or if nothing is being flown.
+        ValueError: as `order`, or if nothing is being flown, or saying what of the way may not
+            be flown.
         """
         member = self._members[target]
         if not member.is_flying or member.flight is None:
             raise ValueError('no flight is under way')
+        failed = failures(self.route_checks(target, plan, limits))
+        if failed:
+            raise ValueError(failed)
         mission = mission_of(plan, member.autopilot())
         self.order(target, lambda desk, _vehicle: desk.fly_instead(mission))
         return mission
