@@ -158,6 +158,18 @@ def test_it_stops_when_told_and_reports_improvements():
     assert tiny_routing.faults(problem, found.routes) == []
 
 
+def test_nothing_is_proven_of_a_search_that_was_stopped():
+    """Where proposals are counted, the bound comes after them: nobody waits for it any more."""
+    stop = threading.Event()
+    found = solve(
+        one_depot(grid(12), np.zeros(2), 3),
+        SearchOptions(proposals=100_000_000),
+        lambda _progress: stop.set(),
+        stop,
+    )
+    assert (found.bound.name, found.feasible) == ('none', True)
+
+
 @pytest.mark.parametrize(
     ('points', 'vehicles'),
     [

@@ -21,7 +21,7 @@ from rocsafe_planner.conversions import (
     result_of_stopped,
     situation_of_goal,
 )
-from rocsafe_planner.errors import PlannerError, PlanningCancelledError
+from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan import SurveyPlan as PlanValue
 from rocsafe_planner.plan_files import write_plan
@@ -147,12 +147,12 @@ class PlannerNode(Node):
     def _refuse(
         self, goal: ServerGoalHandle, error: PlannerError | ValueError
     ) -> PlanSurvey.Result:
-        """Say why there is no plan."""
+        """Say why there is no plan: a search that was stopped may not have had one yet."""
         if goal.is_cancel_requested:
             goal.canceled()
-            return result_of_error(error)
+            return result_of_stopped('cancelled')
         goal.abort()
-        if isinstance(error, PlanningCancelledError):
+        if goal is not self._newest:
             return result_of_stopped('a newer goal took its place')
         self.get_logger().error(str(error))
         return result_of_error(error)

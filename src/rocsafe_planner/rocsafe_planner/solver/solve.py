@@ -91,11 +91,17 @@ class _Search:
         else:
             self._improve_plainly(lanes[0])
         if options.proposals is not None and IS_COMPILED:
-            for _ in zip(range(SURE_BOUNDS), self._next_bounds(), strict=False):
-                self._tell()
+            self._bound_surely()
         routes = routes_of(self.incumbent.plan)
         made = sum(lane.proposals for lane in lanes)
         return solution(self.problem, routes, self.bound, self.options.clock() - self.began, made)
+
+    def _bound_surely(self) -> None:
+        """Bound what was found, always alike unless a stop is asked for."""
+        for _ in range(SURE_BOUNDS):
+            if self.stop.is_set() or next(self._next_bounds(), None) is None:
+                return
+            self._tell()
 
     def _begin(self, lane: Lane, starts: tuple[Routes, ...]) -> None:
         """Take the best of the constructed plans and those given."""
