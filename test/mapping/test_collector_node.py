@@ -23,7 +23,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
 
-DEADLINE_S = 30.0
+DEADLINE_S = 60.0
 
 
 def message_of(record, image):

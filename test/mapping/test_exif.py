@@ -159,7 +159,7 @@ def test_exiftool_reads_the_same(shot, tmp_path):
         paths.append(tmp_path / f'{number}.jpg')
         paths[-1].write_bytes(with_exif(image, record))
     command = ['exiftool', '-j', '-n', '-a', '-all', '-validate', *map(str, paths)]
-    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=30)
+    done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=60)
     for tags, (latitude, longitude) in zip(json.loads(done.stdout), FOUR_QUADRANTS, strict=True):
         assert tags['GPSLatitude'] == pytest.approx(latitude, abs=1e-9)
         assert tags['GPSLongitude'] == pytest.approx(longitude, abs=1e-9)

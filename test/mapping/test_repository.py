@@ -17,7 +17,7 @@ from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.repository.sink import FolderSink, open_sink
 from rocsafe_mapping.store import ImageStore, Status
 
-DEADLINE_S = 15.0
+DEADLINE_S = 60.0
 
 
 @pytest.fixture

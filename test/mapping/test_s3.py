@@ -16,7 +16,7 @@ from rocsafe_mapping.store import Status
 pytest.importorskip('obstore', reason='obstore is an extra: pip install obstore')
 
 BUCKET = 'photos'
-DEADLINE_S = 10.0
+DEADLINE_S = 60.0
 
 
 class Handler(BaseHTTPRequestHandler):

@@ -43,6 +43,10 @@ class Airspace:
         """Fly on."""
         self._served.step()
 
+    def hear_all(self):
+        """Let all arrive that was sent."""
+        self._served.hear()
+
     @contextlib.contextmanager
     def calm(self, rate=CALM):
         """Let time run slowly, while an operator acts."""

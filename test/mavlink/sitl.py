@@ -85,9 +85,17 @@ class Tap:
         # A refusal makes a socket look ready, and is gone with the next thing that is sent.
         self._bridge.setblocking(False)
         self._peer = None
+        self._is_busy = False
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._carry, daemon=True)
         self._thread.start()
+
+    def hear_all(self):
+        """Wait until all that the bridge has sent is noted, and sent on."""
+        end = time.monotonic() + 10.0
+        while select.select([self._bridge], [], [], 0.0)[0] or self._is_busy:
+            assert time.monotonic() < end, 'it carries nothing'
+            time.sleep(0.01)
 
     def close(self):
         """Carry no more."""
@@ -99,10 +107,12 @@ class Tap:
     def _carry(self):
         while not self._is_over.is_set():
             ready, _, _ = select.select([self._copter, self._bridge], [], [], 0.1)
+            self._is_busy = True
             for side in ready:
                 # Nobody may listen at the moment, as on a radio.
                 with contextlib.suppress(OSError):
                     self._pass_on(side)
+            self._is_busy = False
 
     def _pass_on(self, side):
         data, address = side.recvfrom(4096)
@@ -203,7 +213,7 @@ class SitlCopter:
         self._control.close()
         self.tap.close()
 
-    def _ask(self, question, is_answer, deadline_s=10.0):
+    def _ask(self, question, is_answer, deadline_s=30.0):
         """Ask from the second station until it answers; return the answer."""
         data = pack_frame(*encode(question), *SECOND_STATION, 0, sign=False)
         end = time.monotonic() + deadline_s
@@ -243,6 +253,11 @@ class SitlAirspace:
 
     def step(self):
         """Do nothing: they fly by themselves."""
+
+    def hear_all(self):
+        """Let all arrive that was sent."""
+        for copter in self.copters.values():
+            copter.tap.hear_all()
 
     def calm(self, _rate=None):
         """Return a context that changes nothing: their time runs as it was begun."""

@@ -2,6 +2,7 @@
 """The orchestrator's ROS side, against servers that answer as they are told."""
 
 import math
+import os
 import subprocess
 import sys
 import time
@@ -44,7 +45,9 @@ from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
 
-DEADLINE_S = 10.0
+DEADLINE_S = 60.0
+# Nobody asks again while an answer is under way, however busy the machine is.
+REPEAT_S = 10.0
 
 
 class Servers(Node):
@@ -73,6 +76,7 @@ class Servers(Node):
         self.create_service(Trigger, 'mosaic/save', self._save)
         self.places: list[GeoPoint] = []
         self.evaluations_left = 0
+        self.is_asked_too_early = False
         self.create_service(SuggestViewpoints, 'hazard/suggest_viewpoints', self._suggest)
 
     def destroy_node(self) -> None:
@@ -111,6 +115,7 @@ class Servers(Node):
         self.asked.append(f'{request.count} viewpoints')
         if self.evaluations_left:
             self.evaluations_left -= 1
+            self.is_asked_too_early = True
             answer.status = answer.NOT_YET
             return answer
         answer.viewpoints, answer.reason = self.places, 'wide'
@@ -132,9 +137,10 @@ class Stage:
         self.node = OrchestratorNode(self.scenario, self.monitor, 'run', context=ros.context)
         self.mission = Mission(
             crew_of(self.scenario, self.table),
-            OrchestratorOptions(repeat_s=0.1),
+            OrchestratorOptions(repeat_s=REPEAT_S),
             extra_rounds=extra_rounds,
         )
+        self._skipped_s = 0.0
         self.node.requests.begin(self.mission)
         self.servers = Servers(context=ros.context)
         for node in (self.node, self.node.requester, self.servers):
@@ -159,7 +165,10 @@ class Stage:
         situation = Situation(ready=self.everybody, images_stored=2)
 
         def is_there() -> bool:
-            for order in self.mission.advance(time.monotonic(), situation):
+            if self.servers.is_asked_too_early:
+                self.servers.is_asked_too_early = False
+                self._skipped_s += REPEAT_S
+            for order in self.mission.advance(time.monotonic() + self._skipped_s, situation):
                 self.node.requests.send(order)
             return self.mission.phase is phase
 
@@ -374,10 +383,18 @@ def test_second_server_of_a_flight_ends_nothing(
     """Two vehicles of one name: the first answer counts, the orchestrator lives."""
     path = small()
     action = f'{read_scenario(path).vehicle_names[0]}/fly_route'
-    vehicles = [subprocess.Popen([sys.executable, '-c', VEHICLE, action]) for _ in range(2)]
+    environment = {
+        **os.environ,
+        'PYTHONPATH': os.pathsep.join(filter(None, sys.path)),
+        'ROS_DOMAIN_ID': str(ros_domain_id),
+    }
+    command = [sys.executable, '-c', VEHICLE, action]
+    vehicles = [subprocess.Popen(command, env=environment) for _ in range(2)]
     try:
-        command = [sys.executable, '-c', OPERATOR, str(path)]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run(
+            [sys.executable, '-c', OPERATOR, str(path)],
+            env=environment, capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
     finally:
         for vehicle in vehicles:
             vehicle.kill()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-DEADLINE_S = 30.0
+DEADLINE_S = 60.0
 # The supervisor is a process of its own: one that runs tests has threads, and is not copied.
 SUPERVISOR = """
 import json, logging, os, sys, threading, time

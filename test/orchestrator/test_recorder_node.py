@@ -11,7 +11,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from rocsafe_orchestrator.recording.finalising import finalise
 
-DEADLINE_S = 10.0
+DEADLINE_S = 60.0
 STEP_NS = 100_000_000
 
 

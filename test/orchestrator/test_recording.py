@@ -144,7 +144,7 @@ def test_flushed_messages_survive_sigkill(tmp_path, definitions):
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
     process = subprocess.run(
         [sys.executable, '-c', script, str(tmp_path), str(Path(__file__).parent)],
-        env=environment, timeout=30, check=False,
+        env=environment, timeout=60, check=False,
     )  # fmt: skip
     assert process.returncode == -signal.SIGKILL
     assert finalise(tmp_path).message_count == 500

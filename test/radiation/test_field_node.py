@@ -19,7 +19,7 @@ from rocsafe_radiation.field_node import FieldNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 
-DEADLINE_S = 5.0
+DEADLINE_S = 60.0
 STEP_NS = 200_000_000
 WRECK = GeoPosition(53.2838, -9.0633, 60.0)
 ABOVE = offset(WRECK, 0.0, 0.0, 32.0)

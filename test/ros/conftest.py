@@ -4,21 +4,27 @@
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from test.conftest import reserved_domain
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 
 
 @pytest.fixture(scope='session')
 def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
     """Reserve a domain for this folder: its robot poses as a vehicle to the session's end."""
     with reserved_domain() as number:
-        os.environ['ROS_DOMAIN_ID'] = str(number)
         yield number
+
+
+@pytest.fixture
+def own_domain(ros_domain_id: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the command find its domain where it looks: tests of other folders have theirs there."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(ros_domain_id))
 
 
 @pytest.fixture(scope='session')
@@ -27,20 +33,24 @@ def robot(ros_domain_id: int) -> Iterator[Any]:
     pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
     from .ros2_cli_robot import Robot
 
-    machine = Robot()
+    machine = Robot(ros_domain_id)
     yield machine
     machine.close()
 
 
 @pytest.fixture(scope='session')
-def participant(ros_domain_id: int) -> Iterator[Any]:
+def participant(ros_domain_id: int, robot: Any) -> Iterator[Any]:
     """Hold a context that has met the robot; a hidden node keeps it on the graph."""
     rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
     from rclpy.context import Context
 
     context = Context()
-    rclpy.init(context=context)
+    rclpy.init(context=context, domain_id=ros_domain_id)
     anchor = rclpy.create_node('_anchor', context=context, enable_rosout=False)
+    end = time.monotonic() + DEADLINE_S
+    while not robot.is_known_to(anchor):
+        assert time.monotonic() < end, 'the robot is not found'
+        time.sleep(0.02)
     yield context
     anchor.destroy_node()
     rclpy.shutdown(context=context)
@@ -48,7 +58,10 @@ def participant(ros_domain_id: int) -> Iterator[Any]:
 
 @pytest.fixture
 def ros2(
-    participant: Any, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    own_domain: None,
+    participant: Any,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> Callable[..., tuple[int, str, str]]:
     """Run the command in this process; returns exit status, output and errors.
 
@@ -71,7 +84,7 @@ def ros2(
 
 
 @pytest.fixture
-def ros2_process(ros_domain_id: int) -> Iterator[Callable[..., 'subprocess.Popen[str]']]:
+def ros2_process(own_domain: None) -> Iterator[Callable[..., 'subprocess.Popen[str]']]:
     """Start the command in a process of its own; those left over are killed after the test."""
     started: list[subprocess.Popen[str]] = []
 

@@ -3,7 +3,9 @@
 
 import array
 import math
+from collections.abc import Callable
 from threading import Event, Thread
+from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
@@ -11,6 +13,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor
+from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, NavSatFix
 from std_msgs.msg import String
@@ -28,9 +31,9 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 class Robot:
     """Node `/rav1/robot`, spinning in a thread; what reached it is in `heard` and `cancelled`."""
 
-    def __init__(self) -> None:
+    def __init__(self, domain_id: int) -> None:
         self._context = Context()
-        rclpy.init(context=self._context)
+        rclpy.init(context=self._context, domain_id=domain_id)
         self._node = rclpy.create_node('robot', namespace='/rav1', context=self._context)
         self._executor = MultiThreadedExecutor(num_threads=3, context=self._context)
         self._stopped = Event()
@@ -42,6 +45,15 @@ class Robot:
         self._executor.add_node(self._node)
         self._thread = Thread(target=self._executor.spin)
         self._thread.start()
+
+    def is_known_to(self, other: Node) -> bool:
+        """Whether another node has met all that this one has."""
+        looks: tuple[Callable[[Node], list[Any]], ...] = (
+            lambda node: node.get_node_names_and_namespaces(),
+            lambda node: node.get_topic_names_and_types(),
+            lambda node: node.get_service_names_and_types(),
+        )
+        return all(all(one in look(other) for one in look(self._node)) for look in looks)
 
     def close(self) -> None:
         """Stop the thread and take the node down."""

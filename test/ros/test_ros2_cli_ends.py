@@ -6,14 +6,16 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
+from rocsafe_ros.ros2_cli import discovery
 from rocsafe_ros.ros2_cli.discovery import await_discovery, local_participants
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 FLY = 'rocsafe_interfaces/action/FlyRoute'
 
 UDP_TABLE = """\
@@ -40,11 +42,12 @@ def test_another_process_is_found_whenever_it_started(robot, ros2_process):
         assert (out, error) == ('/rav1/robot\n', '')
 
 
-def test_the_time_for_discovery_can_be_chosen():
+def test_the_time_for_discovery_can_be_chosen(monkeypatch):
     """Then nothing else ends the wait: the graph is not asked."""
-    start = time.monotonic()
+    slept_s = []
+    monkeypatch.setattr(discovery, 'time', SimpleNamespace(sleep=slept_s.append))
     await_discovery(None, 0.1)
-    assert 0.1 <= time.monotonic() - start < 1.0
+    assert slept_s == [0.1]
 
 
 @pytest.mark.parametrize(
@@ -69,13 +72,17 @@ def test_signals_end_the_command_quietly(robot, ros2_process, words, first, numb
 def test_the_rate_of_a_topic_is_measured_until_ctrl_c(robot, ros2_process):
     """The robot publishes at 20 Hz; best effort may lose many on a busy machine."""
     process = ros2_process('topic', 'hz', '/rav1/fix', '--window', '20')
-    name, _, rate_hz = process.stdout.readline().partition(': ')
-    assert name == 'average rate'
-    assert 2.0 < float(rate_hz) < 40.0
-    assert re.fullmatch(
-        r'\tmin: \d\.\d{3}s max: \d\.\d{3}s std dev: \d\.\d{5}s window: \d+\n',
-        process.stdout.readline(),
-    )
+    rate_hz, end = 0.0, time.monotonic() + DEADLINE_S
+    # A report after the machine stood still is right, and of another rate.
+    while not 2.0 < rate_hz < 40.0:
+        assert time.monotonic() < end, rate_hz
+        name, _, rate = process.stdout.readline().partition(': ')
+        assert name == 'average rate'
+        rate_hz = float(rate)
+        assert re.fullmatch(
+            r'\tmin: \d\.\d{3}s max: \d\.\d{3}s std dev: \d\.\d{5}s window: \d+\n',
+            process.stdout.readline(),
+        )
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=DEADLINE_S)
     assert (process.returncode, error) == (2, '')

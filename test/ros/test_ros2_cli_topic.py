@@ -10,7 +10,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rocsafe_ros.ros2_cli import topic_echo
 from rocsafe_ros.ros2_cli.topic_hz import RateMeter
 
-DEADLINE_S = 10.0
+DEADLINE_S = 60.0
 COMMAND = ('/rav1/command', 'std_msgs/msg/String')
 IMAGE_HEAD = "header:\n  stamp:\n    sec: 0\n    nanosec: 0\n  frame_id: ''\nformat: jpeg\n"
 FIX_CSV = '0,0,gps,-2,0,52.5,-1e-07,nan,1.5,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0\n'

@@ -15,7 +15,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rocsafe_ros.ros2_cli.interface_text import nested_type
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 
 # Says its arguments, then how it is asked to end; or ends at once as its first argument says.
 NODE = """#!{python}

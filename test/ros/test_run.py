@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 
 NODE = """
 import sys
@@ -54,7 +54,7 @@ def start(code, *args):
 
 
 @pytest.fixture
-def child(ros_domain_id):
+def child(own_domain):
     """Start the subject node; kill it if the test did not end it."""
     children = []
 
@@ -86,7 +86,7 @@ def test_wrong_parameter_is_one_line_and_exit_2(child):
     assert errors == 'error: subject: parameter speed_mps = 9.0 must be within 0.5 to 2.0\n'
 
 
-def test_node_ends_when_its_supervisor_is_killed(ros_domain_id):
+def test_node_ends_when_its_supervisor_is_killed(own_domain):
     """No orphan is left, even when the supervisor had no chance to say anything."""
     supervisor = start(SUPERVISOR, NODE)
     node_pid = int(supervisor.stdout.readline())

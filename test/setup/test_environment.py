@@ -74,7 +74,7 @@ def test_script_extends_the_environment_once(layout, shell):
         capture_output=True,
         text=True,
         check=True,
-        timeout=10,
+        timeout=60,
     )
     path, prefixes, libraries, distro, _ = answer.stdout.split('|')
     assert path == f'/w/install/bin:{layout.venv}/bin:/home/bin:/usr/bin'
@@ -89,10 +89,10 @@ def test_env_sh_finds_its_folder_from_anywhere(tmp_path, shell):
     shutil.copy(ROOT / 'env.sh', tmp_path)
     command = [shell, '-c', f'cd /; . {tmp_path}/env.sh && echo "$ROCSAFE_WORKSPACE"']
     options = {'env': {'PATH': '/usr/bin:/bin'}, 'capture_output': True, 'text': True}
-    before = subprocess.run(command, check=False, timeout=10, **options)
+    before = subprocess.run(command, check=False, timeout=60, **options)
     assert before.returncode == 1
     assert before.stderr == (f'env.sh: nothing is built in {tmp_path} yet: run make setup there\n')
     (tmp_path / '.venv').mkdir()
     (tmp_path / '.venv/workspace.sh').write_text('ROCSAFE_WORKSPACE=here\n')
-    after = subprocess.run(command, check=False, timeout=10, **options)
+    after = subprocess.run(command, check=False, timeout=60, **options)
     assert (after.returncode, after.stdout, after.stderr) == (0, 'here\n', '')

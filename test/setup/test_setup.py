@@ -160,7 +160,7 @@ def test_interrupted_setup_ends_at_once_and_goes_on(machine, running_on, stage, 
     process = machine.start(FAKE_HANG=stage)
     machine.wait_for_call(stage)
     process.send_signal(number)
-    _, err = process.communicate(timeout=10)
+    _, err = process.communicate(timeout=60)
     assert process.returncode == 128 + number
     assert err == 'setup: interrupted; the same command goes on from here\n'
     assert running_on(machine) == []
@@ -177,7 +177,7 @@ def test_killed_setup_leaves_nothing_that_harms_the_next(machine, running_on, st
     process = machine.start(FAKE_HANG=stage)
     machine.wait_for_call(stage)
     process.kill()
-    process.communicate(timeout=10)
+    process.communicate(timeout=60)
     assert running_on(machine) != []
     done = machine.setup()
     assert done.returncode == 0, done.stderr
@@ -194,8 +194,8 @@ def test_two_setups_do_not_collide(machine):
     line = second.stdout.readline()
     assert line == f'setup: waiting for process {first.pid}, which is at work in this folder\n'
     first.terminate()
-    first.communicate(timeout=10)
-    out, _ = second.communicate(timeout=10)
+    first.communicate(timeout=60)
+    out, _ = second.communicate(timeout=60)
     assert second.returncode == 0
     assert out.endswith(' s\n')
 

@@ -35,7 +35,7 @@ COMMON = {
     'home_wait_s': 0.0,
     'descent_rate_mps': 5.0,
 }
-DEADLINE_S = 30.0
+DEADLINE_S = 60.0
 
 
 def parameters(**values: Any) -> list[Parameter]:
