@@ -3,6 +3,7 @@
 
 import math
 import struct
+from dataclasses import replace
 
 import pytest
 from test.fakes.fake_autopilot import HOME
@@ -24,7 +25,7 @@ from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, prefligh
 from rocsafe_mavlink.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.px4 import PX4 as PX4_NUMBER
 from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.vehicle import Home
+from rocsafe_mavlink.vehicle import Home, Landed
 
 TARGET, US = (1, 1), (255, 190)
 PLACE = GeoPosition(*HOME)
@@ -135,6 +136,19 @@ def test_refusal_carries_the_words_of_the_autopilot():
     orders.resume(air.now_s)
     assert done(air, orders) == ''
     assert air.copters[1].mode == AUTO
+
+
+@pytest.mark.parametrize('unread', [{'home': None}, {'landed': Landed.UNDEFINED}, {}])
+def test_route_is_called_none_only_when_all_is_read_that_tells_of_one(unread):
+    """A bridge that was started again finds its flight by mission, home and landed state."""
+    air = Air()
+    orders = flying(air)
+    member = air.station.member(TARGET)
+    member.flight, member.stored = None, ()
+    member.vehicle = replace(member.vehicle, **unread)
+    wanted = 'it is still being read' if unread else 'no route is being flown'
+    with pytest.raises(OrderRefusedError, match=wanted):
+        orders.resume(air.now_s)
 
 
 def test_nothing_is_ordered_by_the_suite_itself():

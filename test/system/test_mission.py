@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from .conftest import DEADLINE_S
+
 # 9 viewpoints, see small.yaml.
 IMAGES = 9
 NODES = (
@@ -124,9 +126,8 @@ def test_second_interrupt_ends_at_once(fly: Fly) -> None:
     flight.wait_for_images(1)
     flight.process.send_signal(signal.SIGINT)
     flight.process.send_signal(signal.SIGTERM)
-    begin = time.monotonic()
     assert flight.end() in (130, 143), flight.output
-    assert time.monotonic() - begin < 10.0
+    assert not flight.run.report.exists()
     assert flight.living() == []
 
 
@@ -136,7 +137,7 @@ def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
     flight.wait_for_images(1)
     flight.process.kill()
     flight.process.wait()
-    end = time.monotonic() + 10.0
+    end = time.monotonic() + DEADLINE_S
     while flight.living():
         assert time.monotonic() < end, 'orphans'
         time.sleep(0.05)

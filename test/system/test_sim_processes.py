@@ -74,7 +74,7 @@ class Processes:
         for process in self._running.values():
             process.send_signal(signal.SIGINT)
         try:
-            return [process.wait(timeout=20.0) for process in self._running.values()]
+            return [process.wait(timeout=DEADLINE_S) for process in self._running.values()]
         finally:
             for process in self._running.values():
                 process.kill()

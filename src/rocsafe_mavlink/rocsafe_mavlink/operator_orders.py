@@ -50,8 +50,10 @@ class OperatorOrders:
         self._in_air(now_s)
         member = self._station.member(self._target)
         if not member.is_flying:
-            is_read = member.stored is not None
-            reason = 'no route is being flown' if is_read else 'its mission is still being read'
+            # What an earlier bridge began is picked up by these.
+            seen = (member.stored, member.vehicle.home, member.vehicle.landed or None)
+            is_read = None not in seen
+            reason = 'no route is being flown' if is_read else 'it is still being read'
             raise OrderRefusedError(reason)
         self._begin(lambda desk, vehicle: desk.resume(vehicle))
 

@@ -71,8 +71,11 @@ class OrderServices:
         def on_call(request: Any, response: Any) -> Any:
             answer = _Answer(response, self._drone.spec.name, ends_flight)
             answers.append(answer)
+            now_s = self._clock()
+            # A flight that has just been found is one that may be resumed.
+            self._drone.step(now_s)
             try:
-                begin(request, self._clock())
+                begin(request, now_s)
             except (OrderRefusedError, ValueError) as refusal:
                 answer.give(str(refusal))
                 return response
