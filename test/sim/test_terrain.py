@@ -93,3 +93,14 @@ def test_heights_for_planners_are_those_of_the_scene(tmp_path):
     assert np.abs(error).mean() < 0.03
     with pytest.raises(SceneError, match='cannot be written'):
         write_heights(tmp_path / 'no' / 'heights.tif', terrain, origin)
+
+
+def test_heights_for_planners_are_whole_or_as_before(tmp_path):
+    """Nothing is left beside the file, nor of one that could not get its name."""
+    origin = GeoPosition(53.28, -9.06, 60.0)
+    terrain = make_terrain(Relief(seed=4, local_m=1.5, hills_m=20.0).heights)
+    write_heights(tmp_path / 'heights.tif', terrain, origin, 64.0)
+    (tmp_path / 'taken.tif' / 'by').mkdir(parents=True)
+    with pytest.raises(SceneError, match='cannot be written'):
+        write_heights(tmp_path / 'taken.tif', terrain, origin, 64.0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ['heights.tif', 'taken.tif']

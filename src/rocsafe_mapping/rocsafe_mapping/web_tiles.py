@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.drawing.seams import NOBODY
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.sheet import LATTICE_PX, Sheet, drawn, scores
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mapmaker import Mapmaker

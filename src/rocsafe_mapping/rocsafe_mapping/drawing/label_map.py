@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.seams import NOBODY
 from rocsafe_mapping.drawing.sheet import Sheet, drawn
 
 UNKNOWN = 0

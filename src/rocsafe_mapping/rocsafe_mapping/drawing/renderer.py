@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
 from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.picture import Pictures
 from rocsafe_mapping.drawing.seams import (
-    NOBODY,
     CoarseView,
     coarse_grid,
     coarse_view,

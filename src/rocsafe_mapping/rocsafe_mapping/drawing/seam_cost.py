@@ -12,6 +12,9 @@ COLOUR_UNIT = 3 * 20.0**2
 MOST_COLOUR = 8.0
 # From here on a difference is not that of light and noise, and what lies between is no ground.
 LEAST_COLOUR = 1.0
+# Cost of a seam where photographs agree, for each pixel that it passes: while it is searched
+# (it shall be short), and when things are kept whole afterwards (round them it may be longer).
+SEARCH_LENGTH_COST, KEPT_LENGTH_COST = 1.0, 0.3
 CLOSE, NEAR = np.ones((9, 9), np.uint8), np.ones((3, 3), np.uint8)
 # Things that stand up lie elsewhere in each photograph: a shift costs its square.
 LEAST_SHIFT_PX, MOST_SHIFT_PX = 1.0, 6.0

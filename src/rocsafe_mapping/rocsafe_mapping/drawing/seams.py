@@ -17,7 +17,8 @@ from scipy.sparse.linalg import spsolve
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.drawing.seam_cost import seam_cost
+from rocsafe_mapping.drawing.labels import NOBODY, Labels
+from rocsafe_mapping.drawing.seam_cost import SEARCH_LENGTH_COST, seam_cost
 from rocsafe_mapping.drawing.sheet import LATTICE_PX, Shares, Sheet, drawn, scores
 from rocsafe_mapping.drawing.whole_things import keep_whole
 
@@ -31,9 +32,6 @@ GAIN_HOLD, COLOUR_HOLD = 0.12, 0.5
 LARGEST_LOG_GAIN = 1.2
 DARK, BRIGHT = 8, 247
 LEAST_COMMON_PX = 40
-NOBODY = -1
-LENGTH_COST = 1.0
-Labels = NDArray[np.int32]
 Mask = NDArray[np.uint8]
 Place = tuple[slice, slice]
 
@@ -207,7 +205,7 @@ def _part(masks: tuple[Mask, Mask], boxes: tuple[Window, Window], cost: Shares, 
     """Part two masks by dynamic programming (Uyttendaele et al. 2001)."""
     # The finder's costs are the squared differences of pictures.
     pictures = [np.zeros((*mask.shape, 3), np.float32) for mask in masks]
-    pictures[1][at[0], at[1], 0] = np.sqrt(cost + np.float32(LENGTH_COST))
+    pictures[1][at[0], at[1], 0] = np.sqrt(cost + np.float32(SEARCH_LENGTH_COST))
     # The stubs of OpenCV know no arrays here.
     finder: Any = cv2.detail_DpSeamFinder('COLOR')  # type: ignore[attr-defined]
     cut = finder.find(pictures, [(box.column, box.row) for box in boxes], list(masks))

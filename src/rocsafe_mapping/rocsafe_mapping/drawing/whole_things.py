@@ -14,21 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.labels import NOBODY, Labels
+from rocsafe_mapping.drawing.seam_cost import KEPT_LENGTH_COST
 from rocsafe_mapping.drawing.sheet import Shares
 
 # What belongs together: places that cost more than this, without links thinner than so many
 # pixels. Coarse things first, then what of them stands highest by itself.
 ROUNDS = ((2.5, 3), (2.5, 9), (6.0, 5), (6.0, 13), (12.0, 7), (24.0, 9))
 MARGIN_PX = 3
-# Cost of a seam where photographs agree, for each pixel that it passes; and what a pixel is worth
-# that a better photograph shows.
-LENGTH_COST, SCORE_WORTH = 0.3, 0.02
+# What a pixel is worth that a better photograph shows.
+SCORE_WORTH = 0.02
 LEAST_SCORE = 0.05
 # A thing that stays cut for more than this share of the cost is left alone.
 WHOLE_SHARE = 0.6
-NOBODY = -1
 AROUND = np.ones((3, 3), np.uint8)
-Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 Place = tuple[slice, slice]
 
@@ -111,5 +110,5 @@ def _seams_cost(labels: Labels, cost: Shares) -> float:
     for lines, prices in ((labels, cost), (labels.T, cost.T)):
         is_seam = lines[1:] != lines[:-1]
         total += float(np.sum((prices[1:] + prices[:-1])[is_seam]))
-        total += 2.0 * LENGTH_COST * int(is_seam.sum())
+        total += 2.0 * KEPT_LENGTH_COST * int(is_seam.sum())
     return total

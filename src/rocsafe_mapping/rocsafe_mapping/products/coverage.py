@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.seams import NOBODY
 
 
 def coverage(renderer: Renderer, region: shapely.Polygon | None) -> dict[str, Any]:

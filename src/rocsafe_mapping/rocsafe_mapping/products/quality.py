@@ -14,8 +14,8 @@ from rocsafe_mapping.alignment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.state import State
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
 from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.seams import NOBODY
 from rocsafe_mapping.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px

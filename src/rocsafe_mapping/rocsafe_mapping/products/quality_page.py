@@ -85,7 +85,8 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     if fixes:
         rows.append(('distance to the fixes, RMSE', f'{fixes["all"]["horizontal_rmse_m"]:.2f} m'))
         off = fixes['all']
-        bias = [f'{off[f"bias_{axis}_m"]:.2f}' for axis in ('east', 'north', 'up')]
+        # Adding 0 turns -0.00 into 0.00.
+        bias = [f'{round(off[f"bias_{axis}_m"], 2) + 0.0:.2f}' for axis in ('east', 'north', 'up')]
         rows.append(('their bias east, north, up', ', '.join(bias) + ' m'))
     for name, cost in document['costs'].items():
         rows.append((f'time, {name}', f'{cost["wall_s"]:.1f} s, processor {cost["cpu_s"]:.1f} s'))

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.seams import NOBODY
 
 PATCH_PX = 64
 MOST_PATCHES = 150

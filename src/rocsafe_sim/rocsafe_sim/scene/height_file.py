@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A scene's ground as a GeoTIFF of heights, for planners."""
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
 
+from rocsafe_geo.durable import discard_part, finish_part, part_of, sync_directory, sync_file
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import SceneError
 from rocsafe_sim.scene.terrain import GridFrame, Terrain
@@ -19,6 +21,8 @@ def write_heights(
     path: Path, terrain: Terrain, origin: GeoPosition, half_m: float = HALF_M
 ) -> None:
     """Write the heights of the ground `half_m` about `origin`, metres above the ellipsoid.
+
+    At any moment the file holds its old or its new content.
 
     The raster is azimuthal equidistant about `origin`, which over 2 km differs from east
     and north of the tangent plane by less than a centimetre; the Earth falls away below that.
@@ -45,8 +49,13 @@ def write_heights(
     where = from_origin(-half_m, half_m, _CELL_M, _CELL_M)
     try:
         with rasterio.open(
-            path, 'w', width=side, height=side, crs=crs, transform=where, **profile
+            part_of(path), 'w', width=side, height=side, crs=crs, transform=where, **profile
         ) as file:
             file.write(heights.astype(np.float32), 1)
+        sync_file(part_of(path))
+        finish_part(path)
+        sync_directory(path.parent)
     except (RasterioError, OSError) as error:
+        with contextlib.suppress(OSError):
+            discard_part(path)
         raise SceneError(f'--out = {path}: cannot be written: {error}') from error
