@@ -56,6 +56,7 @@ from rocsafe_mapping.live import TILES_S, LiveMap
 from rocsafe_mapping.map_command import Stopwatch
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker, MapOptions
 from rocsafe_mapping.photograph_files import photographs_of
+from rocsafe_mapping.products.error_map import STANDING_M, error_map
 from rocsafe_mapping.products.quality import violations
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 from rocsafe_mapping.shot import ShotRecord
@@ -306,11 +307,57 @@ def derailment(options: argparse.Namespace) -> list[Row]:
         ('derailment: stated error', f'{stated:.3f} m, over true {stated / _rms(off):.2f}',
          'ratio 0.5 to 2'),
         ('derailment: off the truth with all that stands up', f'{everything:.3f} m', ''),
+        *_by_place(maker, alignment, shots, shift_m),
         ('derailment: seams p95, all and ground patches',
          f'{seams["px"]["p95"]:.2f} px, {seams["ground_px"]["p95"]:.2f} px', ''),
         ('derailment: CPU', f'{cpu:.1f} s', ''),
         ('derailment: look at', str(folder), 'train not doubled or cut'),
     ]  # fmt: skip
+
+
+def _by_place(
+    maker: Mapmaker, alignment: Alignment, shots: Sequence[Any], shift_m: NDArray[np.float64]
+) -> list[Row]:
+    """Return the stated error over the true one at what the map shows, by what is known of it."""
+    from mapping_scene import shown_m
+
+    renderer = maker.renderer(with_relief=True)
+    errors, window = error_map(alignment, renderer), renderer.label_window
+    sheets, found = maker.sheets(), []
+    for shot in shots:
+        name = shot.record.shot_id
+        at_m = shown_m(shot, sheets[name])
+        columns, rows = np.floor(renderer.coarse.places_of(at_m)).astype(int).T
+        inside = (rows >= window.row) & (rows < window.row + window.height)
+        inside &= (columns >= window.column) & (columns < window.column + window.width)
+        place = rows[inside] - window.row, columns[inside] - window.column
+        true = np.linalg.norm(at_m - (shot.true_m - shift_m), axis=1)[inside]
+        is_own = renderer.labels[place] == renderer.names.index(name)
+        parts = (true, errors.error_m[place], errors.heights_m[place], shot.is_ground[inside])
+        found.append(np.array([part[is_own] for part in parts], float))
+    true, stated, height, is_ground = np.concatenate(found, axis=1)
+    kinds = {
+        'all that is shown': true >= 0.0,
+        'said to be ground': np.abs(height) <= STANDING_M,
+        'said to stand up': np.abs(height) > STANDING_M,
+        'said not to be told': np.isnan(height),
+        'truly standing': is_ground == 0.0,
+    }
+    return [
+        (
+            f'derailment, by place: {kind}',
+            (
+                f'{100 * np.mean(mask):.1f} %, off {_root(true[mask]):.3f} m, stated '
+                f'{_root(stated[mask]):.3f} m, ratio {_root(stated[mask]) / _root(true[mask]):.2f}'
+            ),
+            'ratio 0.5 to 2',
+        )
+        for kind, mask in kinds.items()
+    ]
+
+
+def _root(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def scale(options: argparse.Namespace) -> list[Row]:

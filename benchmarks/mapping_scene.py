@@ -20,6 +20,7 @@ from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mapping.alignment.photo import rays_of_pixels
 from rocsafe_mapping.drawing.sheet import Sheet
 from rocsafe_mapping.label_images import LABELS, TABLE
 from rocsafe_mapping.shot import ShotRecord
@@ -92,6 +93,20 @@ def errors_m(shot: SceneShot, sheet: Sheet, shift_m: Floats) -> Floats:
     """
     seen, _ = sheet.pixels_of(shot.true_m - shift_m)
     return (seen - shot.pixels) * sheet.photo.ground_resolution_m
+
+
+def shown_m(shot: SceneShot, sheet: Sheet) -> Floats:
+    """Return where the map shows what a photograph's pixels show, (east, north), (n, 2).
+
+    The camera has no distortion.
+    """
+    rays = rays_of_pixels(sheet.photo.camera, shot.pixels) @ sheet.pose.rotation.T
+    slopes = rays[:, :2] / -rays[:, 2:]
+    place = sheet.pose.centre[:2] + slopes * sheet.pose.centre[2]
+    for _ in range(3):
+        reach = sheet.pose.centre[2] - sheet.surface.at(place)
+        place = sheet.pose.centre[:2] + slopes * reach[:, np.newaxis]
+    return place
 
 
 def _places(

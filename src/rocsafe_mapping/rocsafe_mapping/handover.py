@@ -13,6 +13,7 @@ from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.label_images import LabelImages
 from rocsafe_mapping.mapmaker import Alignment, Mapmaker
 from rocsafe_mapping.products.cog import write_cog
+from rocsafe_mapping.products.error_map import error_map, write_error_map
 from rocsafe_mapping.products.label_products import write_labels
 from rocsafe_mapping.products.overlays import write_overlays
 from rocsafe_mapping.products.quality import quality
@@ -63,7 +64,7 @@ def hand_over(
     PlacementError: if no photograph is placed.
     MappingError: if a file cannot be written.
     """
-    renderer = maker.renderer()
+    renderer = maker.renderer(with_relief=True)
     step('seams')
     write_cog(wanted.geotiff, renderer.grid, renderer.window, renderer.tiles())
     step('draw')
@@ -71,18 +72,21 @@ def hand_over(
         images = LabelImages(wanted.labels)
         write_labels(wanted.folder, renderer, maker.sheets(), images, maker.file_name)
         step('labels')
-    document = quality(alignment, maker.survey.state, renderer, wanted.region)
+    errors = error_map(alignment, renderer)
+    document = quality(alignment, maker.survey.state, renderer, wanted.region, errors)
     step('quality')
     picture = ''
     try:
         wanted.folder.mkdir(parents=True, exist_ok=True)
+        error_picture = write_error_map(wanted.folder, errors, renderer)
         if wanted.with_overlays:
             stem = wanted.folder / wanted.geotiff.stem
             picture = write_overlays(wanted.geotiff, stem)[0].name
             step('overlays')
         document['costs'] = {name: dict(cost) for name, cost in (costs or {}).items()}
+        page = quality_page(document, picture, error_picture)
         write_whole(wanted.folder / QUALITY_JSON, quality_text(document))
-        write_whole(wanted.folder / QUALITY_HTML, quality_page(document, picture).encode())
+        write_whole(wanted.folder / QUALITY_HTML, page.encode())
     except OSError as error:
         raise MappingError(f'cannot write to {wanted.folder}: {error}') from error
     return document

@@ -83,13 +83,22 @@ class Alignment:
     heights_error: Surface = field(default_factory=Surface)
 
     def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
-        """Return the standard error of what a photograph shows: all of it, or points (n, 2)."""
-        pose = self.placements[name].pose
+        """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
         if ground_m is None:
-            corners = footprint(self.photos[name], pose)
-            ground_m = EVENLY @ corners
-        leaning = leaning_m(self.heights_error, pose, ground_m)
-        return math.hypot(self._placing_error_m(name), float(np.sqrt(np.mean(leaning**2))))
+            ground_m = EVENLY @ footprint(self.photos[name], self.placements[name].pose)
+        return float(np.sqrt(np.mean(self.errors_at_m(name, ground_m) ** 2)))
+
+    def errors_at_m(
+        self, name: str, ground_m: FloatArray, rise_m: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Return the standard errors (n,) of what a photograph shows at points (n, 2) of the map.
+
+        `rise_m` is the height above the ground of what it shows there, which a flat map leaves
+        leaning.
+        """
+        pose = self.placements[name].pose
+        leaning = leaning_m(self.heights_error, pose, ground_m, rise_m)
+        return np.hypot(self._placing_error_m(name), leaning)
 
     def _placing_error_m(self, name: str) -> float:
         """Return the standard error of a photograph's corners if the ground were as found."""
@@ -204,15 +213,18 @@ class Mapmaker:
             for name, placement in self.survey.placements(names).items()
         }
 
-    def renderer(self) -> Renderer:
+    def renderer(self, *, with_relief: bool = False) -> Renderer:
         """Return what draws the map as the photographs lie now.
+
+        `with_relief` has it look for what stands on the ground, which takes time.
 
         Raises
         ------
         PlacementError: if there is no photograph.
         """
         sheets = self.sheets()
-        return Renderer(sheets, self.pictures, self.grid(sheets))
+        tied = self.survey.state.poses if with_relief else ()
+        return Renderer(sheets, self.pictures, self.grid(sheets), tied)
 
     def grid(self, sheets: Mapping[str, Sheet]) -> MapGrid:
         """Return the map's grid, its pixels as fine as its limits allow.

@@ -34,10 +34,14 @@ def height_error(surface: Surface, ties_m: FloatArray, standing_m: FloatArray) -
     return surface.with_heights(np.sqrt(unknown**2 + spread.reshape(unknown.shape)))
 
 
-def leaning_m(error: Surface, pose: Pose, ground_m: FloatArray) -> FloatArray:
+def leaning_m(
+    error: Surface, pose: Pose, ground_m: FloatArray, rise_m: FloatArray | float = 0.0
+) -> FloatArray:
     """Return how far points (n, 2) are off on the map of a photograph where heights are off.
 
-    A point that lies z higher is seen z r / h farther out, r from below a camera h high.
+    A point that lies z higher is seen z r / h farther out, r from below a camera h high: so both
+    what is not known of the ground and what is known to stand on it, `rise_m`, are off the map.
     """
     off = np.linalg.norm(ground_m - pose.centre[:2], axis=1)
-    return error.at(ground_m) * off / pose.centre[2]
+    leaning: FloatArray = np.hypot(error.at(ground_m), rise_m) * off / pose.centre[2]
+    return leaning

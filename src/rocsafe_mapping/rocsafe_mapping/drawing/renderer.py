@@ -2,7 +2,7 @@
 """The map, tile by tile: memory is that of a tile, of small pictures, and of a cache."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 import cv2
 import numpy as np
@@ -13,6 +13,7 @@ from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reac
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.picture import Pictures
+from rocsafe_mapping.drawing.relief import Relief, relief
 from rocsafe_mapping.drawing.seams import (
     CoarseView,
     coarse_grid,
@@ -34,9 +35,17 @@ class Renderer:
     sheets: aligned photographs by name.
     pictures: their pixels.
     grid: of the map.
+    tied: photographs whose places are good enough to tell what stands on the ground; without
+        them `relief` says that nothing does.
     """
 
-    def __init__(self, sheets: Mapping[str, Sheet], pictures: Pictures, grid: MapGrid) -> None:
+    def __init__(
+        self,
+        sheets: Mapping[str, Sheet],
+        pictures: Pictures,
+        grid: MapGrid,
+        tied: Collection[str] = (),
+    ) -> None:
         if not sheets:
             raise ValueError('sheets must hold at least one photograph')
         self.grid = grid
@@ -55,7 +64,10 @@ class Renderer:
         self._coarse_window = Window(
             low_row, low_column, high_row - low_row, high_column - low_column
         )
+        self._view_windows = {name: view.window for name, view in views.items()}
         self.labels = owners(views, self.names, self._coarse_window)
+        where = self.labels, self._coarse_window
+        self.relief: Relief = relief(views, sheets, tied, where, self.coarse)
 
     @property
     def window(self) -> Window:
@@ -76,6 +88,10 @@ class Renderer:
     def label_window(self) -> Window:
         """Where `labels` lies, in coarse pixels."""
         return self._coarse_window
+
+    def shown_window(self, name: str) -> Window:
+        """Return where a photograph may be shown, in coarse pixels within `label_window`."""
+        return self._view_windows[name].cut(self._coarse_window)
 
     def tiles(self, side: int = TILE_PX) -> Iterator[tuple[Window, Rgba]]:
         """Return the map's tiles that show something, in rows."""

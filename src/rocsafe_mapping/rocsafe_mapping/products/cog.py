@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The map as a cloud optimised GeoTIFF: tiled, with overviews, transparent where nothing lies."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rasterio
@@ -21,6 +22,8 @@ COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
 RGBA = (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
 Colour = tuple[int, int, int]
 RAW_SUFFIX = '.raw'
+# What stands for no value where values are numbers: programs differ on NaN.
+NO_VALUE = -9999.0
 # GDAL would else take a twentieth of the machine's memory for its cache of blocks.
 CACHE_BYTES = 64 * 2**20
 RAW = {
@@ -57,12 +60,30 @@ def write_cog(
     ------
     MappingError: if the file cannot be written.
     """
+    resampling = Resampling.average if palette is None else Resampling.mode
+    _made(path, lambda raw: _write_raw(raw, grid, window, tiles, palette), resampling)
+
+
+def write_values(
+    path: Path, grid: MapGrid, window: Window, bands: Mapping[str, NDArray[np.float32]]
+) -> None:
+    """Write `bands` of `window`, NaN for no value, to `path` as `write_cog` does, by their names.
+
+    Raises
+    ------
+    MappingError: if the file cannot be written.
+    """
+    _made(path, lambda raw: _write_bands(raw, grid, window, bands), Resampling.average)
+
+
+def _made(path: Path, write: Callable[[Path], None], resampling: Resampling) -> None:
+    """Have `write` make a plain file, and make of it the cloud optimised one."""
     raw = path.with_name(path.name + RAW_SUFFIX)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
-            _write_raw(raw, grid, window, tiles, palette)
-            _add_overviews(raw, Resampling.average if palette is None else Resampling.mode)
+            write(raw)
+            _add_overviews(raw, resampling)
             rasterio.shutil.copy(raw, part_of(path), **COG)
         sync_file(part_of(path))
         finish_part(path)
@@ -84,14 +105,9 @@ def _write_raw(
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
     palette: Mapping[int, Colour] | None,
 ) -> None:
-    west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
-    transform = Affine.translation(west_m, north_m) @ Affine.scale(
-        grid.resolution_m, -grid.resolution_m
-    )
-    crs = rasterio.CRS.from_epsg(grid.epsg)
-    size = {'width': window.width, 'height': window.height, 'dtype': 'uint8'}
+    size = {'dtype': 'uint8'}
     size |= {'count': 4} if palette is None else {'count': 1, 'nodata': 0}
-    with rasterio.open(path, 'w', crs=crs, transform=transform, **size, **RAW) as file:
+    with rasterio.open(path, 'w', **_place(grid, window), **size, **RAW) as file:
         if palette is None:
             file.colorinterp = RGBA
         elif palette:
@@ -107,6 +123,26 @@ def _write_raw(
                 part,
                 window=RasterWindow(columns.start, rows.start, shared.width, shared.height),
             )
+
+
+def _write_bands(
+    path: Path, grid: MapGrid, window: Window, bands: Mapping[str, NDArray[np.float32]]
+) -> None:
+    size = {'dtype': 'float32', 'count': len(bands), 'nodata': NO_VALUE}
+    with rasterio.open(path, 'w', **_place(grid, window), **size, **RAW) as file:
+        for number, (name, values) in enumerate(bands.items(), 1):
+            file.write(np.nan_to_num(values, nan=NO_VALUE), number)
+            file.set_band_description(number, name)
+
+
+def _place(grid: MapGrid, window: Window) -> dict[str, Any]:
+    """Return what rasterio wants to know of where `window` lies."""
+    west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
+    scale = Affine.scale(grid.resolution_m, -grid.resolution_m)
+    return {
+        'width': window.width, 'height': window.height, 'crs': rasterio.CRS.from_epsg(grid.epsg),
+        'transform': Affine.translation(west_m, north_m) @ scale,
+    }  # fmt: skip
 
 
 def _add_overviews(path: Path, resampling: Resampling) -> None:

@@ -13,17 +13,15 @@ from rocsafe_mapping.alignment.photo import FloatArray
 from rocsafe_mapping.alignment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.state import State
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
-from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.labels import NOBODY, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
+from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 
 FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
-# Of what a photograph shows of a tile, one in so many coarse pixels tells its error.
-SEEN_EVERY = 7
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
 LARGEST_SCALE_OFF = 0.15
@@ -39,7 +37,7 @@ def quality(
     state: State,
     renderer: Renderer,
     region: shapely.Polygon | None = None,
-    costs: Mapping[str, Mapping[str, float]] | None = None,
+    errors: ErrorMap | None = None,
 ) -> dict[str, Any]:
     """Return the quality of a map as a document.
 
@@ -48,9 +46,10 @@ def quality(
     alignment, state: of the photographs.
     renderer: of the map.
     region: that was to be covered, in local metres.
-    costs: seconds of wall and processor by stage.
+    errors: of the map's places; found here where they are not given.
     """
     placed_by_gps = by_gps(alignment)
+    errors = errors or error_map(alignment, renderer)
     resolution_m = renderer.grid.resolution_m
     reasons = violations(alignment, state)
     return {
@@ -68,6 +67,7 @@ def quality(
         'seams': _seams(alignment, renderer),
         'fixes': _fixes(alignment),
         'stated_error_m': _stated(alignment),
+        'stated_error_with_what_stands_m': errors.facts(),
         'ground': _ground(state),
         'lenses': {
             name: {'focal_factor': math.exp(lens.log_focal), 'k1': lens.k1, 'k2': lens.k2}
@@ -75,8 +75,8 @@ def quality(
         },
         'coverage': coverage(renderer, region),
         'placements': _placements(alignment),
-        'tiles': _tiles(alignment, renderer),
-        'costs': {name: dict(cost) for name, cost in (costs or {}).items()},
+        'tiles': _tiles(alignment, renderer, errors),
+        'costs': {},
     }
 
 
@@ -218,43 +218,35 @@ def _placements(alignment: Alignment) -> list[dict[str, Any]]:
     ]
 
 
-def _tiles(alignment: Alignment, renderer: Renderer) -> list[dict[str, Any]]:
+def _tiles(alignment: Alignment, renderer: Renderer, errors: ErrorMap) -> list[dict[str, Any]]:
     """Return, for each tile of the map, what places it and how far it may be off."""
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
     side = max(1, QUALITY_TILE_PX // step)
-    labels, window = renderer.labels, renderer.label_window
+    window = renderer.label_window
     tiles = []
     for place in window.tiles(side):
-        shared = place.cut(window)
-        seen = _seen(renderer, labels[shared.within(window)], shared)
-        if seen:
-            tiles.append(_tile(alignment, seen, place, step))
+        at = place.cut(window).within(window)
+        off = _errors_by_name(renderer, renderer.labels[at], errors.error_m[at])
+        if off:
+            is_by_gps = any(alignment.placements[n].placed_by == BY_GPS for n in off)
+            tiles.append({
+                'row': place.row * step,
+                'column': place.column * step,
+                'side_px': place.height * step,
+                'placed_by': BY_GPS if is_by_gps else BY_FEATURES,
+                'error_m': round(max(off.values()), 3),
+                'photographs': len(off),
+            })  # fmt: skip
     return tiles
 
 
-def _seen(renderer: Renderer, labels: NDArray[np.int32], place: Window) -> dict[str, FloatArray]:
-    """Return the ground (n, 2) that each photograph shows of a place on the coarse grid."""
-    found = {}
-    for number in sorted(set(np.unique(labels).tolist()) - {NOBODY}):
-        rows, columns = (at[::SEEN_EVERY].astype(float) for at in np.nonzero(labels == number))
-        found[renderer.names[number]] = renderer.coarse.ground_of(
-            columns + (place.column + 0.5), rows + (place.row + 0.5)
-        )
-    return found
-
-
-def _tile(
-    alignment: Alignment, seen: Mapping[str, FloatArray], place: Window, step: int
-) -> dict[str, Any]:
-    is_by_gps = any(alignment.placements[name].placed_by == BY_GPS for name in seen)
-    return {
-        'row': place.row * step,
-        'column': place.column * step,
-        'side_px': place.height * step,
-        'placed_by': BY_GPS if is_by_gps else BY_FEATURES,
-        'error_m': round(max(alignment.error_m(*shown) for shown in seen.items()), 3),
-        'photographs': len(seen),
-    }
+def _errors_by_name(
+    renderer: Renderer, labels: Labels, error_m: NDArray[np.float32]
+) -> dict[str, float]:
+    """Return how far off each photograph is in what the map shows of it at a place."""
+    numbers = sorted(set(np.unique(labels).tolist()) - {NOBODY})
+    squares = {renderer.names[number]: error_m[labels == number] ** 2 for number in numbers}
+    return {name: float(np.sqrt(np.mean(square))) for name, square in squares.items()}
 
 
 def _rounded(figures: Mapping[str, float]) -> dict[str, float]:

@@ -25,19 +25,31 @@ img {{ max-width: 100%; background: #eef1f4; }}
 {picture}
 <h2>Figures</h2>
 <table>{figures}</table>
+{errors}
 <h2>Photographs</h2>
 <table><tr><th>photograph</th><th>placed by</th><th>may be off, m</th><th>from its fix, m</th></tr>
 {photographs}</table>
 </body></html>
 """
+ERRORS = """<h2>What stands on the ground</h2>
+<p>The map is flat: roofs and trees lie where the photograph saw them, leaning outwards, and are
+off the more the higher they are. Where only one photograph shows a place, nothing tells what
+stands there; it is reckoned with as elsewhere on the map. The same, place by place: error.tif.</p>
+<table><tr><th>place</th><th>of the map</th><th>may be off, m</th></tr>{rows}</table>
+{image}<p>Dark: least off; bright: most. Greyed: seen by one photograph only, or not alike.</p>
+"""
 
 
-def quality_page(document: Mapping[str, Any], picture: str = '') -> str:
-    """Return the page for a `document` of `quality`; `picture` is the map's, beside the page."""
+def quality_page(document: Mapping[str, Any], picture: str = '', error_picture: str = '') -> str:
+    """Return the page for a `document` of `quality`.
+
+    `picture` is the map's and `error_picture` that of its errors, both beside the page.
+    """
     return PAGE.format(
         verdict=_verdict(document),
         picture=f'<p><img src="{html.escape(picture)}" alt="the map"></p>' if picture else '',
         figures=''.join(_row(name, value) for name, value in _figures(document)),
+        errors=_errors(document['stated_error_with_what_stands_m'], error_picture),
         photographs=''.join(_photograph(row) for row in document['placements']),
     )
 
@@ -57,6 +69,23 @@ def _verdict(document: Mapping[str, Any]) -> str:
         f'<li>{html.escape(text)}</li>' for text in document['why_not_georeferenced']
     )
     return f'<div class="no">Not to be called georeferenced:<ul>{reasons}</ul></div>'
+
+
+def _errors(errors: Mapping[str, Any], picture: str) -> str:
+    """Return how far what stands on the ground is off, and where nothing tells."""
+    kinds = (
+        ('level ground, as two photographs tell', 'ground'),
+        ('what stands on it, as two photographs tell', 'standing'),
+        ('seen by one photograph, or not alike in two', 'untold'),
+    )
+    rows = ''.join(
+        f'<tr><td>{text}</td><td class="n">{100 * errors[kind]["share"]:.1f} %</td>'
+        f'<td class="n">{errors[kind]["rms"]:.2f}</td></tr>'
+        for text, kind in kinds
+        if errors[kind]['rms'] is not None
+    )
+    image = f'<p><img src="{html.escape(picture)}" alt="errors of the map"></p>' if picture else ''
+    return ERRORS.format(rows=rows, image=image)
 
 
 def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How alike two photographs are at each place if what they show there stood so high.
+
+A photograph on the map shows a point z above the ground where the ray through it meets the
+ground. So for each height the second photograph, laid anew, falls on the first just where it is
+right (Collins 1996). On level ground this only shifts and stretches it: with cameras at c, c' and
+heights h, h' the point that the first shows at x lies at x (1 - z / h) + c z / h, and the second
+shows it h' / (h' - z) times as far from c'.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.sheet import Shares
+
+# Side of the windows that are compared, coarse pixels: a waggon is some ten of them wide.
+COMPARED_PX = 7
+# What noise adds to the variance of grey levels: a surface without structure is like nothing.
+NOISE_VARIANCE = 9.0
+NOT_SEEN = -1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """A photograph on the coarse grid.
+
+    Attributes
+    ----------
+    window: where.
+    gray: shape (height, width).
+    is_seen: which of it the photograph shows, 1 or 0, shape (height, width).
+    below: the place (column, row) on the grid below the camera.
+    height_m: of the camera above the ground.
+    """
+
+    window: Window
+    gray: Shares
+    is_seen: NDArray[np.uint8]
+    below: FloatArray
+    height_m: float
+
+
+def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatArray) -> Shares:
+    """Return how alike `first` and the others are, -1 to 1, at each height: (n, height, width).
+
+    It is the mean, over those of the others that see the place, of the correlation of windows;
+    -1 where none of them sees it.
+
+    Parameters
+    ----------
+    box: what of the grid is asked, within the window of `first`.
+    heights_m: above the ground that are tried, shape (n,).
+    """
+    one = np.ascontiguousarray(first.gray[box.within(first.window)])
+    total = np.zeros((len(heights_m), *one.shape), np.float32)
+    count = np.zeros(total.shape, np.uint8)
+    for other in others:
+        alike, is_seen = _compared(one, _laid(first, box, other, heights_m))
+        alike *= is_seen
+        total += alike
+        count += is_seen
+    np.divide(total, count, out=total, where=count > 1)
+    total[count == 0] = NOT_SEEN
+    return total
+
+
+def _laid(
+    first: Look, box: Window, other: Look, heights_m: FloatArray
+) -> tuple[Shares, NDArray[np.uint8]]:
+    """Return `other` laid on `first` for each height (n, height, width), and what it shows."""
+    shape = (len(heights_m), box.height, box.width)
+    gray, is_seen = np.empty(shape, np.float32), np.empty(shape, np.uint8)
+    size = (box.width, box.height)
+    # Pixel (0, 0) of a picture has its middle half a pixel from its window's edge.
+    corner = np.array([box.column, box.row]) + 0.5
+    start = np.array([other.window.column, other.window.row]) + 0.5
+    for number, height_m in enumerate(heights_m):
+        sunk = height_m / first.height_m
+        stretch = other.height_m / (other.height_m - height_m)
+        x, y = (
+            stretch * (corner * (1.0 - sunk) + first.below * sunk - other.below)
+            + other.below - start
+        )  # fmt: skip
+        scale = stretch * (1.0 - sunk)
+        matrix = np.array([[scale, 0.0, x], [0.0, scale, y]])
+        cv2.warpAffine(
+            other.gray, matrix, size, dst=gray[number],
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
+        )  # fmt: skip
+        cv2.warpAffine(
+            other.is_seen, matrix, size, dst=is_seen[number],
+            flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_CONSTANT,
+        )  # fmt: skip
+    return gray, is_seen
+
+
+def _compared(
+    one: Shares, laid: tuple[Shares, NDArray[np.uint8]]
+) -> tuple[Shares, NDArray[np.uint8]]:
+    """Return the correlation of windows of `one` and each of the laid pictures, and `is_seen`.
+
+    All pictures are smoothed as one tall picture: near its upper and lower edge, by half a
+    window, a picture's correlation is not right.
+    """
+    gray, is_seen = laid
+    mean, variance = _moments(one)
+    tall = gray.reshape(-1, gray.shape[2])
+    means, variances = (part.reshape(gray.shape) for part in _moments(tall))
+    product = _smooth((gray * one).reshape(tall.shape)).reshape(gray.shape)
+    product -= means * mean
+    product /= np.sqrt((variances + NOISE_VARIANCE) * (variance + NOISE_VARIANCE))
+    return product, is_seen
+
+
+def _moments(picture: Shares) -> tuple[Shares, Shares]:
+    """Return mean and variance of the windows about each pixel."""
+    mean = _smooth(picture)
+    return mean, np.maximum(_smooth(picture * picture) - mean * mean, np.float32(0.0))
+
+
+def _smooth(picture: Shares) -> Shares:
+    side = (COMPARED_PX, COMPARED_PX)
+    smoothed: Shares = cv2.boxFilter(picture, -1, side, borderType=cv2.BORDER_REPLICATE)
+    return smoothed
