@@ -105,7 +105,7 @@ def _write_raw(
     tiles: Iterable[tuple[Window, NDArray[np.uint8]]],
     palette: Mapping[int, Colour] | None,
 ) -> None:
-    size = {'dtype': 'uint8'}
+    size: dict[str, Any] = {'dtype': 'uint8'}
     size |= {'count': 4} if palette is None else {'count': 1, 'nodata': 0}
     with rasterio.open(path, 'w', **_place(grid, window), **size, **RAW) as file:
         if palette is None:
