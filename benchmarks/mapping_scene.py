@@ -102,7 +102,7 @@ def shown_m(shot: SceneShot, sheet: Sheet) -> Floats:
     """
     rays = rays_of_pixels(sheet.photo.camera, shot.pixels) @ sheet.pose.rotation.T
     slopes = rays[:, :2] / -rays[:, 2:]
-    place = sheet.pose.centre[:2] + slopes * sheet.pose.centre[2]
+    place: Floats = sheet.pose.centre[:2] + slopes * sheet.pose.centre[2]
     for _ in range(3):
         reach = sheet.pose.centre[2] - sheet.surface.at(place)
         place = sheet.pose.centre[:2] + slopes * reach[:, np.newaxis]
