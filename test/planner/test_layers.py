@@ -8,8 +8,11 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
+from rocsafe_planner.keeping_apart import _turns
+from rocsafe_planner.plan import Route
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.vehicle import Aloft
 
 from .fleets import STARTS, request, vehicle
 from .surveys import surveys
@@ -82,3 +85,18 @@ def test_layered_plans_are_valid(survey):
         raise
     assert check_plan(plan) == []
     assert plan.minimum_separation_m >= 8.0 or math.isinf(plan.minimum_separation_m)
+
+
+@pytest.mark.parametrize('landing', [{'end': CROWD[0].home}, {'is_open': True}, {}])
+@pytest.mark.parametrize('aloft', [Aloft(position=CROWD[0].home), None])
+@pytest.mark.parametrize('count', [1, 2, 3])
+def test_flights_that_take_turns_are_all_flown_once(landing, aloft, count):
+    """Also of a vehicle in the air that lands elsewhere, whose only flight is first and last."""
+    flights = [[number] for number in range(count)]
+    route = Route(vehicle=vehicle(aloft=aloft, **landing), sorties=(), flight_height_m=32.0)
+    turns = _turns(route, flights)
+    assert turns[0] == flights
+    for turn in turns:
+        assert sorted(turn) == flights
+        assert turn[0] == flights[0] or aloft is None
+        assert turn[-1] == flights[-1] or not landing

@@ -92,7 +92,8 @@ def _turns(route: Route, flights: Orders) -> list[Orders]:
     """Return the flights, and them again beginning with each that begins and ends at home."""
     vehicle = route.vehicle
     first = 0 if vehicle.aloft is None else 1
-    last = len(flights) - (1 if vehicle.is_open or vehicle.end is not None else 0)
+    # One flight may be both: the first of a vehicle in the air, and the one that ends elsewhere.
+    last = max(first, len(flights) - (1 if vehicle.is_open or vehicle.end is not None else 0))
     head, free, tail = flights[:first], flights[first:last], flights[last:]
     turns = [free[k:] + free[:k] for k in range(min(len(free), MAX_TURNS))]
     return [[*head, *turn, *tail] for turn in turns or [free]]
