@@ -12,8 +12,6 @@ from rocsafe_planner.solver.ruin import ruin
 from rocsafe_planner.solver.state import State, unload
 from rocsafe_planner.solver.tables import Floats, Ints, Tables, Words
 
-STRIDE_OF_TEMPERATURE = 256
-
 
 class Best(NamedTuple):
     """The best routes of a search and what they are worth."""

@@ -22,8 +22,6 @@ from rocsafe_planner.solver.starts import first_plans, sector_plan, seen_from_ho
 from rocsafe_planner.solver.tables import Floats
 
 POLL_S = 0.02
-CHUNK = 16384
-"""Proposals between two looks at the clock."""
 UNKNOWN = Bound(value=0.0, name='none')
 PLAIN_ROUNDS = 4
 CHEAP_BOUNDS = 3
