@@ -146,6 +146,50 @@ def test_legs_over_random_ground_are_clear(seed):
             assert (line[:, 2] >= ground + 3.0 - 1e-6).all()
 
 
+def legs_over_peaks(seed):
+    """Return a relief with some peaks, and ends of 30 legs of all lengths over it."""
+    generator = np.random.default_rng(seed)
+    tops = generator.uniform(0.0, 40.0, (60, 80)) * (generator.random((60, 80)) < 0.02)
+    ends = generator.uniform((0.0, 0.0, 20.0), (395.0, 295.0, 60.0), (30, 2, 3))
+    ends[:10, 1, :2] = ends[:10, 0, :2] + generator.uniform(-20.0, 20.0, (10, 2))
+    return Relief(np.zeros(2), 5.0, tops, clearance_m=3.0), ends[:, 0], ends[:, 1]
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_the_bends_of_a_leg_depend_on_that_leg_alone(seed):
+    """Whether legs are asked for one by one or at once, they bend at the same places."""
+    relief, origins, targets = legs_over_peaks(seed)
+    together = relief.bends(origins, targets)
+    alone = [relief.bends(a, b) for a, b in zip(origins, targets, strict=True)]
+    for k in range(2):
+        np.testing.assert_array_equal(together[k], [bends[k] for bends in alone])
+    assert 3 <= (together[0] != targets).any(axis=1).sum() <= 27
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_looks_at_coarse_grids_change_no_bend(monkeypatch, seed):
+    """Legs that coarse grids prove to be high enough are those that samples leave straight."""
+    relief, origins, targets = legs_over_peaks(seed)
+    quick = relief.bends(origins, targets)
+    monkeypatch.setattr('rocsafe_geo.relief._PIECES', ())
+    for found, expected in zip(quick, relief.bends(origins, targets), strict=True):
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_each_cell_of_a_coarse_grid_holds_the_highest_of_its_neighbourhood():
+    """Grid k has the highest within 2^(k + 1) cells of each cell, at the rim too."""
+    tops = np.random.default_rng(5).uniform(0.0, 40.0, (11, 30))
+    levels = Relief(np.zeros(2), 1.0, tops, clearance_m=0.0)._levels
+    assert len(levels) == 5
+    for k, level in enumerate(levels):
+        reach = 2 ** (k + 1)
+        for row, column in ((0, 0), (5, 7), (10, 29), (3, 29)):
+            beside = tops[
+                max(0, row - reach) : row + reach + 1, max(0, column - reach) : column + reach + 1
+            ]
+            assert level[row, column] == beside.max()
+
+
 def aloft_over_slope(altitude_m):
     """Return a request for a yard of 40 m, and one vehicle in the air over ground 12 m high."""
     yard = tuple(offset(CENTRE, 100.0 + e, n) for e, n in ((0, 0), (40, 0), (40, 40), (0, 40)))

@@ -10,11 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+BoolArray = NDArray[np.bool_]
 
 # Samples along a leg, at most.
 _MOST_SAMPLES = 48
-# Pairs whose samples are in memory at once.
-_BLOCK = 20_000
+# Legs whose samples are in memory at once: in the processor's own.
+_BLOCK = 2000
+# Into how many a leg is divided to see whether it is high enough, coarsely at first.
+_PIECES = (1, 4)
 
 
 class Relief:
@@ -36,7 +40,7 @@ class Relief:
         self, corner: FloatArray, cell_m: float, tops: FloatArray, clearance_m: float
     ) -> None:
         self._corner, self._cell = corner, cell_m
-        self._levels = [_spread(tops + clearance_m, 2)]
+        self._levels = [_spread(_spread(tops + clearance_m, 1), 1)]
         while 2.0 ** len(self._levels) < max(tops.shape):
             self._levels.append(_spread(self._levels[-1], 2 ** len(self._levels)))
 
@@ -45,31 +49,69 @@ class Relief:
 
         Both are the target where the straight line does; they are one where one is enough. Up to
         the first it climbs as steeply as the ground asks for, from the second it sinks as steeply,
-        and in between it is level.
+        and in between it is level. Each leg's bends depend on that leg alone.
         """
         origins, targets = np.broadcast_arrays(origins, targets)
         shape = origins.shape
-        a, b = origins.reshape(-1, 3), targets.reshape(-1, 3)
+        a, b = _ends(origins), _ends(targets)
         first, second = b.copy(), b.copy()
-        depth = self._depths(np.hypot(*(b - a)[:, :2].T))
-        for level in np.unique(depth):
-            chosen = np.flatnonzero(depth == level)
+        low = self._low_legs(a, b)
+        distance = np.hypot(*(b[low] - a[low])[:, :2].T)
+        depth = self._depths(distance)
+        count = 2 + (distance / (2.0 * self._cell * 2.0**depth)).astype(np.intp)
+        kind = depth * (count.max(initial=0) + 1) + count
+        order = np.argsort(kind, kind='stable')
+        for group in np.split(order, np.flatnonzero(np.diff(kind[order])) + 1):
+            if not len(group):
+                break
+            level, samples = int(depth[group[0]]), int(count[group[0]])
+            chosen = low[group]
             for start in range(0, len(chosen), _BLOCK):
                 block = chosen[start : start + _BLOCK]
-                first[block], second[block] = self._bends(a[block], b[block], int(level))
+                first[block], second[block] = self._bends(a[block], b[block], level, samples)
         return first.reshape(shape), second.reshape(shape)
 
-    def _depths(self, distance: FloatArray) -> NDArray[np.intp]:
+    def _depths(self, distance: FloatArray) -> IndexArray:
         """Return the grid whose samples are enough for each leg."""
         steps = np.maximum(distance / (2.0 * self._cell * _MOST_SAMPLES), 1.0)
-        depths: NDArray[np.intp] = np.ceil(np.log2(steps)).astype(np.intp)
+        depths: IndexArray = np.ceil(np.log2(steps)).astype(np.intp)
         return np.clip(depths, 0, len(self._levels) - 1)
 
-    def _bends(self, a: FloatArray, b: FloatArray, level: int) -> tuple[FloatArray, FloatArray]:
-        longest = float(np.hypot(*(b - a)[:, :2].T).max())
-        count = 2 + int(longest / (2.0 * self._cell * 2.0**level))
-        share = (np.arange(count) + 0.5) / count
-        tops = self._tops(a[:, None, :2] + share[None, :, None] * (b - a)[:, None, :2], level)
+    def _low_legs(self, a: FloatArray, b: FloatArray) -> IndexArray:
+        """Return the numbers of the legs that no look at coarse grids proves to be high enough."""
+        low = np.arange(len(a))
+        for pieces in _PIECES:
+            found = [
+                low[block][~self._is_high(a[low[block]], b[low[block]], pieces)]
+                for block in (slice(k, k + _BLOCK) for k in range(0, len(low), _BLOCK))
+            ]
+            low = np.concatenate([low[:0], *found])
+        return low
+
+    def _is_high(self, a: FloatArray, b: FloatArray, pieces: int) -> BoolArray:
+        """Return which legs are above the highest ground near each of their pieces.
+
+        A cell of grid k holds the highest ground within 2^(k + 1) cells: of the grid that reaches
+        beyond a piece and all that its samples see, one cell is enough.
+        """
+        distance = np.hypot(*(b - a)[:, :2].T)
+        seen = 2.0 ** (self._depths(distance) + 1)
+        reach = 0.5 * distance / (pieces * self._cell) + seen + 1.0
+        level = np.clip(np.ceil(np.log2(reach)).astype(np.intp) - 1, 0, len(self._levels) - 1)
+        middle = (np.arange(pieces) + 0.5) / pieces
+        tops = np.empty((len(a), pieces))
+        for each in np.flatnonzero(np.bincount(level)):
+            chosen = level == each
+            tops[chosen] = self._tops(a[chosen], b[chosen], middle, int(each))
+        drop = (b[:, 2] - a[:, 2])[:, None]
+        lowest = a[:, 2, None] + drop * middle - np.abs(drop) * 0.5 / pieces
+        return np.asarray((tops <= lowest).all(axis=1))
+
+    def _bends(
+        self, a: FloatArray, b: FloatArray, level: int, samples: int
+    ) -> tuple[FloatArray, FloatArray]:
+        share = (np.arange(samples) + 0.5) / samples
+        tops = self._tops(a, b, share, level)
         rise = ((tops - a[:, 2:]) / share).max(axis=1)
         sink = ((tops - b[:, 2:]) / (1.0 - share)).max(axis=1)
         drop = b[:, 2] - a[:, 2]
@@ -85,14 +127,27 @@ class Relief:
             np.where(is_blocked[:, None], _between(a, b, part, up), b) for part in (begin, end)
         )
 
-    def _tops(self, places: FloatArray, level: int) -> FloatArray:
-        """Return the least height to fly at above places (..., 2)."""
+    def _tops(self, a: FloatArray, b: FloatArray, share: FloatArray, level: int) -> FloatArray:
+        """Return the least height to fly at, at shares of each of the ways from a to b."""
         grid = self._levels[level]
-        cells = np.rint((places - self._corner) / self._cell)
-        column = np.clip(np.nan_to_num(cells[..., 0]), 0, grid.shape[1] - 1).astype(np.intp)
-        row = np.clip(np.nan_to_num(cells[..., 1]), 0, grid.shape[0] - 1).astype(np.intp)
-        tops: FloatArray = grid[row, column]
+        cells: list[IndexArray] = []
+        for axis in (0, 1):
+            begin = (a[:, axis] - self._corner[axis]) / self._cell
+            step = (b[:, axis] - a[:, axis]) / self._cell
+            spots = begin[:, None] + share * step[:, None]
+            np.rint(spots, out=spots)
+            np.clip(spots, 0, grid.shape[1 - axis] - 1, out=spots)
+            cells.append(spots.astype(np.intp))
+        cells[1] *= grid.shape[1]
+        cells[1] += cells[0]
+        tops: FloatArray = grid.ravel().take(cells[1])
         return tops
+
+
+def _ends(places: FloatArray) -> FloatArray:
+    """Return places as rows; what is nowhere counts as above the origin."""
+    rows = places.reshape(-1, 3)
+    return np.column_stack([np.nan_to_num(rows[:, :2]), rows[:, 2]])
 
 
 def _between(a: FloatArray, b: FloatArray, share: FloatArray, up: FloatArray) -> FloatArray:
@@ -102,21 +157,15 @@ def _between(a: FloatArray, b: FloatArray, share: FloatArray, up: FloatArray) ->
 
 
 def _spread(grid: FloatArray, cells: int) -> FloatArray:
-    """Return the highest within so many cells of each, in both directions."""
-    for axis in (0, 1):
-        reach = 0
-        while reach < cells:
-            step = min(max(reach, 1), cells - reach)
-            grid = _highest_beside(grid, step, axis)
-            reach += step
-    return grid
+    """Return the highest of each cell, those `cells` from it in both directions, and corners.
 
-
-def _highest_beside(grid: FloatArray, step: int, axis: int) -> FloatArray:
-    """Return the highest of each cell and those `step` before and after it."""
-    length = grid.shape[axis]
-    spots = np.arange(length)
-    before = np.take(grid, np.maximum(spots - step, 0), axis=axis)
-    after = np.take(grid, np.minimum(spots + step, length - 1), axis=axis)
-    highest: FloatArray = np.maximum(grid, np.maximum(before, after))
+    Where each cell already holds the highest within `cells` of it, that is the highest within
+    twice as many.
+    """
+    taller = grid.copy()
+    np.maximum(taller[cells:], grid[:-cells], out=taller[cells:])
+    np.maximum(taller[:-cells], grid[cells:], out=taller[:-cells])
+    highest = taller.copy()
+    np.maximum(highest[:, cells:], taller[:, :-cells], out=highest[:, cells:])
+    np.maximum(highest[:, :-cells], taller[:, cells:], out=highest[:, :-cells])
     return highest

@@ -161,12 +161,12 @@ class Detours:
         return self._durations[air]
 
     def _walked_s(self, air: Air) -> FloatArray:
-        count = len(self.corners)
-        at, target = np.indices((count, count))
-        total = np.zeros((count, count))
-        for _ in range(count):
+        at, target = np.indices(self._next.shape)
+        legs = air.flight(air.corners[at], air.corners[target])
+        total = np.zeros(legs.shape)
+        while (at != target).any():
             step = np.where(at == target, at, self._next[at, target])
-            total += air.flight(air.corners[at], air.corners[step])
+            total += np.where(at == target, 0.0, legs[at, step])
             at = step
         return total
 

@@ -24,6 +24,7 @@ from rocsafe_geo.terrain import LocalGround
 from rocsafe_planner.airspace import Air, Detours
 from rocsafe_planner.flight_motion import enu, flight_motion
 from rocsafe_planner.flight_time import FlightTime
+from rocsafe_planner.leg_times import MOST_KEPT, LegTimes, distances_m
 from rocsafe_planner.vehicle import Vehicle
 
 FloatArray = NDArray[np.float64]
@@ -88,6 +89,7 @@ class FleetProblem:
         default_factory=dict, init=False, repr=False
     )
     _air_of: dict[int, Air] = field(default_factory=dict, init=False, repr=False)
+    _times: dict[Air, LegTimes] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def sites(self) -> FloatArray:
@@ -164,10 +166,7 @@ class FleetProblem:
 
     def legs_s(self, vehicle: int, origins: IndexArray, targets: IndexArray) -> FloatArray:
         """Return the times that a vehicle needs for legs between sites, without hovering."""
-        air = self._air(vehicle)
-        if self.detours is not None:
-            return self.detours.duration_s(origins, targets, air)
-        return air.flight(air.sites[origins], air.sites[targets])
+        return self._times[self._air(vehicle)](origins, targets)
 
     def fixed_s(self, vehicle: int) -> float:
         """Return the time of climb and descent of a flight from home."""
@@ -191,14 +190,12 @@ class FleetProblem:
 
     def exit_m(self, vehicle: int) -> float:
         """Return the length of a vehicle's way out of the exclusion that it begins in."""
-        inside = self.inside(vehicle)
-        if inside is None:
+        if (inside := self.inside(vehicle)) is None:
             return 0.0
         return float(distances_m(self.sites[self.start_site(vehicle)], np.array(inside[:2])))
 
     def _exit_s(self, vehicle: int) -> float:
-        inside = self.inside(vehicle)
-        if inside is None:
+        if (inside := self.inside(vehicle)) is None:
             return 0.0
         flight = self.flight(vehicle)
         start = self._air(vehicle).sites[self.start_site(vehicle)]
@@ -223,6 +220,10 @@ class FleetProblem:
             return 0.0
         if self.flight(vehicle).passes:
             return self.motion(vehicle, order).duration_s
+        return self.reckoned_s(vehicle, order)
+
+    def reckoned_s(self, vehicle: int, order: Sequence[int]) -> float:
+        """Return the sum of a flight's parts: of one that passes its viewpoints an estimate."""
         stops = self.stops(vehicle, order)
         flying = float(self.legs_s(vehicle, stops[:-1], stops[1:]).sum())
         return self.first_fixed_s(vehicle) + flying + len(order) * self.vehicles[vehicle].hover_s
@@ -277,14 +278,17 @@ class FleetProblem:
         """Return where and how fast a vehicle flies, made once for those that fly alike."""
         if vehicle in self._air_of:
             return self._air_of[vehicle]
-        key = (self.flight(vehicle), self.layer_m(vehicle))
+        keys = [(self.flight(k), self.layer_m(k)) for k in range(len(self.vehicles))]
+        key = keys[vehicle]
         if key not in self._airs:
             corners = np.zeros((0, 2)) if self.detours is None else self.detours.corners
-            self._airs[key] = Air(
+            air = self._airs[key] = Air(
                 flight=key[0],
                 sites=np.column_stack([self.sites, self.ups_m + key[1]]),
                 corners=np.column_stack([corners, self._over(corners) + key[1]]),
             )
+            kept = 0 if self.legs_are_plain else MOST_KEPT // len(set(keys))
+            self._times[air] = LegTimes(air, self.detours, kept)
         self._air_of[vehicle] = self._airs[key]
         return self._airs[key]
 
@@ -293,10 +297,3 @@ class FleetProblem:
         if self.ground is None or not len(places):
             return np.full(len(places), float(self.height_m))
         return self.ground.ups_m(places) + self.height_m
-
-
-def distances_m(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the plane distances of points (..., 2) that broadcast."""
-    difference = a - b
-    distance: FloatArray = np.hypot(difference[..., 0], difference[..., 1])
-    return distance

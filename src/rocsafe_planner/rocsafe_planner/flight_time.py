@@ -50,12 +50,14 @@ class FlightTime:
         """Return the times in seconds between places (east, north, up), (..., 3), broadcast."""
         if self.relief is None:
             return self._shared(self.straight(origins, targets))
+        origins, targets = np.broadcast_arrays(origins, targets)
         first, second = self.relief.bends(origins, targets)
-        return self._shared(
-            self.straight(origins, first)
-            + self.straight(first, second)
-            + self.straight(second, targets)
-        )
+        bent = (first != targets).any(axis=-1)
+        times = self.straight(origins, first)
+        if bent.any():
+            times[bent] += self.straight(first[bent], second[bent])
+            times[bent] += self.straight(second[bent], targets[bent])
+        return self._shared(times)
 
     def straight(self, origins: FloatArray, targets: FloatArray) -> FloatArray:
         """Return the times of straight lines from stop to stop, whatever lies below."""

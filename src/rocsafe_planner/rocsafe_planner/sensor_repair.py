@@ -15,21 +15,18 @@ def with_sensors(problem: FleetProblem, orders: list[Order]) -> list[Order]:
         return orders
     mended = [[i for i in order if problem.allowed(k)[i]] for k, order in enumerate(orders)]
     strays = sorted({i for order in orders for i in order} - {i for o in mended for i in o})
-    times = [problem.duration_s(k, order) for k, order in enumerate(mended)]
     for point in strays:
         able = np.flatnonzero(problem.may_visit[:, point]).tolist()
         offers = [_cheapest_place(problem, k, mended[k], point) for k in able]
         chosen = min(range(len(able)), key=lambda i: (offers[i][0], i))
-        time, place = offers[chosen]
-        mended[able[chosen]].insert(place, point)
-        times[able[chosen]] = time
+        mended[able[chosen]].insert(offers[chosen][1], point)
     return mended
 
 
 def _cheapest_place(
     problem: FleetProblem, vehicle: int, order: Order, point: int
 ) -> tuple[float, int]:
-    """Return the duration of the route with the point, and the place at which it is shortest."""
+    """Return about how long the route takes with the point, and the place where it is least."""
     stops = problem.stops(vehicle, order)
     spot = np.array([point])
     into = problem.legs_s(vehicle, stops, spot)
@@ -38,4 +35,4 @@ def _cheapest_place(
     detour[: len(out_of)] += out_of - problem.legs_s(vehicle, stops[:-1], stops[1:])
     place = int(np.argmin(np.round(detour, 6)))
     longer = [*order[:place], point, *order[place:]]
-    return problem.duration_s(vehicle, longer), place
+    return problem.reckoned_s(vehicle, longer), place

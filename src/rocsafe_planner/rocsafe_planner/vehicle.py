@@ -3,6 +3,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from rocsafe_geo.limits import require_not_negative, require_positive
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
@@ -126,13 +127,23 @@ class Vehicle:
     def vertical_s(self, height_m: float) -> float:
         """Return the time to climb to `height_m` above home and to descend from it."""
         performance = self.performance()
-        return performance.ascent_s(height_m) + performance.descent_s(height_m)
+        return _ascent_s(performance, height_m) + _descent_s(performance, height_m)
 
     def first_vertical_s(self, height_m: float) -> float:
         """Return the same of its first flight: no climb if it is in the air."""
         if self.aloft is None:
             return self.vertical_s(height_m)
-        return self.performance().descent_s(height_m)
+        return _descent_s(self.performance(), height_m)
+
+
+@lru_cache(maxsize=256)
+def _ascent_s(performance: Performance, height_m: float) -> float:
+    return performance.ascent_s(height_m)
+
+
+@lru_cache(maxsize=256)
+def _descent_s(performance: Performance, height_m: float) -> float:
+    return performance.descent_s(height_m)
 
 
 def require_sensors(owner: str, sensors: tuple[str, ...]) -> tuple[str, ...]:
