@@ -281,3 +281,21 @@ def test_heights_above_home_go_to_autopilots():
             place = stop.position
             ground = SLOPE.altitudes_m([place.latitude_deg], [place.longitude_deg])
             assert stop.height_m == pytest.approx(float(ground[0] - home[0]) + 32.0, abs=1e-3)
+
+
+@pytest.mark.parametrize('objective', ['longest_time', 'energy'])
+def test_more_viewpoints_than_a_table_of_legs_holds(monkeypatch, objective):
+    """Legs over hills that are too many for a table are estimates: the plan is valid, and tight.
+
+    Batteries last although the level legs of the search are shorter than those that are flown.
+    """
+    hills = terrain(lambda east, north: 30.0 * np.sin(east / 25.0) * np.cos(north / 20.0))
+    lasting = plan_survey(request(terrain=hills, method='solver', proposals=3000))
+    endurance = lasting.makespan_s * 1.1
+    weak = tuple(dataclasses.replace(v, endurance_s=endurance) for v in FLEET)
+    monkeypatch.setattr('rocsafe_planner.routing_task.MOST_TERRAIN_SITES', 10)
+    plan = plan_survey(
+        request(terrain=hills, method='solver', proposals=3000, vehicles=weak, objective=objective)
+    )
+    assert check_plan(plan) == []
+    assert 0.0 < plan.lower_bound_s <= plan.makespan_s <= endurance

@@ -160,7 +160,8 @@ def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) 
         legs=legs,
         fixed_cost=fixed + swap_s,
         idle_cost=idle_cost(problem, vehicle, objective) if is_first else 0.0,
-        limit=max(0.0, slot.cap_s - climb_s - rest_s(spec, table.legs[time]) - slack_s),
+        limit=max(0.0, slot.cap_s - climb_s - rest_s(spec, table.legs[time]) - slack_s)
+        * table.share(vehicle),
         limit_legs=time,
     )
 

@@ -23,6 +23,8 @@ Legs = PointLegs | MatrixLegs
 
 MOST_EXACT_SITES = 4000
 """Of more sites the times of all pairs would not fit: 4000 take 128 MB."""
+MOST_TERRAIN_SITES = 2500
+"""The same over a terrain, where 6 million legs take some seconds."""
 MOST_CLOSED_SITES = 800
 """Of more sites it is not looked at whether a detour is shorter, and fewer bounds hold."""
 LEAST_RAMP_S = 1e-6
@@ -101,28 +103,51 @@ class LegTable:
             self.legs.append(make())
         return self._numbers[key]
 
+    @property
+    def _is_estimated(self) -> bool:
+        """Whether legs are too many for a table: they count as if they were level and calm."""
+        problem = self._problem
+        most = MOST_EXACT_SITES if problem.relief is None else MOST_TERRAIN_SITES
+        return problem.detours is None and len(problem.sites) > most
+
     def _time(self, vehicle: int) -> Legs:
         problem, spec = self._problem, self._problem.vehicles[vehicle]
         if self._is_bounded and (
             any(v.hover_s == 0.0 for v in problem.vehicles)  # those who pass viewpoints
             or len(problem.sites) > (MOST_CLOSED_SITES if self._is_plain else MOST_EXACT_SITES)
         ):
-            return self._trapezoids(spec, problem.flight(vehicle).fastest())
-        if self._is_plain and len(problem.sites) > MOST_EXACT_SITES:
-            return self._trapezoids(spec, spec.performance().fastest())
+            return self._trapezoids(problem.flight(vehicle).fastest(), spec.hover_s)
+        if self._is_estimated:
+            performance = problem.flight(vehicle).performance
+            return self._trapezoids(performance.fastest(), spec.hover_s)
         return MatrixLegs(matrix=self._durations(vehicle) + self._stays(spec.hover_s))
 
-    def _trapezoids(self, spec: Vehicle, fastest: MotionLimits) -> PointLegs:
+    def _trapezoids(self, fastest: MotionLimits, stay: float, power_w: float = 1.0) -> PointLegs:
         """Return legs without jerk that cost the same where they reach their speed, else less.
 
         With T(v) for the ramp to speed v, these take d/v + T(v), or 2 sqrt(d T(v)/v): less than
-        legs with jerk because T(v)/v falls with v. What is proven of them holds of those.
+        legs with jerk because T(v)/v falls with v. What is proven of them holds of those, and of
+        legs that climb, or that the wind holds up. With a power they cost energy.
         """
         far_m = 1e6
         speed = fastest.cruise_speed_mps
         ramp_s = max(leg_duration_s(far_m, fastest) - far_m / speed, 0.0)
         acceleration = speed / ramp_s if ramp_s > LEAST_RAMP_S else math.inf
-        return PointLegs(speed_mps=speed, acceleration_mps2=acceleration, stay=spec.hover_s)
+        return PointLegs(
+            speed_mps=speed / power_w, acceleration_mps2=acceleration / power_w**2, stay=stay
+        )
+
+    def share(self, vehicle: int) -> float:
+        """Return about which part of a flight's time legs that are estimates cost."""
+        legs, problem = self.legs[self.time(vehicle)], self._problem
+        if isinstance(legs, MatrixLegs) or self._is_bounded or self._is_plain:
+            return 1.0
+        along = np.arange(len(problem.points))
+        flown = float(problem.legs_s(vehicle, along[:-1], along[1:]).sum())
+        slowness, ramp, short, factor = legs.pace()
+        lengths = problem.legs_m(along[:-1], along[1:])
+        reckoned = np.where(lengths >= short, lengths * slowness + ramp, factor * lengths**0.5)
+        return min(1.0, float(reckoned.sum()) / flown) if flown > 0.0 else 1.0
 
     def _length(self) -> Legs:
         detours = self._problem.detours
@@ -130,6 +155,10 @@ class LegTable:
 
     def _energy(self, vehicle: int) -> Legs:
         spec = self._problem.vehicles[vehicle]
+        if self._is_estimated:
+            fastest = self._problem.flight(vehicle).performance.fastest()
+            stay = spec.hover_power_w * spec.hover_s
+            return self._trapezoids(fastest, stay, spec.cruise_power_w)
         moving = spec.cruise_power_w * self._durations(vehicle)
         return MatrixLegs(matrix=moving + self._stays(spec.hover_power_w * spec.hover_s))
 
@@ -156,7 +185,7 @@ def _vehicle(
         legs=legs,
         fixed_cost=fixed,
         idle_cost=idle_cost(problem, vehicle, objective),
-        limit=_limit_s(spec, climb_s + rest_s(spec, table.legs[time])),
+        limit=_limit_s(spec, climb_s + rest_s(spec, table.legs[time])) * table.share(vehicle),
         limit_legs=time,
     )
 

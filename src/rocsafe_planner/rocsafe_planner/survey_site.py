@@ -24,7 +24,8 @@ from rocsafe_planner.site_checks import check_distances, check_stands, check_ups
 FloatArray = NDArray[np.float64]
 
 MAX_TERRAIN_SITES = 2500
-"""Legs over a terrain are looked at one by one: 6 million of them take some seconds."""
+"""Around exclusions besides, where legs are known as a table only: 6 million of them take some
+seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -159,10 +160,10 @@ def _problem_of(
         detours = airspace.detours(sites)
     ground = relief = None
     if request.terrain is not None:
-        if len(sites) > MAX_TERRAIN_SITES:
+        if detours is not None and len(sites) > MAX_TERRAIN_SITES:
             raise TooManyViewpointsError(
-                f'{len(sites)} viewpoints and homes are to be joined over a terrain: must be at '
-                f'most {MAX_TERRAIN_SITES}'
+                f'{len(sites)} viewpoints and homes are to be joined around exclusions and over a '
+                f'terrain: must be at most {MAX_TERRAIN_SITES}'
             )
         ground = LocalGround(request.terrain, frame, _references(request))
         corners = sites if detours is None else np.vstack([sites, detours.corners])
