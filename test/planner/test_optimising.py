@@ -76,6 +76,25 @@ def test_corners_that_are_flown_round_count_in_the_end():
     assert makespan_s(world, optimised(world, few).orders) <= best
 
 
+def test_there_is_a_plan_before_the_search(monkeypatch):
+    """A plan is told as soon as there is one, before tables of legs; whoever stops has it."""
+    told = []
+
+    def watch(value, _bound):
+        told.append(value)
+        return False
+
+    def tables(*arguments):
+        assert told[0] == makespan_s(world, METHODS['boustrophedon_minmax'](world))
+        return routing_problem(*arguments)
+
+    monkeypatch.setattr('rocsafe_planner.optimising.routing_problem', tables)
+    world = problem([(20.0 * x, 20.0 * y) for x in range(5) for y in range(4)], [(0.0, 0.0)] * 2)
+    found = optimised(world, Effort(), watch)
+    assert makespan_s(world, found.orders) <= told[0]
+    assert sorted(point for order in found.orders for point in order) == list(range(20))
+
+
 def test_derailment_is_a_fifth_shorter_than_the_papers():
     """The seed's own mission, by the paper's method and by the solver."""
     paper, ours = (plan_survey(request(method=m)) for m in ('paper_greedy', 'solver'))

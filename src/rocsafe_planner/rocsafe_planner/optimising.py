@@ -18,7 +18,7 @@ from rocsafe_planner.optimised import Optimised
 from rocsafe_planner.route_values import objective_value
 from rocsafe_planner.routing_task import PEAK_OBJECTIVES, routing_problem
 from rocsafe_planner.sensor_repair import with_sensors
-from rocsafe_planner.solver import Progress, SearchOptions, solve
+from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
 
 Watch = Callable[[float, float], bool]
 """Told value and lower bound so far; False stops the search, which keeps its best routes."""
@@ -65,7 +65,12 @@ def optimised(
     """
     options = search_options(len(problem.points), effort)
     watcher = _Watcher(watch, options.clock)
-    starts = [method(problem) for method in (boustrophedon_minmax, boustrophedon_equal, strips)]
+    starts = [boustrophedon_minmax(problem)]
+    value = objective_value(problem, starts[0], effort.objective)
+    if math.isfinite(value):  # tables of legs may take seconds: there is a plan already
+        none = Bound(value=0.0, name='none')
+        watcher.report(Progress(value=value, bound=none, elapsed_s=0.0))
+    starts += [boustrophedon_equal(problem), strips(problem)]
     if effort.objective not in PEAK_OBJECTIVES:
         starts += _alone(problem)
     solution = solve(

@@ -23,8 +23,8 @@ Legs = PointLegs | MatrixLegs
 
 MOST_EXACT_SITES = 4000
 """Of more sites the times of all pairs would not fit: 4000 take 128 MB."""
-MOST_TERRAIN_SITES = 2500
-"""The same over a terrain, where 6 million legs take some seconds."""
+MOST_TERRAIN_SITES = 1000
+"""The same over a terrain, where a million legs take a second or some."""
 MOST_CLOSED_SITES = 800
 """Of more sites it is not looked at whether a detour is shorter, and fewer bounds hold."""
 LEAST_RAMP_S = 1e-6
