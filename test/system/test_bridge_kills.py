@@ -145,9 +145,10 @@ class Post:
         """End all."""
         self._bridge.send_signal(signal.SIGKILL)
         self._bridge.wait()
+        # First: what it still waits for must not be destroyed.
+        self._executor.shutdown(timeout_sec=2.0)
         self._client.destroy()
         self._node.destroy_node()
-        self._executor.shutdown(timeout_sec=2.0)
         rclpy.shutdown(context=self._context)
 
     def _on_state(self, message):

@@ -203,5 +203,7 @@ class Spinner:
     def close(self) -> None:
         """Destroy the node."""
         self._executor.remove_node(self._node)
-        self._answers.remove_node(self._node.requester)
+        # What it waits for it still holds: a client of an action that is destroyed meanwhile
+        # damages the memory of the process.
+        self._answers.shutdown()
         self._node.destroy_node()

@@ -57,6 +57,7 @@ def _send_goal(options: Namespace) -> int:
         try:
             _run_goal(holder, client, goal, options)
         finally:
+            holder.stop()
             client.destroy()
     return 0
 

@@ -83,9 +83,17 @@ class CommandNode:
             self._executor.spin_once(timeout_sec=SLICE_S)
         return True
 
+    def stop(self) -> None:
+        """Wait for nothing any more: only then may what was waited for be destroyed.
+
+        A client of an action that goes before damages the memory of the process, if its server
+        was killed.
+        """
+        self._executor.shutdown(timeout_sec=1.0)
+
     def close(self) -> None:
         """Take the node down."""
-        self._executor.shutdown(timeout_sec=1.0)
+        self.stop()
         self.node.destroy_node()
         close_context(self._context)
 
