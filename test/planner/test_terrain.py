@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pyproj import Transformer
 
 from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import offset
 from rocsafe_geo.relief import Relief
-from rocsafe_geo.terrain import TerrainError
+from rocsafe_geo.terrain import LocalGround, Terrain, TerrainError
 from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.vehicle import Aloft
@@ -39,6 +41,29 @@ def test_heights_lie_on_planes_between_pixels():
     )
     np.testing.assert_allclose(heights[:3], 0.1 * east[:3], atol=0.05)
     assert math.isnan(heights[3])
+
+
+def test_a_relief_is_as_high_as_the_ground_below_each_of_its_cells():
+    """Between the places that are looked up, in another coordinate system, nothing is lost."""
+    across, down = np.meshgrid(np.arange(80), np.arange(80))
+    x, y = Transformer.from_crs('EPSG:4326', 'EPSG:32630').transform(
+        CENTRE.latitude_deg, CENTRE.longitude_deg
+    )
+    hills = Terrain(
+        heights_m=20.0 * np.sin(across / 7.0) * np.cos(down / 5.0),
+        to_column=(0.1, 0.0, 40.0 - 0.1 * x),
+        to_row=(0.0, -0.1, 40.0 + 0.1 * y),
+        crs='EPSG:32630',
+        digest='hills',
+    )
+    ground = LocalGround(hills, LocalFrame(dataclasses.replace(CENTRE, altitude_m=0.0)), [])
+    relief = ground.relief(np.array([(-130.0, -75.0), (140.0, 81.0)]), clearance_m=2.0)
+    generator = np.random.default_rng(3)
+    places = generator.uniform((-130.0, -75.0), (140.0, 81.0), (200, 2))
+    ups = ground.ups_m(places)
+    tops = relief._tops(places, places, np.zeros(1), 0)[:, 0] - 2.0
+    assert (tops >= ups - 1e-6).all()
+    assert (tops <= ups + 2.5).all()
 
 
 def test_level_ground_changes_nothing():

@@ -14,6 +14,8 @@ from rocsafe_geo.relief import Relief
 
 FloatArray = NDArray[np.float64]
 
+# Cells between two places of a relief that are looked up in the coordinate system.
+_KNOT = 16
 # Cells of a relief along its longer side, at most, and their least size.
 _MOST_CELLS = 1000
 _LEAST_CELL_M = 0.5
@@ -65,13 +67,21 @@ class Terrain:
 
         Within half a pixel of the raster's rim the height is that of the nearest pixel.
         """
+        return self.heights_at(self.pixels_of(latitudes_deg, longitudes_deg))
+
+    def pixels_of(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
+        """Return (row, column) of places, (n, 2), 0.5 in the first pixel's middle, NaN nowhere."""
         latitudes, longitudes = as_columns(latitudes_deg, longitudes_deg)
         # Two at least: of one, pyproj makes a scalar and warns.
         pair = (np.append(values, values[-1:]) for values in (longitudes, latitudes))
         x, y = (np.asarray(values)[:-1] for values in self._to_crs.transform(*pair))
         place = np.stack([x, y, np.ones_like(x)], -1)
-        column = np.nan_to_num(place @ np.array(self.to_column), posinf=-1.0, neginf=-1.0)
-        row = np.nan_to_num(place @ np.array(self.to_row), posinf=-1.0, neginf=-1.0)
+        pixels = np.stack([place @ np.array(self.to_row), place @ np.array(self.to_column)], -1)
+        return np.where(np.isfinite(pixels), pixels, np.nan)
+
+    def heights_at(self, pixels: FloatArray) -> FloatArray:
+        """Return the heights at (row, column), shape (..., 2), as `altitudes_m` does."""
+        row, column = np.moveaxis(np.nan_to_num(pixels, nan=-1.0), -1, 0)
         rows, columns = self.heights_m.shape
         is_inside = (column >= 0) & (column <= columns) & (row >= 0) & (row <= rows)
         heights = _bilinear(self.heights_m, row - 0.5, column - 0.5)
@@ -140,11 +150,14 @@ class LocalGround:
         low, high = places.min(axis=0) - 1.0, places.max(axis=0) + 1.0
         cell = max(_LEAST_CELL_M, float((high - low).max()) / _MOST_CELLS)
         counts = np.ceil((high - low) / cell).astype(int) + 1
-        east, north = (low[i] + cell * np.arange(counts[i]) for i in (0, 1))
+        spots = [np.arange(0, count + _KNOT, _KNOT) for count in counts]
+        east, north = (low[i] + cell * spots[i] for i in (0, 1))
         nodes = np.stack(np.meshgrid(east, north), -1).reshape(-1, 2)
         geodetic = self._frame.to_geodetic(np.column_stack([nodes, np.zeros(len(nodes))]))
-        heights = self._terrain.altitudes_m(geodetic[:, 0], geodetic[:, 1])
-        tops = heights.reshape(counts[1], counts[0])
+        # Pixels between nodes lie on a line to a millionth of one: the nodes are near enough.
+        coarse = self._terrain.pixels_of(geodetic[:, 0], geodetic[:, 1])
+        pixels = _refined(coarse.reshape(len(north), len(east), 2), counts[::-1])
+        tops = self._terrain.heights_at(pixels)
         self._raise(tops, low, cell, geodetic)
         if np.isnan(tops).all():
             raise self._unknown(geodetic[0])
@@ -199,3 +212,13 @@ def _range(values: FloatArray, count: int) -> NDArray[np.intp]:
     first = int(np.clip(np.floor(values.min()) - 1, 0, count))
     last = int(np.clip(np.ceil(values.max()) + 1, 0, count))
     return np.arange(first, last)
+
+
+def _refined(values: FloatArray, counts: NDArray[np.intp]) -> FloatArray:
+    """Return (rows, columns, 2) of values at every `_KNOT`-th row and column, linear between."""
+    for axis in (0, 1):
+        spots = np.arange(counts[axis])
+        part = np.expand_dims((spots % _KNOT) / _KNOT, (1 - axis, 2))
+        before = np.take(values, spots // _KNOT, axis)
+        values = before + part * (np.take(values, spots // _KNOT + 1, axis) - before)
+    return values
