@@ -7,6 +7,8 @@ from rocsafe_radiation.kernel import Kernel
 
 # A source seen from above is two heights wide at half its maximum, a bump of this spacing 3.3.
 WIDE_SPACING_HEIGHTS = 2.0
+# An edge of a shadow is as wide as a tenth of its distance: fits still find it between readings.
+SHARP_EDGE = 40.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +26,7 @@ class Setting:
     tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
         that of the kernel.
     has_shield: something may stand on one side of the sources.
+    edge_sharpness: of what it hides; large: a step.
     shade: probability that something shields a reading.
     """
 
@@ -35,4 +38,5 @@ class Setting:
     rho: float = 0.0
     tilt_std: float = 0.0
     has_shield: bool = False
+    edge_sharpness: float = SHARP_EDGE
     shade: float = 0.0

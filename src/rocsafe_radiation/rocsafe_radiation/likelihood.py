@@ -67,6 +67,7 @@ class Likelihood:
             height_m=survey.height_m(setting.source_up_m),
             tilt_std=setting.tilt_std,
             has_shield=setting.has_shield,
+            edge_sharpness=setting.edge_sharpness,
         )
         stds = self._deviation.stds
         # The numbers of the law come last before the sources; to the background they add nothing.

@@ -32,11 +32,10 @@ SHADES: tuple[Nuisance, ...] = (
     {'rho': 0.1, 'shade': 0.6},
 )
 # A wall beside the sources, of which nobody knows, with and without other things about.
-WALLS: tuple[Nuisance, ...] = (
-    {'has_shield': True},
-    {'has_shield': True, 'rho': 0.2},
-    {'has_shield': True, 'rho': 0.05, 'shade': 0.3},
-)
+WALL: Nuisance = {'has_shield': True}
+# Fits find the sharp edge of its shadow from a soft one.
+FIRST_WALLS: tuple[Nuisance, ...] = (WALL | {'edge_sharpness': 6.0}, WALL)
+ROUGH_WALLS: tuple[Nuisance, ...] = (WALL | {'rho': 0.2}, WALL | {'rho': 0.05, 'shade': 0.3})
 # What at first glance explains the readings worse by this will not catch up.
 HOPELESS = 30.0
 # A single source with more evidence is not feigned by the ground.
@@ -62,13 +61,16 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
     elif plain.order > 1:
         # Do fewer sources explain it as well, on uneven ground or with scattered readings?
         fewer = plain.order - 1
-        tried = [*_promising(trial, NUISANCES, [plain], fewer), *WALLS[:1]]
+        tried = _promising(trial, NUISANCES, [plain], fewer)
         others = [trial.orders(one, fewer, plain) for one in tried]
+        others += _walled(trial, plain, fewer, FIRST_WALLS)
     elif plain.order == 1:
         is_doubtful = plain.dispersion >= NOTABLE_DISPERSION
         is_weak = is_doubtful or plain.gain(1) < STRONG_EVIDENCE
         tried = _promising(trial, (*GROUNDS, TILTED) if is_weak else (TILTED,), [plain], 1)
-        others = [trial.orders(one, 1, plain) for one in (*tried, *WALLS[:is_doubtful])]
+        others = [trial.orders(one, 1, plain) for one in tried]
+        if is_doubtful:
+            others += _walled(trial, plain, 1, FIRST_WALLS)
     else:
         return plain
     return credible((plain, *others))
@@ -76,7 +78,7 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
 
 def _of_misfit(trial: Trial, plain: OrderSearch, largest_order: int) -> list[OrderSearch]:
     """Return searches in all settings that may explain what `plain` does not."""
-    hidden = [] if largest_order == 0 else _walled(trial, plain)
+    hidden = [] if largest_order == 0 else _walled(trial, plain, 1, (*FIRST_WALLS, *ROUGH_WALLS))
     tried = _promising(trial, (*SHADES, *NUISANCES), [plain, *hidden], largest_order)
     hidden += [trial.orders(one, largest_order, plain) for one in tried if one in SHADES]
     explained = [one.order for one in hidden if one.dispersion < LARGEST_DISPERSION]
@@ -85,12 +87,20 @@ def _of_misfit(trial: Trial, plain: OrderSearch, largest_order: int) -> list[Ord
     return [*(trial.orders(one, most, plain) for one in tried if one not in SHADES), *hidden]
 
 
-def _walled(trial: Trial, plain: OrderSearch) -> list[OrderSearch]:
-    """Return searches of one source beside a wall, each from the one before."""
+def _walled(
+    trial: Trial, plain: OrderSearch, largest_order: int, walls: tuple[Nuisance, ...]
+) -> list[OrderSearch]:
+    """Return searches beside each of `walls`, each from the one before, until one explains all.
+
+    The first has a soft edge, from which only what may catch up with `plain` is gone on.
+    """
     found = [plain]
-    for nuisance in WALLS:
-        found.append(trial.orders(nuisance, 1, found[-1]))
-        if found[-1].dispersion < NOTABLE_DISPERSION:
+    for nuisance in walls:
+        found.append(trial.orders(nuisance, largest_order, found[-1]))
+        is_soft = len(found) == 2
+        if is_soft and max(found[-1].scores) < max(plain.scores) - HOPELESS:
+            break
+        if not is_soft and found[-1].dispersion < NOTABLE_DISPERSION:
             break
     return found[1:]
 

@@ -29,6 +29,7 @@ from rocsafe_radiation.mirror_image import mirror_images
 from rocsafe_radiation.order_values import OrderSearch
 from rocsafe_radiation.reading_weights import background_level_usvh
 from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.wall_shadow import LINE
 
 Array = NDArray[np.float64]
 # What is changed of a setting.
@@ -48,7 +49,8 @@ SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
 LOG_PRIOR_ODDS_FIRST = -3.0
 # Readings from which a wall takes their part draw a source away from it: by so many heights.
 WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
-WALL_SHARPNESS, WALL_SHIFTS_HEIGHTS = 10.0, (0.0, 0.3)
+WALL_LINE, WALL_SHIFTS_HEIGHTS = 3.5, (0.0, 0.3)
+EDGE_FACTORS = (0.7, 0.85, 1.0, 1.2, 1.45)
 
 
 class Trial:
@@ -116,7 +118,8 @@ def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> li
     sources = hints.likelihood.sources(fit.parameters)
     if hints.likelihood.setting.has_shield:
         background[likelihood.law] = fit.parameters[hints.likelihood.law]
-    elif likelihood.setting.has_shield:
+        return list(_moved_edges(likelihood, background, sources))
+    if likelihood.setting.has_shield:
         return list(_walled(likelihood, background, sources))
     return [np.concatenate([background, sources.ravel()])]
 
@@ -127,9 +130,17 @@ def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterat
     for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
         towards = np.array([math.cos(angle), math.sin(angle)])
         head, moved = background.copy(), sources.copy()
-        head[likelihood.law][-4:-2] = WALL_SHARPNESS * towards
+        head[likelihood.law][LINE] = WALL_LINE * towards
         moved[:, :2] += shift * height * towards
         yield np.concatenate([head, moved.ravel()])
+
+
+def _moved_edges(likelihood: Likelihood, head: Array, sources: Array) -> Iterator[Array]:
+    """Yield starts with the shadow of the wall beginning nearer and farther."""
+    for factor in EDGE_FACTORS:
+        moved = head.copy()
+        moved[likelihood.law][LINE] *= factor
+        yield np.concatenate([moved, sources.ravel()])
 
 
 def _with_one_more(
