@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_radiation.fit_setting import Setting
+from rocsafe_radiation.fit_setting import WIDE_SPACING_HEIGHTS, Setting
 from rocsafe_radiation.law_deviation import LawDeviation
 from rocsafe_radiation.reading_weights import SHADES, chances_of, log_sums, weights_of
 from rocsafe_radiation.survey import Survey
@@ -91,6 +91,13 @@ class Likelihood:
         self._shares = np.array((1.0, *shades))
         chances = [1.0 - setting.shade, *(setting.shade / len(SHADES) for _ in shades)]
         self._log_chances = np.log(np.array(chances))[:, None]
+
+    @property
+    def has_narrow_hills(self) -> bool:
+        """Whether the background may vary as narrowly as a source shows."""
+        setting = self.setting
+        is_narrow = setting.background_spacing_heights < WIDE_SPACING_HEIGHTS
+        return is_narrow and setting.background_std > 0.0
 
     def source_count(self, parameters: Array) -> int:
         """Return the number of sources that `parameters` describe."""

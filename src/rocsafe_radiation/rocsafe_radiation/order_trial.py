@@ -47,6 +47,8 @@ SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
 # Of a source before any reading: sources are rare, and ground and detectors never quite as
 # assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
 LOG_PRIOR_ODDS_FIRST = -3.0
+# Hills of the ground as narrow as a source shows are no more common than sources.
+LOG_PRIOR_ODDS_NARROW = -3.0
 # Readings from which a wall takes their part draw a source away from it: by so many heights.
 WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
 WALL_LINE, WALL_SHIFTS_HEIGHTS = 3.5, (0.0, 0.3)
@@ -216,6 +218,8 @@ def _score(likelihood: Likelihood, fit: Fit) -> float:
     penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
     if order > 0:
         penalty -= LOG_PRIOR_ODDS_FIRST
+    if likelihood.has_narrow_hills:
+        penalty -= LOG_PRIOR_ODDS_NARROW
     for part in (likelihood.bumps, likelihood.law):
         stds = likelihood.nuisance_stds[
             part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS
