@@ -72,6 +72,8 @@ class Alignment:
     held_out_px: residuals (n, 2) of ties that were not adjusted.
     ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
     heights_error: standard error of the ground's heights with what stands there.
+    lags_s: by how much the fixes of vehicles are late, where that is certain; the priors of
+        `photos` are without it.
     """
 
     photos: Mapping[str, Photo]
@@ -81,6 +83,7 @@ class Alignment:
     ties_m: FloatArray
     standing_m: FloatArray
     heights_error: Surface = field(default_factory=Surface)
+    lags_s: Mapping[str, float] = field(default_factory=dict)
 
     def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
         """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
@@ -196,6 +199,7 @@ class Mapmaker:
             photos=photos,
             placements=survey.placements(),
             heights_error=height_error(state.surface, ties_m, above_m),
+            lags_s=survey.lags_s,
             errors_m=stated_error_m(photos, pairs, state) if state.poses else {},
             held_out_px=residuals_px(photos, pairs, state, held_out=True),
         )

@@ -3,13 +3,14 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_mapping.alignment import initial
 from rocsafe_mapping.alignment.adjustment import adjusted
+from rocsafe_mapping.alignment.clocks import in_time, lags_s
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
 from rocsafe_mapping.alignment.state import State
@@ -24,11 +25,13 @@ class Solution:
     state: that fits best.
     unbelieved: photographs whose yaws are wrong alike.
     rejected: pairs that do not agree with the others.
+    lags_s: by how much the fixes of vehicles are late, of those that surely are.
     """
 
     state: State
     unbelieved: frozenset[str]
     rejected: tuple[Pair, ...]
+    lags_s: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
 def solved(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Solution:
@@ -42,14 +45,24 @@ def solved(photos: Mapping[str, Photo], pairs: Sequence[Pair]) -> Solution:
     )
     kept = {id(pair) for pair in first.pairs}
     state = State(poses=first.poses)
+    late: dict[str, float] = {}
     if first.poses:
-        believed = {name: without_yaw(photos[name], unbelieved) for name in first.poses}
-        state = adjusted(believed, first.pairs, state)
+        told = {name: without_yaw(photo, unbelieved) for name, photo in photos.items()}
+        state = adjusted(_some(told, first.poses), first.pairs, state)
+        late = lags_s(told, state.poses)
+        if late:
+            state = adjusted(_some(in_time(told, late), first.poses), first.pairs, state)
+            late = lags_s(told, state.poses) or late
     return Solution(
         state=state,
         unbelieved=unbelieved,
         rejected=tuple(pair for pair in pairs if id(pair) not in kept),
+        lags_s=late,
     )
+
+
+def _some(photos: Mapping[str, Photo], names: Collection[str]) -> dict[str, Photo]:
+    return {name: photos[name] for name in names}
 
 
 def without_yaw(photo: Photo, unbelieved: frozenset[str]) -> Photo:

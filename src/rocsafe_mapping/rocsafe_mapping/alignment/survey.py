@@ -14,6 +14,7 @@ import numpy as np
 
 from rocsafe_mapping.alignment import initial
 from rocsafe_mapping.alignment.adjustment import adjusted
+from rocsafe_mapping.alignment.clocks import in_time
 from rocsafe_mapping.alignment.features import Features, Gray, orb_features, sift_features
 from rocsafe_mapping.alignment.initial import Start
 from rocsafe_mapping.alignment.matching import Pair, View, match
@@ -63,6 +64,7 @@ class Survey:
         self._pairs: dict[tuple[str, str], Pair | None] = {}
         self._sift_tried: set[tuple[str, str]] = set()
         self._unbelieved: frozenset[str] = frozenset()
+        self.lags_s: Mapping[str, float] = {}
         self._rejected: set[tuple[str, str]] = set()
         self.state = State(poses={})
 
@@ -74,8 +76,12 @@ class Survey:
 
     @property
     def photos(self) -> Mapping[str, Photo]:
-        """The photographs by name; yaws that were found to be wrong are without weight."""
-        return {name: self._believed(photo) for name, photo in self._photos.items()}
+        """The photographs by name, what was found to be wrong of them made good.
+
+        Wrong yaws are without weight, late fixes are brought back.
+        """
+        photos = {name: self._believed(photo) for name, photo in self._photos.items()}
+        return in_time(photos, self.lags_s)
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
@@ -159,7 +165,7 @@ class Survey:
     def adopt(self, solution: Solution) -> None:
         """Take over a solution; photographs that came since keep their place among the others."""
         before = self.state
-        self._unbelieved = solution.unbelieved
+        self._unbelieved, self.lags_s = solution.unbelieved, solution.lags_s
         self._rejected = {
             (pair.first, pair.second) for pair in self.pairs if pair in solution.rejected
         }

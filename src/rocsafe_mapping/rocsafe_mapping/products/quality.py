@@ -167,7 +167,11 @@ def _fixes(alignment: Alignment) -> dict[str, Any]:
             photo = alignment.photos[name]
             off = photo.prior.centre - placement.pose.centre
             by_vehicle.setdefault(photo.vehicle, []).append(off)
-    document = {vehicle: _residuals(np.array(offs)) for vehicle, offs in by_vehicle.items()}
+    document = {
+        vehicle: _residuals(np.array(offs))
+        | {'clock_lag_s': round(alignment.lags_s.get(vehicle, 0.0), 3)}
+        for vehicle, offs in by_vehicle.items()
+    }
     together = [off for offs in by_vehicle.values() for off in offs]
     return {'all': _residuals(np.array(together)), 'vehicles': document} if together else {}
 

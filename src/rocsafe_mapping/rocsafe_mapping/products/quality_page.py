@@ -117,6 +117,11 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         # Adding 0 turns -0.00 into 0.00.
         bias = [f'{round(off[f"bias_{axis}_m"], 2) + 0.0:.2f}' for axis in ('east', 'north', 'up')]
         rows.append(('their bias east, north, up', ', '.join(bias) + ' m'))
+    for vehicle, off in fixes.get('vehicles', {}).items():
+        if off['clock_lag_s']:
+            rows.append(
+                (f'fixes of {vehicle} are late by', f'{off["clock_lag_s"]:.2f} s, made good')
+            )
     for name, cost in document['costs'].items():
         rows.append((f'time, {name}', f'{cost["wall_s"]:.1f} s, processor {cost["cpu_s"]:.1f} s'))
     return rows
