@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How good plans are: a table of targets and measured values, peers in the same run.
 
-    python benchmarks/planning.py [--part tsplib|mtsplib|grids|start|large ...]
+    python benchmarks/planning.py [--part tsplib|mtsplib|grids|start|large|terrain ...]
         [--budget S ...] [--seeds N] [--only TEXT ...] [--no-peers] [--wall] [--json FILE]
 
 At the end it says which targets are met and which are missed.
@@ -10,9 +10,9 @@ Instances are read from $ROCSAFE_SHARED/data/mtsp (TSPLIB files and best_known.c
 their parts are left out. Costs are unrounded Euclidean lengths of the longest closed route. One
 thread searches; parts `grids` and `large` add the thread that proves. Budgets are seconds of
 processor time, of both threads together, so that other work on the machine changes little; with
-`--wall` of the clock, as those of the peers and of the parts `start` and `large` always are. The
-whole table takes hours: `--budget 1 --seeds 1 --no-peers` takes minutes. `--only` takes parts of
-the names of cases: `--part tsplib --budget 60 --only 'rat783 m=3' 'pcb1173 m=5'`.
+`--wall` of the clock, as those of the peers and of the other parts always are. The whole table
+takes hours: `--budget 1 --seeds 1 --no-peers` takes minutes. `--only` takes parts of the names of
+cases: `--part tsplib --budget 60 --only 'rat783 m=3' 'pcb1173 m=5'`.
 """
 
 import argparse
@@ -29,6 +29,7 @@ from pathlib import Path
 import numpy as np
 from planning_instances import MTSPLIB, TSPLIB, AbsentError, Floats, instance, published
 from planning_peers import INSTANT, PEERS
+from planning_terrain import over_hills
 from rich.console import Console
 from rich.table import Table
 
@@ -186,6 +187,19 @@ def large(options: argparse.Namespace) -> Iterator[Row]:
     yield row(case, 'above the bound in 60 s, %', 100.0 * seen[-1].gap, 10.0)
 
 
+def terrain(options: argparse.Namespace) -> Iterator[Row]:
+    """Plan over hills, by the clock: a first plan as soon as elsewhere."""
+    over_hills(60.0, 0.1)
+    for side_m in (100.0, 250.0, 500.0):
+        case = f'hills {side_m:g} m'
+        if not wanted(case, options):
+            continue
+        found = [over_hills(side_m, 5.0) for _ in seeds(options)]
+        counts, first, gaps = (statistics.median(column) for column in zip(*found, strict=True))
+        yield row(case, 'first plan, s', first, 0.2, f'{counts:g} viewpoints')
+        yield row(case, 'above the bound in 5 s, %', 100.0 * gaps, None)
+
+
 def peers(
     case: str,
     points: Floats,
@@ -250,7 +264,14 @@ def seeds(options: argparse.Namespace) -> range:
     return range(options.seeds)
 
 
-PARTS = {'tsplib': tsplib, 'mtsplib': mtsplib, 'grids': grids, 'start': start, 'large': large}
+PARTS = {
+    'tsplib': tsplib,
+    'mtsplib': mtsplib,
+    'grids': grids,
+    'start': start,
+    'large': large,
+    'terrain': terrain,
+}
 
 
 def main() -> int:
