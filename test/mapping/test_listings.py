@@ -7,6 +7,7 @@ import hashlib
 import itertools
 import json
 import math
+import re
 import sqlite3
 
 import pytest
@@ -111,6 +112,46 @@ def test_stac_links_hold(folder):
         assert image['file:size'] == len(content)
         # A multihash: code and length of SHA-256 before its digest.
         assert image['file:checksum'] == '1220' + hashlib.sha256(content).hexdigest()
+
+
+# What the JSON schemas of STAC 1.0.0 and of its extensions file 2.1.0 and view 1.0.0 demand.
+STAC_ITEM = {
+    'stac_version', 'id', 'type', 'geometry', 'properties', 'links', 'assets',
+}  # fmt: skip
+STAC_COLLECTION = {
+    'stac_version', 'id', 'type', 'description', 'license', 'extent', 'links',
+}  # fmt: skip
+RFC_3339 = re.compile(r'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z')
+
+
+@pytest.mark.parametrize('has_fix', [True, False])
+def test_stac_has_what_its_schemas_demand(tmp_path, shot, has_fix):
+    """Required fields and their forms, also of a photograph whose place is not known."""
+    record, _ = shot(**({} if has_fix else {'latitude_deg': math.nan, 'longitude_deg': math.nan}))
+    stored = StoredShot(
+        record=record, path=tmp_path / 'rav1-00000.jpg', sha256='ab' * 32, size_bytes=7
+    )
+    write_listings(tmp_path, [stored])
+    collection = json.loads((tmp_path / 'collection.json').read_text())
+    item = json.loads((tmp_path / 'items' / 'rav1-00000.json').read_text())
+    assert collection.keys() >= STAC_COLLECTION
+    assert re.fullmatch(r'[\w.+-]+', collection['license'])
+    assert len(collection['extent']['spatial']['bbox'][0]) == 4
+    times = collection['extent']['temporal']['interval'][0]
+    assert all(RFC_3339.fullmatch(time) for time in [*times, item['properties']['datetime']])
+    assert item.keys() >= STAC_ITEM
+    assert item['type'] == 'Feature'
+    assert ('bbox' in item) == (item['geometry'] is not None) == has_fix
+    # An item names its collection both by a field and by a link.
+    assert item['collection'] == collection['id']
+    assert {'collection', 'root'} <= {link['rel'] for link in item['links']}
+    assert all(link['href'] for link in item['links'] + collection['links'])
+    assert all(asset['href'] for asset in item['assets'].values())
+    assert {url.split('/')[3] for url in item['stac_extensions']} == {'file', 'view'}
+    assert 0 <= item['properties']['view:off_nadir'] <= 90
+    image = item['assets']['image']
+    assert re.fullmatch('1220[a-f0-9]{64}', image['file:checksum'])
+    assert image['file:size'] == 7
 
 
 def test_index_can_be_asked_and_made_again(folder):
