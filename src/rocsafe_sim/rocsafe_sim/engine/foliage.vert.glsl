@@ -13,6 +13,7 @@ in vec2 p3d_MultiTexCoord0;
 uniform float leaf_scale;       // 1 / width of the picture of leaves
 out vec2 place;
 out vec2 sunward;
+out float relief;
 #endif
 
 void main() {
@@ -37,5 +38,7 @@ void main() {
     // Shifted by where the tree stands: no two show the same.
     place = (p3d_ModelMatrix[3].xy + p3d_MultiTexCoord0) * leaf_scale;
     sunward = (transpose(mat3(p3d_ModelMatrix)) * sun_direction).xy * (0.08 * leaf_scale);
+    // On the sides leaves hang past each other, and gaps between them show less.
+    relief = 0.4 + 0.6 * smoothstep(0.55, 0.9, n.z);
 #endif
 }

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tiles: the dirt and wear that lies on all things, and the leaves on the skin of crowns."""
 
-import math
+from functools import lru_cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,11 +11,12 @@ from rocsafe_sim.scene.mesh import Floats
 
 TILE_PX = 1024
 # Of the leaves: texels, and their width, metres.
-LEAVES_PX, LEAF_TEXEL_M = 2048, 0.03
-# Scales of leaves, twigs and boughs, metres, and how much each varies.
-_LEAF_BANDS = ((0.075, 1.5), (0.2, 0.8), (0.5, 1.0), (1.2, 0.7))
+LEAVES_PX, LEAF_TEXEL_M = 1024, 0.03
+# Widths of sprays of leaves, clumps of them, gaps and boughs, metres.
+_SPRAY_M, _CLUMP_M, _GAP_M, _BOUGH_M = 0.13, 0.32, 0.45, 1.1
 
 
+@lru_cache(maxsize=1)
 def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
     """Return noise without seams, (1024, 1024, 4): of centimetres, of hands, in streaks, in spots.
 
@@ -33,19 +35,46 @@ def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
     return np.stack(layers, axis=-1)
 
 
+@lru_cache(maxsize=1)
 def leaf_tile(seed: int = 8) -> NDArray[np.uint8]:
-    """Return how bright the leaves of a dense crown are, (2048, 2048), without seams.
+    """Return how bright the leaves of a dense crown are, (1024, 1024).
 
-    61 m wide, and as much again mirrored: within sight nothing comes twice.
+    Sprays and clumps of leaves, each of its own tone and dark at its rim, and gaps between them
+    in which one sees dark. 31 m wide, and as much again mirrored. The gaps make photographs
+    from two places match: noise of the same contrast is found again half as often.
     """
     rng = np.random.default_rng(seed)
-    across, along = (f(LEAVES_PX, LEAF_TEXEL_M) for f in (np.fft.rfftfreq, np.fft.fftfreq))
-    fx, fy = np.meshgrid(across.astype(np.float32), along.astype(np.float32))
-    octave = np.log2(np.hypot(fx, fy) + 1e-6)
-    power = sum((weight * np.exp(-0.5 * ((octave + math.log2(scale_m)) / 0.42) ** 2)
-                 * scale_m for scale_m, weight in _LEAF_BANDS), np.float32(0.0))  # fmt: skip
-    turn = rng.uniform(0.0, 2.0 * math.pi, octave.shape).astype(np.float32)
-    return _levelled(np.fft.irfft2(power * np.exp(1j * turn)))
+    spray, spray_tone, _ = _cells(rng, _SPRAY_M)
+    clump, clump_tone, _ = _cells(rng, _CLUMP_M)
+    gap, _, chance = _cells(rng, _GAP_M)
+    _, bough_tone, _ = _cells(rng, _BOUGH_M)
+    sprays = 0.6 * spray_tone - 1.2 * (spray - 0.5)
+    clumps = 0.7 * clump_tone - 2.0 * (clump - 0.5)
+    boughs = 0.5 * cv2.GaussianBlur(bough_tone, (0, 0), 8.0)
+    # Most gaps are small; their rims follow the leaves.
+    width = 0.06 + 0.26 * chance**2
+    edge = _GAP_M * gap + 0.06 * sprays + 0.08 * clumps
+    gaps = np.clip(2.0 * (width - edge) / width, 0.0, 1.0)
+    light = 1.2 * (0.45 * sprays + 0.5 * clumps + boughs) - 1.9 * gaps
+    return _levelled(cv2.GaussianBlur(light, (0, 0), 0.8))
+
+
+def _cells(rng: np.random.Generator, width_m: float) -> tuple[Floats, Floats, Floats]:
+    """Return cells around random places, `width_m` wide on the whole, as pictures.
+
+    Namely the distance from the middle in widths, and for each cell a normal and a uniform
+    random number.
+    """
+    places = rng.integers(0, LEAVES_PX, (2, round((LEAVES_PX * LEAF_TEXEL_M / width_m) ** 2)))
+    is_off = np.ones((LEAVES_PX, LEAVES_PX), np.uint8)
+    is_off[tuple(places)] = 0
+    distance, cell = cv2.distanceTransformWithLabels(
+        is_off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    count = int(cell.max()) + 1
+    tone = rng.standard_normal(count).astype(np.float32)
+    chance = rng.uniform(0.0, 1.0, count).astype(np.float32)
+    return distance * np.float32(LEAF_TEXEL_M / width_m), tone[cell], chance[cell]
 
 
 def _shaped(rng: np.random.Generator, spectrum: Floats) -> Floats:

@@ -21,14 +21,16 @@ from rocsafe_sim.scene.surfaces import Surface
 _SIDE_M = 0.23
 _FEWEST, _MOST = 5, 26
 # Steps in which a ray from outside looks for the skin, and how softly lobes melt together.
-_STEPS, _SOFTNESS = 40, 5.0
+_STEPS, _SOFTNESS = 26, 5.0
+# Above this share of half its height a crown flattens, to this share of the slope at its top.
+_FLAT_FROM, _FLATTENED = 0.2, 0.4
 # Dents: wavelength and depth, metres.
 _DENTS = ((1.6, 0.12), (0.8, 0.07), (0.45, 0.035))
 _WAVES = 14
 # Leaves shade each other: a crown is darker than a leaf.
 _SHADED, _SHADED_SIDE = 0.72, 0.64
 # Leaves on the top of a crown, as a share of those on its sides.
-_ON_TOP = 0.45
+_ON_TOP = 0.15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,14 +80,15 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
     reach = _reach(crown, direction)
     points = crown.middle + reach[:, None] * direction
     # Calm on top, where vehicles look at it, ragged on the sides.
-    dents = _dents(points, rng) * (0.6 + 0.9 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
+    dents = _dents(points, rng) * (0.1 + 1.4 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
     points = points + dents[:, None] * direction
+    tint = _colours(crown, points, dents, rng)
+    points = _flattened(crown, points)
     # Stereographic: finer on the sides, stretched nowhere.
     unrolled = 2.0 / np.maximum(1.0 + sphere[:, 2:], 0.4)
     normals = smooth_normals(points, triangles)
     colours = np.full((len(points), 4), Surface.CROWN, np.uint8)
-    tint = _shaded(normals) * _colours(crown, points, dents, rng)
-    colours[:, :3] = np.clip(tint, 6.0, 250.0)
+    colours[:, :3] = np.clip(_shaded(normals) * tint, 6.0, 250.0)
     return Mesh(
         points=points,
         normals=normals,
@@ -93,6 +96,18 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
         colours=colours,
         triangles=triangles,
     )
+
+
+def _flattened(crown: Crown, points: Floats) -> Floats:
+    """Return a crown's points (n, 3) with its dome pressed from below: in a wood crowns end level.
+
+    Its top stays where it is.
+    """
+    above = np.maximum((points[:, 2] - crown.middle[2]) / crown.size[2] - _FLAT_FROM, 0.0)
+    most = 1.0 - _FLAT_FROM
+    raised = points.copy()
+    raised[:, 2] += crown.size[2] * (1.0 - _FLATTENED) * (most**2 - above**2) / (2.0 * most)
+    return raised
 
 
 def smooth_normals(points: Floats, triangles: Floats) -> Floats:

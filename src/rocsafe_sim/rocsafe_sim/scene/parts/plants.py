@@ -41,7 +41,7 @@ def tree(
     middle = np.array([0.0, 0.0, (0.5 + 0.5 * kind.crown_from) * height])
     size = np.array([radius, radius, 0.5 * (1.0 - kind.crown_from) * height])
     # Between the lobes the skin does not fall in further than this.
-    core = Blob(centre=middle, radii=0.75 * size)
+    core = Blob(centre=middle, radii=0.8 * size)
     lobed = Crown(
         lobes=[*blobs, core],
         middle=middle,
