@@ -94,7 +94,7 @@ def test_node_that_keeps_dying_ends_the_mission(fly: Fly) -> None:
 def test_node_that_hangs_is_named(fly: Fly, tmp_path: Path) -> None:
     """A node that neither works nor ends holds up time: the mission fails and says who."""
     config = tmp_path / 'config.yaml'
-    config.write_text('/**/orchestrator:\n  ros__parameters:\n    stall_timeout_s: 4.0\n')
+    config.write_text('/**/orchestrator:\n  ros__parameters:\n    stall_timeout_s: 8.0\n')
     flight = fly(*SPEED, '--config', str(config))
     flight.wait_for_images(2)
     os.kill(flight.pid_of('rav1'), signal.SIGSTOP)
