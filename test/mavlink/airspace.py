@@ -3,6 +3,7 @@
 
 import argparse
 import contextlib
+import itertools
 import socket
 
 from test.fakes.fake_autopilot import HOME
@@ -10,6 +11,8 @@ from test.fakes.fake_process import Served
 
 # As fast as a bridge reads on a machine that has nothing else to do; on others time waits for it.
 FAST = 40.0
+# Nothing of this changes what a vehicle does.
+HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 # While an operator acts: some tenths of a second of his are a second of the flight.
 CALM = 4.0
 
@@ -91,6 +94,14 @@ class Airspace:
     def close(self):
         """End the flights."""
         self._served.socket.close()
+
+
+def told_once(orders):
+    """Return orders without what changes nothing; one that was sent again at once counts once.
+
+    It is, where its answer is late.
+    """
+    return [order for order, _ in itertools.groupby(o for o in orders if o not in HARMLESS)]
 
 
 def free_port():
