@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Two photographs tell how high what stands on the ground is, and the map states how it leans."""
 
+import functools
 import importlib.util
 import pathlib
 
@@ -27,6 +28,12 @@ ROOF_M = np.array([[4.0, -4.0], [12.0, -4.0], [12.0, 4.0], [4.0, 4.0]])
 NORTHS_M = (-9.0, 9.0)
 
 
+@functools.cache
+def textured(seed: int) -> np.ndarray:
+    """Return a picture of ground; it takes a moment to make."""
+    return texture.textured_ground(seed)
+
+
 def on_roof(ground_m: np.ndarray, margin_m: float) -> np.ndarray:
     """Return which points (n, 2) lie on the roof, so far from its edge."""
     inside = (ground_m > ROOF_M.min(axis=0) + margin_m) & (
@@ -38,7 +45,7 @@ def on_roof(ground_m: np.ndarray, margin_m: float) -> np.ndarray:
 def picture(centre: np.ndarray, roof_up_m: float) -> bytes:
     """Return the photograph of textured ground with a roof of another texture above it."""
     rotation = rotation_enu_from_optical(0.0)
-    seen = texture.seen(texture.textured_ground(1), centre, rotation)
+    seen = texture.seen(textured(1), centre, rotation)
     if roof_up_m:
         corners = np.column_stack([ROOF_M, np.ones(4)])
         side = 8 * texture.GROUND_PX_PER_M
@@ -48,7 +55,7 @@ def picture(centre: np.ndarray, roof_up_m: float) -> bytes:
             square, (lifted[:, :2] / lifted[:, 2:]).astype(np.float32)
         )
         size = seen.shape[1::-1]
-        roof = texture.textured_ground(2)[: int(side), : int(side)]
+        roof = textured(2)[: int(side), : int(side)]
         mask = cv2.warpPerspective(np.full(roof.shape[:2], 255, np.uint8), to_image, size)
         seen = np.where(mask[..., np.newaxis] > 0, cv2.warpPerspective(roof, to_image, size), seen)
     return bytes(cv2.imencode('.jpg', seen, [cv2.IMWRITE_JPEG_QUALITY, 95])[1])
