@@ -40,6 +40,8 @@ ROUGH_WALLS: tuple[Nuisance, ...] = (WALL | {'rho': 0.2}, WALL | {'rho': 0.05, '
 HOPELESS = 30.0
 # A single source with more evidence is not feigned by the ground.
 STRONG_EVIDENCE = 60.0
+# One with less would show no misfit beside a wall, only be elsewhere.
+TELLING_EVIDENCE = 300.0
 # Pearson's chi^2 beyond this many standard deviations says that something is wrong.
 LARGEST_DISPERSION = 3.0
 # Beyond this it may be that something is wrong with a weak source.
@@ -69,7 +71,7 @@ def search(survey: Survey, setting: Setting, largest_order: int = LARGEST_ORDER)
         is_weak = is_doubtful or plain.gain(1) < STRONG_EVIDENCE
         tried = _promising(trial, (*GROUNDS, TILTED) if is_weak else (TILTED,), [plain], 1)
         others = [trial.orders(one, 1, plain) for one in tried]
-        if is_doubtful:
+        if is_doubtful or plain.gain(1) < TELLING_EVIDENCE:
             others += _walled(trial, plain, 1, FIRST_WALLS)
     else:
         return plain
