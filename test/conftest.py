@@ -60,15 +60,10 @@ class RosSession:
     def spin_until(self, condition: Callable[[], bool], deadline_s: float) -> None:
         """Spin until `condition` holds; fail the test at the deadline."""
         end = time.monotonic() + deadline_s
-        try:
-            while not condition():
-                if time.monotonic() > end:
-                    pytest.fail(f'not within {deadline_s} s: {condition}')
-                self.executor.spin_once(timeout_sec=POLL_S)
-        finally:
-            # The executor holds what it waits for until it is asked again. A client of an action
-            # that is destroyed meanwhile, its server killed, damages the memory of the process.
-            self.executor._cb_iter = None
+        while not condition():
+            if time.monotonic() > end:
+                pytest.fail(f'not within {deadline_s} s: {condition}')
+            self.executor.spin_once(timeout_sec=POLL_S)
 
 
 @pytest.fixture(scope='session', autouse=True)
