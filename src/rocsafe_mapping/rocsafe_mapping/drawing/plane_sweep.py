@@ -40,7 +40,7 @@ class Look:
     """
 
     window: Window
-    gray: Shares
+    gray: NDArray[np.uint8]
     is_seen: NDArray[np.uint8]
     below: FloatArray
     height_m: float
@@ -57,7 +57,7 @@ def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatA
     box: what of the grid is asked, within the window of `first`.
     heights_m: above the ground that are tried, shape (n,).
     """
-    one = np.ascontiguousarray(first.gray[box.within(first.window)])
+    one = first.gray[box.within(first.window)].astype(np.float32)
     total = np.zeros((len(heights_m), *one.shape), np.float32)
     count = np.zeros(total.shape, np.uint8)
     for other in others:
@@ -76,7 +76,7 @@ def _laid(
     """Return `other` laid on `first` for each height (n, height, width), and what it shows."""
     shape = (len(heights_m), box.height, box.width)
     gray, is_seen = np.empty(shape, np.float32), np.empty(shape, np.uint8)
-    size = (box.width, box.height)
+    size, picture = (box.width, box.height), other.gray.astype(np.float32)
     # Pixel (0, 0) of a picture has its middle half a pixel from its window's edge.
     corner = np.array([box.column, box.row]) + 0.5
     start = np.array([other.window.column, other.window.row]) + 0.5
@@ -90,7 +90,7 @@ def _laid(
         scale = stretch * (1.0 - sunk)
         matrix = np.array([[scale, 0.0, x], [0.0, scale, y]])
         cv2.warpAffine(
-            other.gray, matrix, size, dst=gray[number],
+            picture, matrix, size, dst=gray[number],
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
         )  # fmt: skip
         cv2.warpAffine(

@@ -40,6 +40,7 @@ SMOOTHED_PX = 5
 NEARBY_PX, USUAL_WEIGHT = 15, 0.1
 # Of places where two photographs show nothing alike so many stand up: where truth was known.
 UNLIKE_STANDS = 0.45
+BAND_ROWS = 256
 BoolArray = NDArray[np.bool_]
 
 
@@ -98,7 +99,7 @@ def _look(view: CoarseView, sheet: Sheet, grid: MapGrid) -> Look:
     window = np.ones((COMPARED_PX, COMPARED_PX), np.uint8)
     return Look(
         window=view.window,
-        gray=cv2.cvtColor(view.colours, cv2.COLOR_BGR2GRAY).astype(np.float32),
+        gray=np.asarray(cv2.cvtColor(view.colours, cv2.COLOR_BGR2GRAY), np.uint8),
         # Windows that hang over the edge are like nothing.
         is_seen=cv2.erode(is_seen, window, borderType=cv2.BORDER_CONSTANT, borderValue=0),
         below=grid.places_of(sheet.pose.centre[np.newaxis, :2])[0],
@@ -175,18 +176,32 @@ def _without_spots(stands: BoolArray) -> BoolArray:
 
 def _rise(heights: Shares, is_twice: BoolArray) -> Shares:
     """Return the height that is to be reckoned with at each pixel."""
+    rise = np.zeros(heights.shape, np.float32)
+    told = heights[np.isfinite(heights)]
+    standing = told[told != 0.0]
+    if not len(standing):
+        return rise
+    squares = float(np.sum(np.square(standing)))
+    unlike = UNLIKE_STANDS * squares / len(standing)
+    twice = int(np.count_nonzero(is_twice))
+    usual = (squares + unlike * (twice - len(told))) / twice
+    # In bands of rows: memory is not that of the whole map many times over.
+    for top in range(0, len(heights), BAND_ROWS):
+        start = max(top - 2 * NEARBY_PX, 0)
+        rows = slice(start, top + BAND_ROWS + 2 * NEARBY_PX)
+        found = _rise_of(heights[rows], np.where(is_twice[rows], np.float32(unlike), usual))
+        rise[top : top + BAND_ROWS] = found[top - start : top - start + BAND_ROWS]
+    return rise
+
+
+def _rise_of(heights: Shares, expected: FloatArray) -> Shares:
+    """Return the same of a part; `expected` is the square where nothing near tells."""
     is_told = np.isfinite(heights)
     told = is_told.astype(np.float32)
     square = np.where(is_told, heights, np.float32(0.0)) ** 2
-    if not square.any():
-        return np.zeros(heights.shape, np.float32)
-    unlike = UNLIKE_STANDS * float(square.sum() / np.count_nonzero(square))
-    is_unlike = is_twice & ~is_told
-    usual = float((square.sum() + unlike * is_unlike.sum()) / is_twice.sum())
     side = (NEARBY_PX, NEARBY_PX)
     near, known = (cv2.blur(cv2.blur(part, side), side) for part in (square, told))
-    weight = np.float32(USUAL_WEIGHT)
-    guess = (near + weight * np.where(is_twice, unlike, usual)) / (known + weight)
+    guess = (near + USUAL_WEIGHT * expected) / (known + USUAL_WEIGHT)
     side = (SMOOTHED_PX, SMOOTHED_PX)
     known = np.maximum(cv2.blur(told, side), np.float32(1e-6))
     rise: Shares = np.sqrt(np.where(is_told, cv2.blur(square, side) / known, guess))
