@@ -40,6 +40,8 @@ SMOOTHED_PX = 5
 NEARBY_PX, USUAL_WEIGHT = 15, 0.1
 # Of places where two photographs show nothing alike so many stand up: where truth was known.
 UNLIKE_STANDS = 0.45
+# The outermost pixel of a photograph does not count: its window hangs over the edge by half.
+EDGE_PX = 3
 BAND_ROWS = 256
 BoolArray = NDArray[np.bool_]
 
@@ -96,11 +98,10 @@ def relief(
 def _look(view: CoarseView, sheet: Sheet, grid: MapGrid) -> Look:
     ground_m = float(np.median(sheet.surface.at(sheet.corners_m)))
     is_seen = (view.scores > 0.0).astype(np.uint8)
-    window = np.ones((COMPARED_PX, COMPARED_PX), np.uint8)
+    window = np.ones((EDGE_PX, EDGE_PX), np.uint8)
     return Look(
         window=view.window,
         gray=np.asarray(cv2.cvtColor(view.colours, cv2.COLOR_BGR2GRAY), np.uint8),
-        # Windows that hang over the edge are like nothing.
         is_seen=cv2.erode(is_seen, window, borderType=cv2.BORDER_CONSTANT, borderValue=0),
         below=grid.places_of(sheet.pose.centre[np.newaxis, :2])[0],
         height_m=float(sheet.pose.centre[2]) - ground_m,
