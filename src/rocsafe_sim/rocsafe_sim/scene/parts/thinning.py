@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plants for the distance: fewer, larger leaves."""
+"""Plants for the distance: fewer, larger leaves, and crowns of trees without any."""
 
 import math
 
@@ -13,7 +13,9 @@ from rocsafe_sim.scene.surfaces import Surface
 # Classes of what `coarser` can thin.
 LEAFY = frozenset({'tree', 'hedge', 'shrub'})
 # One leaf of so many is drawn, and the rest with one corner in cubes of so many metres.
-_STEPS = ((4, 0.45), (16, 1.0), (64, 1.7))
+_STEPS = ((4, 0.45), (16, 0.8), (64, 1.2))
+# Leaves that stand for more than these would be spikes on the skin of a crown.
+_MOST_ON_SKIN = 4
 
 
 def coarser(mesh: Mesh) -> list[Mesh]:
@@ -30,6 +32,9 @@ def sparser(tufts: Mesh) -> Mesh:
 
 def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
     """Return a plant with one of `step` leaves, a triangle as large as those it stands for."""
+    rest = mesh.colours[:, 3] != Surface.LEAF
+    if step > _MOST_ON_SKIN and np.any(mesh.colours[:, 3] == Surface.CROWN):
+        return clustered(_part(mesh, rest), cell_m)
     leaf = np.flatnonzero(mesh.colours[:, 3] == Surface.LEAF).reshape(-1, 4)[::step]
     stem, right, tip, left = np.moveaxis(mesh.points[leaf], 1, 0)
     back = stem - 0.5 * (left + right)
@@ -39,7 +44,6 @@ def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
     grown = middle + (points - middle) * (0.88 * math.sqrt(step))
     triangles = np.arange(3 * len(leaf)).reshape(-1, 3)
     crown = _selected(mesh, leaf[:, 1:].ravel(), triangles, grown.reshape(-1, 3))
-    rest = mesh.colours[:, 3] != Surface.LEAF
     return joined([crown, clustered(_part(mesh, rest), cell_m)]) if rest.any() else crown
 
 
