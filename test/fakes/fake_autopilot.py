@@ -73,10 +73,12 @@ class FakeCopter:
         self.patience = 1.0
         self.missions = MissionStore(system, home=_home_item(home))
         self.home = home
+        self.heading_deg = 0.0
         self._unix_s = unix_s
         self._head_start_s = boot_s
         self.parameters = {
             'WPNAV_SPEED': 1000.0,
+            'WP_YAW_BEHAVIOR': 0.0,
             'WPNAV_ACCEL': 250.0,
             'WPNAV_RADIUS': 200.0,
             'FS_GCS_ENABLE': float(fs_gcs_enable),
@@ -353,6 +355,8 @@ class FakeCopter:
     def _do(self, item):
         if item.command == 203:
             self._shoot()
+        elif item.command == 115:
+            self.heading_deg = item.parameters[0]
         elif item.command == 178:
             self._speed_mps = item.parameters[1]
         elif item.command == 206:
@@ -448,7 +452,7 @@ class FakeCopter:
             'vx': round(self.velocity[1] * 100),
             'vy': round(self.velocity[0] * 100),
             'vz': 0,
-            'hdg': 0,
+            'hdg': round(100.0 * self.heading_deg) % 36000,
         }
 
     def _gps_raw_int(self):
@@ -496,7 +500,8 @@ class FakeCopter:
         }
 
     def _attitude(self):
-        return {'time_boot_ms': round(self.up_s * 1000), 'yaw': 0.0}
+        yaw = math.remainder(math.radians(self.heading_deg), math.tau)
+        return {'time_boot_ms': round(self.up_s * 1000), 'yaw': yaw}
 
     def _system_time(self):
         unix_us = round((self._unix_s + self._now_s) * 1e6)

@@ -10,7 +10,7 @@ from rocsafe_mavlink.mission_item import MissionItem
 LARGEST_COUNT = 650
 ASK_AGAIN_S = 1.0
 GIVE_UP_S = 8.0
-COMMANDS = {16, 20, 21, 22, 178, 203, 206, 2000, 5001, 5100}
+COMMANDS = {16, 20, 21, 22, 115, 178, 203, 206, 2000, 5001, 5100}
 FRAMES = {0, 2, 3, 5, 6, 10, 11}
 READ_BACK = {6: 3, 5: 0}
 ACCEPTED, ERROR, FRAME, UNSUPPORTED, NO_SPACE = 0, 1, 2, 3, 4

@@ -15,6 +15,13 @@ FAST = 40.0
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 # While an operator acts: some tenths of a second of his are a second of the flight.
 CALM = 4.0
+# In which an ArduCopter announces a failsafe.
+WORDS = {
+    'battery': 'Battery',
+    'fence': 'fence breached',
+    'link': 'GCS Failsafe',
+    'position': 'EKF Failsafe',
+}
 
 
 class Airspace:
@@ -24,7 +31,10 @@ class Airspace:
     ----------
     link : where the bridge has to listen.
     copters : by their system.
+    words : in which a failsafe is announced.
     """
+
+    words = WORDS
 
     def __init__(self, systems=(1,), rate=FAST, images=None, **options):
         port = free_port()

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same flights with the fake copter and, where there is one, with a real ArduCopter.
+"""The same flights with the fake copter and, where there are any, with real autopilots.
 
-`ROCSAFE_SITL` names the executable of ArduPilot's simulator; without it those are skipped.
+`ROCSAFE_SITL` names the executable of ArduPilot's simulator, `ROCSAFE_PX4` the folder of a build
+of PX4; without them those flights are skipped.
 """
 
 import math
@@ -13,8 +14,8 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from std_srvs.srv import Trigger
 from test.fakes import fake_autopilot
 from test.mavlink.airspace import HARMLESS, told_once
+from test.mavlink.autopilots import AUTOPILOTS, make_airspace
 from test.mavlink.operator_post import HOME_PLACE, Ground, survey
-from test.mavlink.sitl import AUTOPILOTS, make_airspace
 
 from rocsafe_geo.position import offset, slant_distance_m
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
@@ -37,9 +38,6 @@ from rocsafe_ros.conversions import point_of_position, position_of_fix
 
 # Wall time for a flight of some minutes on a busy machine.
 DEADLINE_S = 120.0
-CIRCLE = {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 120, 'FENCE_ACTION': 1}
-RETURNS_ALONE = {'FS_GCS_ENABLE': 1}
-LOW_BATTERY_RETURNS = {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 2}
 # Time-outs of the autopilot run as fast as its time: slow enough for heartbeats once a second.
 SLOW = 3.0
 
@@ -63,8 +61,8 @@ def start(ros, make_air, tmp_path):
     """Give a function that puts copters into the air and a bridge on the ground."""
     grounds = []
 
-    def begin(systems=(1,), parameters=None, rate=None, **options):
-        air = make_air(systems, parameters, rate)
+    def begin(systems=(1,), precaution='', rate=None, **options):
+        air = make_air(systems, precaution, rate)
         grounds.append(Ground(ros, air, tmp_path / 'state', **options))
         return grounds[-1]
 
@@ -151,12 +149,23 @@ def ended(ground, result):
     return ground.ended(result, DEADLINE_S)
 
 
+def yaw_of(odometry):
+    """Return the yaw of a level vehicle, or nearly so."""
+    turn = odometry.pose.pose.orientation
+    return 2.0 * math.atan2(turn.z, turn.w)
+
+
+def height_of(odometry):
+    """Return the height of a vehicle above the mission's origin."""
+    return odometry.pose.pose.position.z
+
+
 def test_planned_survey_is_flown(start):
     """Thirty viewpoints and more, planned by our planner, every one visited, photographed."""
     ground = start()
     route = routes_for(ground.air, 1, 150.0, 110.0)['rav1']
     assert len(route.viewpoints) >= 30
-    events = ground.listen(topics.EVENTS)
+    events, odometries = ground.listen(topics.EVENTS), ground.listen(topics.ODOM)
     ground.listen(topics.STATE)
     answer = ended(ground, ground.fly(route=route))
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
@@ -164,6 +173,13 @@ def test_planned_survey_is_flown(start):
     ground.until(lambda: ground.seen().state == VehicleState.LANDED, DEADLINE_S)
     assert ground.seen().shots_taken == len(route.viewpoints)
     ground.until(lambda: 'item reached' in {event.kind for event in events})
+    # It looks as planned all the way, not where it flies; what it said of that may be late.
+    ground.until(lambda: height_of(odometries[-1]) < 3.0, DEADLINE_S)
+    (planned_yaw,) = {viewpoint.yaw_rad for viewpoint in route.viewpoints}
+    yaws = [yaw_of(odometry) for odometry in odometries if height_of(odometry) > 23.0]
+    turned = sorted(abs(math.remainder(yaw - planned_yaw, math.tau)) for yaw in yaws)
+    assert len(turned) >= 20
+    assert turned[len(turned) * 3 // 4] < math.radians(10.0)
 
 
 def test_three_vehicles_fly_one_plan(start):
@@ -230,22 +246,22 @@ def test_route_is_replaced_in_flight(start):
 
 def test_low_battery_ends_the_flight(start):
     """It returns by itself; the result names the reason in its own words."""
-    ground = start(parameters=LOW_BATTERY_RETURNS)
+    ground = start(precaution='battery')
     result = in_air(ground, survey(30))
     ground.air.drain()
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.BATTERY_LOW
-    assert 'Battery' in answer.error_msg
+    assert ground.air.words['battery'] in answer.error_msg
 
 
 def test_fence_ends_the_flight(start):
     """It leaves its circle, returns by itself, and is not sent out again."""
-    ground = start(parameters=CIRCLE)
+    ground = start(precaution='fence')
     result = in_air(ground, survey(12))
     ground.air.leave_fence()
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.FAILSAFE_FENCE
-    assert 'fence breached' in answer.error_msg
+    assert ground.air.words['fence'] in answer.error_msg
     assert answer.viewpoints_visited < 12
 
 
@@ -287,7 +303,7 @@ def test_lost_receiver_ends_the_flight(start):
         ground.until(lambda: fixes[-1].status.status == -1, DEADLINE_S)
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.FAILSAFE_POSITION
-    assert 'EKF Failsafe' in answer.error_msg
+    assert ground.air.words['position'] in answer.error_msg
 
 
 @pytest.fixture
@@ -303,7 +319,7 @@ def short_waits(request, monkeypatch):
 @pytest.mark.usefixtures('short_waits')
 def test_heartbeats_end_with_the_supervisor(start):
     """Nobody watches any more: the vehicle returns by itself, and is not told to resume."""
-    ground = start(parameters=RETURNS_ALONE, rate=SLOW, needs_supervisor=True)
+    ground = start(precaution='link', rate=SLOW, needs_supervisor=True)
     ground.supervise()
     result = in_air(ground, survey(20, height_m=10.0, step_m=20.0))
     ground.abandon()
@@ -312,7 +328,7 @@ def test_heartbeats_end_with_the_supervisor(start):
     ground.supervise()
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.FAILSAFE_LINK
-    assert 'GCS Failsafe' in answer.error_msg
+    assert ground.air.words['link'] in answer.error_msg
 
 
 @pytest.mark.usefixtures('short_waits')

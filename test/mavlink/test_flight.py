@@ -14,7 +14,6 @@ from rocsafe_mavlink.fence import Fence
 from rocsafe_mavlink.flight import FlightStage, adopted, fly, home_moved
 from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
 from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint, mission_of
-from rocsafe_mavlink.mission_item import MissionItem
 from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, failures, preflight
 from rocsafe_mavlink.px4 import MULTICOPTER
 from rocsafe_mavlink.vehicle import Battery
@@ -258,16 +257,41 @@ def test_armed_vehicle_is_not_sent_off():
         fly(plan(), COPTER, replace(ready(), home=None), US, NOW_S)
 
 
-@pytest.mark.parametrize(('kind', 'first'), [(COPTER, 1), (MULTICOPTER, 0)])
-def test_mission_has_home_where_it_is_wanted(kind, first):
-    """Take-off, speed, waypoints with their photographs, return."""
+@pytest.mark.parametrize(
+    ('kind', 'first', 'begins'), [(COPTER, 4, [16, 22, 178, 115]), (MULTICOPTER, 2, [22, 178])]
+)
+def test_mission_has_home_where_it_is_wanted(kind, first, begins):
+    """Take-off, speed, where to look, waypoints with their photographs, return."""
     mission = mission_of(plan(2, takes_photographs=True), kind)
-    assert [item.command for item in mission.items[first:]] == [22, 178, 16, 203, 16, 203, 20]
-    assert mission.waypoint_items == (first + 2, first + 4)
-    assert [mission.visited(number) for number in (-1, first + 2, first + 3, 99)] == [0, 1, 1, 2]
-    assert mission.items[first + 2] == MissionItem(
-        command=16, x_e7=mission.items[first + 2].x_e7, y_e7=85455940, z_m=30.0
-    )
+    assert [item.command for item in mission.items] == [*begins, 16, 203, 16, 203, 20]
+    assert mission.waypoint_items == (first, first + 2)
+    assert [mission.visited(number) for number in (-1, first, first + 1, 99)] == [0, 1, 1, 2]
+    item = mission.items[first]
+    assert (item.frame, item.y_e7, item.z_m) == (6, 85455940, 30.0)
+    # Of no item is the frame one that goes with a place, where it has none.
+    assert {i.frame for i in mission.items if i.command in (20, 115, 178, 203)} == {2}
+
+
+def test_px4_is_told_where_to_go_after_its_climb():
+    """It flies to the place of its take-off, wherever that is; an ArduCopter does not."""
+    takeoff, _, first, *_ = mission_of(plan(2), MULTICOPTER).items
+    assert (takeoff.x_e7, takeoff.y_e7, takeoff.z_m) == (first.x_e7, first.y_e7, first.z_m)
+    _, takeoff, *_ = mission_of(plan(2), COPTER).items
+    assert (takeoff.x_e7, takeoff.y_e7, takeoff.z_m) == (0, 0, first.z_m)
+
+
+def test_heading_is_that_of_the_plan():
+    """PX4 finds it in each waypoint, an ArduCopter is told when it changes."""
+    ways = [
+        replace(waypoint, heading_deg=heading)
+        for waypoint, heading in zip(plan(4).waypoints, (45.0, 45.0, 225.0, 0.0), strict=True)
+    ]
+    flown = replace(plan(4), waypoints=tuple(ways))
+    px4, copter = mission_of(flown, MULTICOPTER).items, mission_of(flown, COPTER).items
+    told = [item.parameters[3] for item in px4 if item.command in (16, 22)]
+    assert told == [45.0, 45.0, 45.0, 225.0, 0.0]
+    turns = [(n, item.parameters[0]) for n, item in enumerate(copter) if item.command == 115]
+    assert turns == [(3, 45.0), (6, 225.0), (8, 0.0)]
 
 
 ON, OFF, SHOT, PASS = 'on', 'off', 'shot', ''
@@ -311,7 +335,7 @@ def test_bend_is_not_photographed():
 def shutter_words(flown):
     """Return what the camera is told after each waypoint of a mission."""
     told = []
-    for item in mission_of(flown, COPTER).items[3:-1]:
+    for item in mission_of(flown, COPTER).items[4:-1]:
         if item.command == 16:
             told.append(PASS)
         elif item.command == 203:

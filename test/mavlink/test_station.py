@@ -8,7 +8,7 @@ from test.mavlink.test_flight import plan
 from test.mavlink.wire import DRONE, NOW_S, STRANGER, open_link
 
 from rocsafe_mavlink.counters import Reason
-from rocsafe_mavlink.dialect import decode, encode
+from rocsafe_mavlink.dialect import Message, decode, encode
 from rocsafe_mavlink.events import EventKind
 from rocsafe_mavlink.flight_outcome import Outcome
 from rocsafe_mavlink.framing import pack_frame, scan
@@ -122,6 +122,25 @@ def may_fly(air):
     except ValueError:
         return False
     return True
+
+
+@pytest.mark.parametrize('kind', [(0, 2), (3, 1)], ids=['generic autopilot', 'aeroplane'])
+def test_what_is_no_multicopter_of_ours_is_only_heard(kind):
+    """It is listened to, and never flown; the others on the link are served on."""
+    air = Air(2)
+    autopilot, vehicle_type = kind
+    other = Message(
+        'HEARTBEAT',
+        {'autopilot': autopilot, 'type': vehicle_type, 'system_status': 3, 'mavlink_version': 3},
+    )
+    air.copters[1].step = lambda now_s: [other] if round(now_s * 10) % 10 == 0 else []
+    air.wait(50.0)
+    assert air.vehicle(1).contact(air.now_s) is Contact.FRESH
+    with pytest.raises(ValueError, match=r'is not known|is no multicopter'):
+        air.fly(1)
+    air.fly(2)
+    air.until(lambda: air.flight(2).is_over)
+    assert air.flight(2).outcome is Outcome.COMPLETED
 
 
 def test_heartbeats_are_sent_only_while_supervised():

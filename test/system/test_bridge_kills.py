@@ -25,8 +25,8 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.airspace import HARMLESS, told_once
+from test.mavlink.autopilots import AUTOPILOTS, make_airspace
 from test.mavlink.operator_post import survey
-from test.mavlink.sitl import AUTOPILOTS, make_airspace
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState

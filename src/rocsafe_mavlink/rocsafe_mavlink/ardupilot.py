@@ -58,4 +58,8 @@ COPTER = Autopilot(
     arms_in=Verb.GUIDED,
     pauses_missions=True,
     repositions_itself=False,
+    flies_to_takeoff=False,
+    turns_at_waypoints=False,
+    starts_anywhere=False,
+    unsent=frozenset({'ESTIMATOR_STATUS'}),
 )

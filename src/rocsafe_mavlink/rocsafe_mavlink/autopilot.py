@@ -55,6 +55,10 @@ class Autopilot:
     arms_in: mode in which to arm for a mission.
     pauses_missions: whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
     repositions_itself: whether DO_REPOSITION changes the mode, and wants a height above the sea.
+    flies_to_takeoff: whether it flies to the place of a take-off item once it has climbed.
+    turns_at_waypoints: whether a waypoint says which way to look; else CONDITION_YAW does.
+    starts_anywhere: whether MISSION_START begins with the item that it names, in the air too.
+    unsent: messages of `stream_rates.WANTED` that it does not have.
     """
 
     name: str
@@ -68,6 +72,10 @@ class Autopilot:
     arms_in: Verb
     pauses_missions: bool
     repositions_itself: bool
+    flies_to_takeoff: bool
+    turns_at_waypoints: bool
+    starts_anywhere: bool
+    unsent: frozenset[str]
 
     def mode_name(self, custom_mode: int) -> str:
         """Return the name of a mode; an unknown one is never taken for its neighbour."""

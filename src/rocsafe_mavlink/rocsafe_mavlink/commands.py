@@ -168,9 +168,9 @@ def disarm(target: Target) -> Message:
     return command(COMPONENT_ARM_DISARM, target, 0.0)
 
 
-def start_mission(target: Target) -> Message:
-    """Return the command to start the mission; other parameters than 0 are denied."""
-    return command(MISSION_START, target)
+def start_mission(target: Target, item: int = 0) -> Message:
+    """Return the command to start the mission with `item`; ArduPilot denies all but 0."""
+    return command(MISSION_START, target, item)
 
 
 def pause(target: Target) -> Message:

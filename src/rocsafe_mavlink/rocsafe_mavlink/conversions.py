@@ -2,12 +2,14 @@
 """Values of real vehicles <-> messages."""
 
 import math
+from dataclasses import replace
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
+from rocsafe_geo.angle import heading_of_yaw_rad
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import (
     GeoPoint,
@@ -66,8 +68,8 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     waypoints: list[Waypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
-    height_m = waypoints[-1].height_m
-    waypoints += [_bend(point, height_m) for point in message.homeward]
+    last = waypoints[-1]
+    waypoints += [_bend(point, last) for point in message.homeward]
     plan = FlightPlan(
         waypoints=tuple(waypoints),
         speed_mps=spec.speed_mps,
@@ -97,12 +99,19 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
     height_m = place.altitude_m - home.altitude_m
     if not math.isfinite(height_m):
         height_m = viewpoint.height_agl_m
-    stop = Waypoint(position=_level(place), height_m=height_m, hold_s=hover_s)
-    return [*(_bend(point, height_m) for point in viewpoint.approach), stop]
+    stop = Waypoint(
+        position=_level(place),
+        height_m=height_m,
+        hold_s=hover_s,
+        heading_deg=math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)) % 360.0,
+    )
+    return [*(_bend(point, stop) for point in viewpoint.approach), stop]
 
 
-def _bend(point: GeoPoint, height_m: float) -> Waypoint:
-    return Waypoint(position=_level(position_of_point(point)), height_m=height_m, is_bend=True)
+def _bend(point: GeoPoint, stop: Waypoint) -> Waypoint:
+    """Return a bend of the way to or from `stop`: as high, and looking the same way."""
+    place = _level(position_of_point(point))
+    return replace(stop, position=place, hold_s=0.0, is_bend=True)
 
 
 def _level(place: GeoPosition) -> GeoPosition:

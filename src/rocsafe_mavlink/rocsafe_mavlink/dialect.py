@@ -5,6 +5,7 @@ The only module that imports pymavlink, and of it only the tables made from the 
 its parser keeps state that anybody with reach of the socket can spoil.
 """
 
+import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -84,7 +85,26 @@ class _Layout:
         return grouped
 
 
-_BY_ID = {number: _Layout(table) for number, table in _tables.mavlink_map.items()}
+class _Event:
+    """EVENT of MAVLink's development set, which PX4 sends and the tables do not have."""
+
+    msgname, id, crc_extra = 'EVENT', 410, 160
+    unpacker = struct.Struct('<IIHBBB40B')
+    ordered_fieldnames = (
+        'id',
+        'event_time_boot_ms',
+        'sequence',
+        'destination_component',
+        'destination_system',
+        'log_levels',
+        'arguments',
+    )
+    lengths = (1, 1, 1, 1, 1, 1, 40)
+
+
+_BY_ID = {
+    number: _Layout(table) for number, table in {_Event.id: _Event, **_tables.mavlink_map}.items()
+}
 _BY_NAME = {layout.name: layout for layout in _BY_ID.values()}
 # What is added to the checksum of each message, so that both ends mean the same definition.
 CRC_EXTRAS: Mapping[int, bytes] = {number: layout.crc_extra for number, layout in _BY_ID.items()}

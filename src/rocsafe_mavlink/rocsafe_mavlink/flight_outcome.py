@@ -23,11 +23,18 @@ _WORDS = (
     ('gcs failsafe', Outcome.FAILSAFE_LINK),
     ('ekf failsafe', Outcome.FAILSAFE_GPS),
     ('fence breached', Outcome.FAILSAFE_FENCE),
+    # PX4, see `px4_events`.
+    ('failsafe: gcs connection loss', Outcome.FAILSAFE_LINK),
+    ('failsafe: low battery', Outcome.FAILSAFE_BATTERY),
+    ('failsafe: critical battery', Outcome.FAILSAFE_BATTERY),
+    ('failsafe: emergency battery', Outcome.FAILSAFE_BATTERY),
+    ('failsafe: remaining flight time', Outcome.FAILSAFE_BATTERY),
+    ('geofence violation: ', Outcome.FAILSAFE_FENCE),
 )
 
 
 def failsafe_of(text: str) -> Outcome | None:
-    """Return the failsafe that a text of an ArduPilot announces, None if it announces none."""
+    """Return the failsafe that a text of an autopilot announces, None if it announces none."""
     said = text.lower()
     if 'cleared' in said:
         return None

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A route to fly, and the mission that makes an autopilot fly it."""
 
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby, pairwise
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.authority import (
+    CONDITION_YAW,
     DO_CHANGE_SPEED,
     DO_DIGICAM_CONTROL,
     DO_SET_CAM_TRIGG_DIST,
@@ -31,17 +33,20 @@ class Waypoint:
     position: latitude and longitude; its altitude is not read.
     height_m: above home, positive.
     hold_s: time to stand there.
+    heading_deg: which way it looks there, clockwise from north.
     is_bend: whether the way only bends there: nothing is photographed, nothing counted.
     """
 
     position: GeoPosition
     height_m: float
     hold_s: float = 0.0
+    heading_deg: float = 0.0
     is_bend: bool = False
 
     def __post_init__(self) -> None:
         require_positive('height_m', self.height_m)
         require_between('hold_s', self.hold_s, 0.0, LARGEST_HOLD_S)
+        require_between('heading_deg', self.heading_deg, 0.0, 360.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,10 +88,12 @@ class Mission:
     Attributes
     ----------
     items: as they lie on it.
+    first_item: number of the first after the take-off: where a vehicle in the air begins.
     waypoint_items: number of the item of each waypoint that counts, ascending.
     """
 
     items: tuple[MissionItem, ...]
+    first_item: int
     waypoint_items: tuple[int, ...]
 
     def visited(self, reached_item: int) -> int:
@@ -97,7 +104,8 @@ class Mission:
 def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
     """Return the mission of `plan` for an autopilot, home in front where it wants it."""
     items = [MissionItem(command=WAYPOINT, frame=GLOBAL)] if autopilot.has_home_item else []
-    items.append(MissionItem(command=TAKEOFF, z_m=plan.waypoints[0].height_m))
+    items.append(_takeoff(plan.waypoints[0], autopilot))
+    first_item = len(items)
     items.append(
         MissionItem(
             command=DO_CHANGE_SPEED,
@@ -106,12 +114,14 @@ def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
         )
     )
     numbers: list[int] = []
-    for waypoint, shutter in zip(plan.waypoints, _shutters(plan), strict=True):
+    turns = _turns(plan.waypoints, autopilot)
+    for waypoint, turn, shutter in zip(plan.waypoints, turns, _shutters(plan), strict=True):
+        items += turn
         if not waypoint.is_bend:
             numbers.append(len(items))
-        items += [_item_of(waypoint), *shutter]
-    items.append(MissionItem(command=RETURN_TO_LAUNCH))
-    return Mission(items=tuple(items), waypoint_items=tuple(numbers))
+        items += [_item_of(waypoint, autopilot), *shutter]
+    items.append(MissionItem(command=RETURN_TO_LAUNCH, frame=MISSION_FRAME))
+    return Mission(items=tuple(items), first_item=first_item, waypoint_items=tuple(numbers))
 
 
 def _shutters(plan: FlightPlan) -> list[list[MissionItem]]:
@@ -147,11 +157,35 @@ def _trigger(distance_m: float, at_once: float) -> MissionItem:
     )
 
 
-def _item_of(waypoint: Waypoint) -> MissionItem:
+def _turns(waypoints: Sequence[Waypoint], autopilot: Autopilot) -> list[list[MissionItem]]:
+    """Return what it is told of its heading before each waypoint: what is not as it was."""
+    headings_deg = [waypoint.heading_deg for waypoint in waypoints]
+    is_told = not autopilot.turns_at_waypoints
+    return [
+        [_turn(after)] if is_told and (number == 0 or after != before) else []
+        for number, (before, after) in enumerate(pairwise([0.0, *headings_deg]))
+    ]
+
+
+def _turn(heading_deg: float) -> MissionItem:
+    return MissionItem(
+        command=CONDITION_YAW, frame=MISSION_FRAME, parameters=(heading_deg, 0.0, 0.0, 0.0)
+    )
+
+
+def _takeoff(first: Waypoint, autopilot: Autopilot) -> MissionItem:
+    """Return the climb to the height of the first waypoint, straight up."""
+    if autopilot.flies_to_takeoff:
+        return replace(_item_of(first, autopilot), command=TAKEOFF)
+    return MissionItem(command=TAKEOFF, z_m=first.height_m)
+
+
+def _item_of(waypoint: Waypoint, autopilot: Autopilot) -> MissionItem:
+    heading_deg = waypoint.heading_deg if autopilot.turns_at_waypoints else 0.0
     return MissionItem(
         command=WAYPOINT,
         x_e7=e7_of_deg(waypoint.position.latitude_deg),
         y_e7=e7_of_deg(waypoint.position.longitude_deg),
         z_m=waypoint.height_m,
-        parameters=(waypoint.hold_s, 0.0, 0.0, 0.0),
+        parameters=(waypoint.hold_s, 0.0, 0.0, heading_deg),
     )

@@ -24,8 +24,10 @@ from rocsafe_mavlink.mission_item import MissionItem
 from rocsafe_mavlink.mission_results import MissionType
 from rocsafe_mavlink.parameters import ParameterReader
 from rocsafe_mavlink.preflight import Knowledge
+from rocsafe_mavlink.px4_events import text_of_event
 from rocsafe_mavlink.reducer import reduce
 from rocsafe_mavlink.stream_rates import StreamRates
+from rocsafe_mavlink.texts import TextJoiner
 from rocsafe_mavlink.vehicle import Contact, Vehicle
 
 Target = tuple[int, int]
@@ -45,6 +47,7 @@ class Member:
     errand: the operator's present or last order.
     errand_count: orders so far.
     rates: of its messages.
+    texts: those of several messages.
     reader: of its parameters, from when its kind is known.
     download: of its mission or fence, while one is under way.
     stored: the mission that lies on it, as read back since it was last found; None: not read.
@@ -60,6 +63,7 @@ class Member:
     errand: Errand | None = None
     errand_count: int = 0
     rates: StreamRates = field(default_factory=StreamRates)
+    texts: TextJoiner = field(default_factory=TextJoiner)
     reader: ParameterReader | None = None
     download: Download | None = None
     stored: tuple[MissionItem, ...] | None = None
@@ -94,6 +98,13 @@ class Member:
             raise ValueError('the vehicle was never heard')
         return autopilot_of(self.vehicle.autopilot, self.vehicle.vehicle_type)
 
+    def _kind(self) -> Autopilot | None:
+        try:
+            return self.autopilot()
+        except ValueError:
+            # Something else stands where a multicopter should: it is listened to, and no more.
+            return None
+
     def knowledge(self) -> Knowledge:
         """Return what was read from it besides."""
         return Knowledge(parameters=self.reader, fence=self.fence, fence_error=self.fence_error)
@@ -108,6 +119,16 @@ class Member:
 
     def take(self, message: Message, now_s: float) -> tuple[list[Event], list[Message]]:
         """Take one of its messages; return what happened and what to send."""
+        heard = self.texts.late(now_s)
+        if message.name == 'STATUSTEXT':
+            heard += self.texts.take(message, now_s)
+        else:
+            heard.append(text_of_event(message) if message.name == 'EVENT' else message)
+        answers = [self._take(one, now_s) for one in heard]
+        events = [event for happened, _ in answers for event in happened]
+        return events, [one for _, sent in answers for one in sent]
+
+    def _take(self, message: Message, now_s: float) -> tuple[list[Event], list[Message]]:
         self.vehicle, events = reduce(self.vehicle, message, now_s, self.separation_m)
         self.rates.hear(message.name, now_s)
         if any(event.kind is EventKind.REBOOTED for event in events):
@@ -158,7 +179,8 @@ class Member:
             self.flight = replace(flight, cause=cause, reason=reason)
 
     def _asked(self, now_s: float) -> list[Message]:
-        due = self.rates.due(now_s)
+        kind = self._kind()
+        due = self.rates.due(now_s, frozenset() if kind is None else kind.unsent)
         return [] if due is None else [set_interval(self.target, *due)]
 
     def _look(self, now_s: float) -> list[Message]:
@@ -213,9 +235,11 @@ class Member:
         return []
 
     def _read_parameters(self, now_s: float) -> list[Message]:
+        kind = self._kind()
+        if kind is None:
+            return []
         if self.reader is None:
-            number = self.autopilot().number
-            self.reader = ParameterReader(autopilot=number, target=self.target, found={})
+            self.reader = ParameterReader(autopilot=kind.number, target=self.target, found={})
         self.reader, sent = self.reader.on_tick(now_s)
         return sent
 

@@ -86,12 +86,11 @@ class Desk:
         return self._errand(kind.name.lower(), TransferStep(moving=moving))
 
     def fly_instead(self, mission: Mission) -> Errand:
-        """Return the order to stop, take another mission, and fly it from its first waypoint.
+        """Return the order to stop, take another mission, and fly it from after its take-off.
 
         It stops in a mode of its own: an ArduCopter that only pauses its mission goes on by itself
         as soon as it has another one, before that was read back.
         """
-        first = mission.waypoint_items[0]
         items = transfer(
             mission.items,
             self.target,
@@ -102,8 +101,7 @@ class Desk:
             'new route',
             self._mode(Verb.HOLD),
             TransferStep(moving=items),
-            self._do(commands.set_current(self.target, first), _flies_to(first)),
-            self._mode(Verb.MISSION),
+            *self._begin_in_air(mission),
         )
 
     def _errand(self, name: str, *steps: Step) -> Errand:
@@ -134,6 +132,19 @@ class Desk:
         if not self.autopilot.pauses_missions:
             return switch
         return replace(self._do(commands.resume(self.target), _is_active), otherwise=switch)
+
+    def _begin_in_air(self, mission: Mission) -> list[CommandStep]:
+        """Return how it begins a mission in the air."""
+        first = mission.first_item
+        is_at_first = _flies_to(first, mission.waypoint_items[0])
+        switch = self._mode(Verb.MISSION)
+        if not self.autopilot.starts_anywhere:
+            return [self._do(commands.set_current(self.target, first), is_at_first), switch]
+
+        def is_shown(vehicle: Vehicle) -> bool:
+            return switch.is_shown(vehicle) and is_at_first(vehicle)
+
+        return [self._do(commands.start_mission(self.target, first), is_shown)]
 
     def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
         by_itself = self.autopilot.repositions_itself
@@ -177,8 +188,8 @@ def _is_active(vehicle: Vehicle) -> bool:
     return vehicle.mission.phase in (MissionPhase.ACTIVE, MissionPhase.UNKNOWN)
 
 
-def _flies_to(item: int) -> Shown:
+def _flies_to(first: int, last: int) -> Shown:
     def is_shown(vehicle: Vehicle) -> bool:
-        return vehicle.mission.current == item
+        return first <= vehicle.mission.current <= last
 
     return is_shown

@@ -30,6 +30,7 @@ class Parameter(Enum):
     LINK_LOSS_ACTION = 'link-loss action'
     LOW_BATTERY_ACTION = 'low-battery action'
     FENCE_ENABLED = 'fence'
+    YAW_BEHAVIOUR = 'heading on the way'
     STATION = 'station that may command'
 
 
@@ -42,6 +43,7 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_ACTION: (('FS_GCS_ENABLE', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('BATT_FS_LOW_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('FENCE_ENABLE', 1.0),),
+        Parameter.YAW_BEHAVIOUR: (('WP_YAW_BEHAVIOR', 1.0),),
         Parameter.STATION: (('MAV_GCS_SYSID', 1.0), ('SYSID_MYGCS', 1.0)),
     },
     PX4: {

@@ -44,6 +44,8 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'CAMERA_TRIGGER': {},
     'COMMAND_ACK': {},
     'EKF_STATUS_REPORT': {},
+    'ESTIMATOR_STATUS': {},
+    'EVENT': {},
     'EXTENDED_SYS_STATE': {},
     'FENCE_STATUS': {},
     'GLOBAL_POSITION_INT': {

@@ -15,7 +15,7 @@ from rocsafe_mavlink.autopilot import Autopilot
 from rocsafe_mavlink.fence import Fence
 from rocsafe_mavlink.fix import fix_fault
 from rocsafe_mavlink.flight_plan import FlightPlan
-from rocsafe_mavlink.parameters import Parameter, ParameterReader
+from rocsafe_mavlink.parameters import SPELLINGS, Parameter, ParameterReader
 from rocsafe_mavlink.vehicle import Contact, Home, Vehicle
 
 # Of a setting that was asked for and may still be answered.
@@ -206,18 +206,34 @@ def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> lis
         _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
         _setting(reader, Parameter.LOW_BATTERY_ACTION, is_required=False),
         _setting(reader, Parameter.FENCE_ENABLED, is_required=False),
+        *_heading_checks(reader),
     ]
 
 
+def _heading_checks(reader: ParameterReader) -> list[Check]:
+    """Return whether it looks where its mission says, not where it flies."""
+    if Parameter.YAW_BEHAVIOUR not in SPELLINGS[reader.autopilot]:
+        return []
+    text = _setting_text(reader, Parameter.YAW_BEHAVIOUR)
+    verdict = Verdict.PASS if reader.value(Parameter.YAW_BEHAVIOUR) == 0.0 else Verdict.WARN
+    limit = '0, or photographs lie turned'
+    return [Check(Parameter.YAW_BEHAVIOUR.value, verdict, text, limit)]
+
+
 def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
-    value, spelling = reader.value(parameter), reader.spelling(parameter)
+    value, text = reader.value(parameter), _setting_text(reader, parameter)
     is_on = math.isfinite(value) and value != 0.0
-    unknown = f'{spelling} not answered' if reader.is_over else NOT_READ
-    text = f'{spelling} = {value:g}' if math.isfinite(value) else unknown
     verdict = Verdict.PASS if is_on else Verdict.FAIL if is_required else Verdict.WARN
     return Check(
         parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'
     )
+
+
+def _setting_text(reader: ParameterReader, parameter: Parameter) -> str:
+    value, spelling = reader.value(parameter), reader.spelling(parameter)
+    if math.isfinite(value):
+        return f'{spelling} = {value:g}'
+    return f'{spelling} not answered' if reader.is_over else NOT_READ
 
 
 def _energy_check(plan: FlightPlan, vehicle: Vehicle, limits: FlightLimits) -> Check:

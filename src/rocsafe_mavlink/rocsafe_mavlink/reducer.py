@@ -224,6 +224,7 @@ def _time(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
 _REDUCERS: Mapping[str, Reducer] = {
     'ATTITUDE': _attitude,
     'EKF_STATUS_REPORT': _ekf,
+    'ESTIMATOR_STATUS': _ekf,
     'EXTENDED_SYS_STATE': _landed,
     'FENCE_STATUS': _fence,
     'GLOBAL_POSITION_INT': _position,

@@ -15,6 +15,7 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'ATTITUDE': (30, 5.0),
     'GPS_RAW_INT': (24, 2.0),
     'EKF_STATUS_REPORT': (193, 2.0),
+    'ESTIMATOR_STATUS': (230, 2.0),
     'SYS_STATUS': (1, 2.0),
     'MISSION_CURRENT': (42, 2.0),
     'EXTENDED_SYS_STATE': (245, 2.0),
@@ -49,11 +50,16 @@ class StreamRates:
         if name in WANTED:
             self._heard_s[name] = now_s
 
-    def due(self, now_s: float) -> tuple[int, float] | None:
-        """Return number and rate of a message to ask for now, None if there is none."""
+    def due(self, now_s: float, unsent: frozenset[str] = frozenset()) -> tuple[int, float] | None:
+        """Return number and rate of a message to ask for now, None if there is none.
+
+        `unsent` are those that this kind of autopilot does not have.
+        """
         if now_s - self._last_ask_s < PACE_S:
             return None
         for name, (number, rate_hz) in self._wanted.items():
+            if name in unsent:
+                continue
             silent_s = now_s - self._heard_s.get(name, -math.inf)
             is_asked = now_s - self._asked_s.get(name, -math.inf) < ASK_AGAIN_S
             if silent_s > MISSING_PERIODS / rate_hz and not is_asked:

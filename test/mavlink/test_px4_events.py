@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a PX4 left its mission, in words."""
+
+import pytest
+from test.mavlink.telemetry import said
+
+from rocsafe_mavlink.dialect import decode, encode
+from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.px4_events import event_number, text_of_event
+
+
+def event(name, *arguments, level=2):
+    """Return an event as it comes, over the wire."""
+    padded = [*arguments, *[0] * (40 - len(arguments))]
+    sent = said('EVENT', id=event_number(name), log_levels=0x30 | level, arguments=padded)
+    return decode(*encode(sent), 1, 1)
+
+
+def test_numbers_are_those_of_a_real_one():
+    """As a PX4 of August 2025 sends them."""
+    assert event_number('commander_failsafe_enter') == 26528394
+    assert event_number('check_gf_violation_max_hor_dist') == 20842799
+
+
+@pytest.mark.parametrize(
+    ('name', 'arguments', 'outcome'),
+    [
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 2), Outcome.FAILSAFE_LINK),
+        ('commander_failsafe_enter_hold', (1, 0, 0, 0, 6, 5, 0, 4), Outcome.FAILSAFE_BATTERY),
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 6), Outcome.FAILSAFE_BATTERY),
+        ('check_gf_violation_custom_gf', (255, 3), Outcome.FAILSAFE_FENCE),
+    ],
+)
+def test_failsafe_is_named(name, arguments, outcome):
+    """The text is for people; the outcome follows from it."""
+    text = text_of_event(event(name, *arguments))
+    assert (text.name, text['severity'], failsafe_of(text['text'])) == ('STATUSTEXT', 2, outcome)
+
+
+@pytest.mark.parametrize(
+    ('name', 'arguments'),
+    [
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 0)),
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 99)),
+        ('commander_takeoff_detected', ()),
+    ],
+    ids=['no cause', 'unknown cause', 'another event'],
+)
+def test_other_events_say_nothing(name, arguments):
+    """What is not known is not guessed."""
+    sent = event(name, *arguments)
+    assert text_of_event(sent) is sent
