@@ -28,7 +28,7 @@ def make_airspace(kind, folder, systems=(1,), precaution='', rate=None):
     if kind == 'sitl':
         return sitl.SitlAirspace(systems, folder, rate or 10.0, precaution)
     if kind == 'px4':
-        return px4_sih.Px4Airspace(systems, folder, min(rate or 5.0, 5.0), precaution)
+        return px4_sih.Px4Airspace(systems, folder, rate or px4_sih.SPEEDUP, precaution)
     air = Airspace(systems)
     for copter in air.copters.values():
         copter.parameters.update(sitl.PRECAUTIONS[precaution])

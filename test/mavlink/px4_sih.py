@@ -7,7 +7,6 @@ number of the vehicle, so that one set of them flies at a time on a machine.
 
 import fcntl
 import os
-import shutil
 import struct
 import subprocess
 import tempfile
@@ -19,7 +18,8 @@ from test.mavlink.airspace import free_port
 from test.mavlink.real_copter import Copter, RealAirspace, Tap
 
 BUILD = os.environ.get('ROCSAFE_PX4', '')
-SPEEDUP = 5.0
+# What a machine of two cores simulates in good time, shared by the vehicles.
+SPEEDUP = 6.0
 QUADROTOR = '10040'
 HOME_MSL_M = 488.0
 # Of the first vehicle: where a companion listens, and where the ground station's link is.
@@ -58,8 +58,6 @@ class Px4Copter(Copter):
     def start(self):
         """Switch it on; off before, if it is on."""
         self.stop()
-        for kept in self._folder.iterdir():
-            shutil.rmtree(kept) if kept.is_dir() else kept.unlink()
         with (self._folder.parent / f'px4-{self.system}.log').open('ab') as log:
             self.process = subprocess.Popen(
                 [
@@ -96,6 +94,7 @@ class Px4Airspace(RealAirspace):
 
     def __init__(self, systems, folder, speedup=SPEEDUP, precaution=''):
         self._lock = _locked()
+        speedup = min(speedup, SPEEDUP / len(systems))
         port = free_port()
         super().__init__(
             f'udp://127.0.0.1:{port}',
