@@ -15,6 +15,8 @@ FAST = 40.0
 HARMLESS = {'COMMAND_LONG 511', 'COMMAND_LONG 512'}
 # While an operator acts: some tenths of a second of his are a second of the flight.
 CALM = 4.0
+# With which an ArduCopter begins another route in the air, before it is told to fly it.
+SET_CURRENT = 'COMMAND_LONG 224'
 # In which an ArduCopter announces a failsafe.
 WORDS = {
     'battery': 'Battery',
@@ -32,9 +34,11 @@ class Airspace:
     link : where the bridge has to listen.
     copters : by their system.
     words : in which a failsafe is announced.
+    begins_with : order with which another route begins in the air; a mode follows the fake's.
     """
 
     words = WORDS
+    begins_with = SET_CURRENT
 
     def __init__(self, systems=(1,), rate=FAST, images=None, **options):
         port = free_port()

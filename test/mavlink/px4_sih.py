@@ -91,6 +91,8 @@ class Px4Airspace(RealAirspace):
     """PX4s on one link."""
 
     words = WORDS
+    # One order begins a mission and flies it.
+    begins_with = 'COMMAND_LONG 300'
 
     def __init__(self, systems, folder, speedup=SPEEDUP, precaution=''):
         self._lock = _locked()

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 from test.fakes.fake_autopilot import HOME
-from test.mavlink.airspace import WORDS, free_port
+from test.mavlink.airspace import SET_CURRENT, WORDS, free_port
 from test.mavlink.real_copter import Copter, RealAirspace, Tap
 
 BINARY = os.environ.get('ROCSAFE_SITL', '')
@@ -76,6 +76,7 @@ class SitlAirspace(RealAirspace):
     """ArduCopters on one link."""
 
     words = WORDS
+    begins_with = SET_CURRENT
 
     def __init__(self, systems, folder, speedup=10, precaution=''):
         port = free_port()

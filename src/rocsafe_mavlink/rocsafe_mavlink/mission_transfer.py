@@ -44,6 +44,7 @@ class Transfer:
     error: why it failed, or why the try before this one did.
     asked_s, clears: of the clearing.
     is_cleared: whether the autopilot said, after a failure, that its mission is empty.
+    begins_again: whether it is offered anew once an autopilot that was stuck is cleared.
     clears_after_failure: whether what may be half written is cleared; not while it is flown.
     """
 
@@ -56,6 +57,7 @@ class Transfer:
     asked_s: float = 0.0
     clears: int = 0
     is_cleared: bool = False
+    begins_again: bool = True
     clears_after_failure: bool = True
 
     @property
@@ -66,7 +68,13 @@ class Transfer:
     def begin(self, now_s: float) -> tuple['Transfer', list[Message]]:
         """Start the upload."""
         fresh = replace(
-            self.upload, stage=UploadStage.OFFERED, offers=0, highest=-1, error='', heard_s=now_s
+            self.upload,
+            stage=UploadStage.OFFERED,
+            offers=0,
+            is_stuck=False,
+            highest=-1,
+            error='',
+            heard_s=now_s,
         )
         upload, sent = fresh.begin(now_s)
         stage = TransferStage.UPLOADING
@@ -83,7 +91,7 @@ class Transfer:
             download, sent = self.download.on_message(message, now_s)
             return replace(self, download=download)._after_download(now_s, sent)
         if self.stage is TransferStage.CLEARING and message.name == 'MISSION_ACK':
-            return self._on_cleared(int(message['type'])), []
+            return self._on_cleared(int(message['type']), now_s)
         return self, []
 
     def on_tick(self, now_s: float) -> tuple['Transfer', list[Message]]:
@@ -138,11 +146,13 @@ class Transfer:
         clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)
         return asked, [clear]
 
-    def _on_cleared(self, result: int) -> 'Transfer':
+    def _on_cleared(self, result: int, now_s: float) -> tuple['Transfer', list[Message]]:
+        if result == ACCEPTED and self.begins_again and self.upload.is_stuck:
+            return replace(self, begins_again=False, clears=0).begin(now_s)
         if result == ACCEPTED:
-            return replace(self, stage=TransferStage.FAILED, is_cleared=True)
+            return replace(self, stage=TransferStage.FAILED, is_cleared=True), []
         error = f'{self.error}; clearing it: {result_text(result)}'
-        return replace(self, stage=TransferStage.FAILED, error=error)
+        return replace(self, stage=TransferStage.FAILED, error=error), []
 
 
 def transfer(

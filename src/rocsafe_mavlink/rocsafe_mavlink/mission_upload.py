@@ -17,6 +17,8 @@ REQUESTS = ('MISSION_REQUEST', 'MISSION_REQUEST_INT')
 OFFER_AGAIN_S = 1.5
 # With 40 % of all messages lost, one vehicle in a thousand misses so many.
 LARGEST_OFFER_COUNT = 15
+# A PX4 may think that another transfer is under way, and refuse every offer by its type.
+FEWEST_STUCK_OFFERS = 2
 # No autopilot asks again later than this.
 NO_REQUEST_S = 10.0
 # So long after the last item was sent, a lost acknowledgement is the likely reason for silence.
@@ -47,6 +49,7 @@ class Upload:
     highest: highest item that was asked for; -1 if none.
     error: why it failed.
     is_passing: whether another try may go better.
+    is_stuck: whether offers are refused for a transfer of another type.
     """
 
     items: tuple[MissionItem, ...]
@@ -58,6 +61,7 @@ class Upload:
     highest: int = -1
     error: str = ''
     is_passing: bool = False
+    is_stuck: bool = False
 
     def begin(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Offer the mission."""
@@ -66,8 +70,10 @@ class Upload:
 
     def on_message(self, message: Message, now_s: float) -> tuple['Upload', list[Message]]:
         """Take a message of the autopilot."""
-        if self._is_over or message.fields.get('mission_type', 0) != self.mission_type:
+        if self._is_over:
             return self, []
+        if message.fields.get('mission_type', 0) != self.mission_type:
+            return self._on_other(message), []
         if message.name in REQUESTS:
             return self._on_request(int(message['seq']), now_s)
         if message.name == 'MISSION_ACK':
@@ -119,6 +125,15 @@ class Upload:
             return self
         where = f' at item {self.highest}' if self.stage is UploadStage.SENDING else ''
         return self._failed(f'{result_text(result)}{where}', is_passing=result in PASSING)
+
+    def _on_other(self, message: Message) -> 'Upload':
+        """Take a message about a transfer of another type."""
+        is_refusal = message.name == 'MISSION_ACK' and message['type'] in PASSING
+        is_answer = self.stage is UploadStage.OFFERED and self.offers >= FEWEST_STUCK_OFFERS
+        if not is_refusal or not is_answer:
+            return self
+        failed = self._failed(result_text(int(message['type'])), is_passing=False)
+        return replace(failed, is_stuck=True)
 
     def _failed(self, error: str, *, is_passing: bool) -> 'Upload':
         return replace(self, stage=UploadStage.FAILED, error=error, is_passing=is_passing)
