@@ -357,6 +357,11 @@ from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 
+REPEAT_S = 3.0
+
+def result_of(accepted):
+    return accepted.result().get_result_async()
+
 with ros_session():
     scenario = read_scenario(Path(sys.argv[1]))
     node = OrchestratorNode(scenario, Monitor(scenario.vehicle_names), 'run')
@@ -367,11 +372,13 @@ with ros_session():
         spinner.spin_for(0.05)
     client = node.requests._vehicles[name]
     for _ in range(20):
-        results = []
-        sent = client.send_goal_async(FlyRoute.Goal())
-        sent.add_done_callback(lambda done: results.append(done.result().get_result_async()))
-        while not (results and results[0].done()):
+        results, asked = [], 0.0
+        while not any(result.done() for result in results):
             assert time.monotonic() < end, 'no answer'
+            if time.monotonic() > asked + REPEAT_S:
+                # The first may go to vehicles that are only half found.
+                asked, sent = time.monotonic(), client.send_goal_async(FlyRoute.Goal())
+                sent.add_done_callback(lambda done: results.append(result_of(done)))
             spinner.spin_for(0.05)
     spinner.close()
 """
