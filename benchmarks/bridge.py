@@ -35,12 +35,12 @@ from rich.table import Table  # noqa: E402
 from test.fakes.fake_autopilot import HOME, FakeCopter  # noqa: E402
 
 from rocsafe_geo.position import GeoPosition, offset  # noqa: E402
-from rocsafe_mavlink.ardupilot import COPTER  # noqa: E402
-from rocsafe_mavlink.dialect import Message, decode, encode  # noqa: E402
-from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint, mission_of  # noqa: E402
-from rocsafe_mavlink.framing import pack_frame, scan  # noqa: E402
-from rocsafe_mavlink.link import Link, LinkRules  # noqa: E402
-from rocsafe_mavlink.mission_transfer import TransferStage, transfer  # noqa: E402
+from rocsafe_mavlink.autopilots.ardupilot import COPTER  # noqa: E402
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint, mission_of  # noqa: E402
+from rocsafe_mavlink.link.link import Link, LinkRules  # noqa: E402
+from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer  # noqa: E402
+from rocsafe_mavlink.wire.dialect import Message, decode, encode  # noqa: E402
+from rocsafe_mavlink.wire.framing import pack_frame, scan  # noqa: E402
 from rocsafe_ros import topics  # noqa: E402
 
 DRONES = 10

@@ -20,11 +20,11 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.fleet_problem import FleetProblem
-from rocsafe_planner.vehicle import Vehicle as PlannedVehicle
-from rocsafe_sim.airframe import Airframe
-from rocsafe_sim.route import Route, Waypoint
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.route import Route, Waypoint
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / 'test' / 'geo'))
 from recorded_surveys import HEIGHT_M, RECORDED, Recorded

@@ -39,20 +39,20 @@ from radiation_surveys import (
     trials,
 )
 
-from rocsafe_radiation.detector import DETECTORS, measure, window_generator
-from rocsafe_radiation.dose_map import grid_dose_rates_usvh
-from rocsafe_radiation.field import dose_rate_usvps
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import SourceEstimate, localize
-from rocsafe_radiation.nuclide import nuclide
-from rocsafe_radiation.photons import material
-from rocsafe_radiation.sequential_decision import sequential_evidence
-from rocsafe_radiation.shielding import Box
-from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
-from rocsafe_radiation.survey import Survey
-from rocsafe_radiation.transmission import air_transmission
-from rocsafe_radiation.waypoint_choice import log_volume, next_waypoints
+from rocsafe_radiation.decision.sequential_decision import sequential_evidence
+from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
+from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints
+from rocsafe_radiation.detection.detector import DETECTORS, measure, window_generator
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.localize import SourceEstimate, localize
+from rocsafe_radiation.physics.field import dose_rate_usvps
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.physics.nuclide import nuclide
+from rocsafe_radiation.physics.photons import material
+from rocsafe_radiation.physics.shielding import Box
+from rocsafe_radiation.physics.transmission import air_transmission
+from rocsafe_radiation.products.dose_map import grid_dose_rates_usvh
+from rocsafe_radiation.readings.survey import Survey
 
 # Roentgen cm^2/(h mCi) of one microgray m^2/(h GBq).
 EXPOSURE = 0.037 * 1e4 / 8760.0

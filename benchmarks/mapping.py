@@ -49,18 +49,18 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.photo import footprint
 from rocsafe_mapping.alignment.survey import BY_FEATURES
 from rocsafe_mapping.allocation import keep_freed_memory
-from rocsafe_mapping.catalogue import read_store
-from rocsafe_mapping.handover import Handover, hand_over
-from rocsafe_mapping.label_images import LABELS
-from rocsafe_mapping.live import TILES_S, LiveMap
-from rocsafe_mapping.map_command import Stopwatch
-from rocsafe_mapping.mapmaker import Alignment, Mapmaker, MapOptions
-from rocsafe_mapping.photograph_files import photographs_of
+from rocsafe_mapping.command_line.map_command import Stopwatch
+from rocsafe_mapping.mosaic.live import TILES_S, LiveMap
+from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions
+from rocsafe_mapping.photographs.label_images import LABELS
+from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.products.error_map import STANDING_M, error_map
+from rocsafe_mapping.products.handover import Handover, hand_over
 from rocsafe_mapping.products.quality import violations
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
-from rocsafe_mapping.shot import ShotRecord
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.catalogue import read_store
+from rocsafe_mapping.store.photograph_files import photographs_of
+from rocsafe_mapping.store.store import ImageStore, Status
 
 Row = tuple[str, str, str]
 Shot = tuple[ShotRecord, bytes]

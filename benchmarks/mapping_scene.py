@@ -16,21 +16,21 @@ from mapping_sets import HEIGHT_M, Flight, record_of
 from numpy.typing import NDArray
 from shapely.geometry import Point
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_mapping.alignment.photo import rays_of_pixels
 from rocsafe_mapping.drawing.sheet import Sheet
-from rocsafe_mapping.label_images import LABELS, TABLE
-from rocsafe_mapping.shot import ShotRecord
-from rocsafe_sim.engine.engine_camera import (
+from rocsafe_mapping.photographs.label_images import LABELS, TABLE
+from rocsafe_mapping.photographs.shot import ShotRecord
+from rocsafe_scene.cameras.engine_camera import (
     GROUND_NUMBERS,
     EngineCamera,
     EngineRequest,
     EngineScene,
 )
-from rocsafe_sim.scene.map_cache import default_folder
+from rocsafe_scene.scene.map_cache import default_folder
 
 SCENARIO = Path(__file__).parents[1] / 'config' / 'scenarios' / 'derailment_engine.yaml'
 # Every so many pixels the truth is asked.

@@ -22,7 +22,7 @@ from rocsafe_geo.pinhole import (
     rotation_enu_from_optical,
 )
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 HEIGHT_M = 32.0
 Truth = dict[str, NDArray[np.float64]]

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from planning_instances import AbsentError, Floats
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.fleet_problem import FleetProblem
-from rocsafe_planner.routing import METHODS
-from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.problem.vehicle import Vehicle
+from rocsafe_planner.routing.methods import METHODS
 
 SCALE = 100.0
 """Whole units a metre."""

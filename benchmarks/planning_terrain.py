@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_geo.terrain import Terrain
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.terrain.terrain import Terrain
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.problem.survey_region import SurveyRegion
 from rocsafe_planner.region_plan import CAMERA, drone
-from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_planner.site.request import SurveyRequest
 
 _CENTRE = GeoPosition(53.28, -9.06, 0.0)
 _HIGH_M, _EAST_M, _NORTH_M = 20.0, 60.0, 40.0

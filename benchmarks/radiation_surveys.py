@@ -11,15 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import SOURCE_PARAMETERS, Likelihood
-from rocsafe_radiation.localization import Localization, LocalizationOptions, localize
-from rocsafe_radiation.nuclide import nuclide
-from rocsafe_radiation.photons import AIR
-from rocsafe_radiation.shielding import Box
-from rocsafe_radiation.survey import Survey
-from rocsafe_radiation.transmission import shielded_transmission
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Likelihood
+from rocsafe_radiation.localization.localize import Localization, LocalizationOptions, localize
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.physics.nuclide import nuclide
+from rocsafe_radiation.physics.photons import AIR
+from rocsafe_radiation.physics.shielding import Box
+from rocsafe_radiation.physics.transmission import shielded_transmission
+from rocsafe_radiation.readings.survey import Survey
 
 Array = NDArray[np.float64]
 Row = tuple[str, str, str]

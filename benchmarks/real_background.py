@@ -25,11 +25,11 @@ from radiation_surveys import CAESIUM_USVH_PER_GBQ, OPTIONS, Array, Row
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import localize
-from rocsafe_radiation.photons import material
-from rocsafe_radiation.spectral_window import background_shape
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.localization.localize import localize
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.physics.photons import material
+from rocsafe_radiation.readings.spectral_window import background_shape
+from rocsafe_radiation.readings.survey import Survey
 
 CHANNELS, FIRST_CHANNEL = 1024, 16
 # From the lines of potassium-40, 1461 keV in channel 475, and thallium-208, 2615 keV in 848.

@@ -24,12 +24,12 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_sim.engine.lens import looking
-from rocsafe_sim.engine.studio import AnyRenderer, open_renderer
-from rocsafe_sim.scene.building import build
-from rocsafe_sim.scene.map_cache import default_folder
-from rocsafe_sim.scene.mesh import Floats
-from rocsafe_sim.scene.scene_file import read_scene
+from rocsafe_scene.engine.lens import looking
+from rocsafe_scene.engine.studio import AnyRenderer, open_renderer
+from rocsafe_scene.mesh.mesh import Floats
+from rocsafe_scene.scene.building import build
+from rocsafe_scene.scene.map_cache import default_folder
+from rocsafe_scene.scene.scene_file import read_scene
 
 SCENE = Path(__file__).resolve().parents[1] / 'config' / 'scenes' / 'derailment.yaml'
 OBLIQUE_EYE = np.array([-10.0, -38.0, 24.0])

@@ -11,17 +11,17 @@ import sys
 import time
 from dataclasses import replace
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_planner.plan import SurveyPlan
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.problem.vehicle import Aloft
 from rocsafe_planner.region_plan import drone
 from rocsafe_planner.replanning import Situation, remaining_request, replan
-from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.site.request import SurveyRequest
 
 CORNER = GeoPosition(53.28, -9.06, 10.0)
 # A spacing of 20 m both ways.

@@ -111,3 +111,15 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
     yield RosSession(context=context, executor=executor)
     executor.shutdown(timeout_sec=2.0)
     rclpy.shutdown(context=context)
+
+
+@pytest.fixture(scope='session')
+def drawing() -> None:
+    """Skip, with the reason, where nothing can draw."""
+    from rocsafe_scene.engine.pipe import open_pipe
+    from rocsafe_scene.errors import EngineError
+
+    try:
+        open_pipe()
+    except EngineError as error:
+        pytest.skip(str(error))

@@ -26,7 +26,11 @@ NODES = (
     ('rav', 'one simulated vehicle', 'rocsafe_sim.options:RavOptions'),
     ('fleet', 'many simulated vehicles, alike', 'rocsafe_sim.options:FleetOptions'),
     ('bridge', 'real vehicles', 'rocsafe_mavlink.bridge_options:BridgeOptions'),
-    ('radiation_field', 'simulated gamma field', 'rocsafe_radiation.options:FieldOptions'),
+    (
+        'radiation_field',
+        'simulated gamma field',
+        'rocsafe_radiation.field_parameters.field_options:FieldOptions',
+    ),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),

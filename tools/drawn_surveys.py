@@ -12,18 +12,18 @@ from typing import TypeVar
 
 import numpy as np
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, DIRECT, Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_geo.terrain import Terrain
-from rocsafe_planner.coverage import GRIDS, SPACING_RULES
-from rocsafe_planner.plan import SurveyPlan
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.terrain.terrain import Terrain
+from rocsafe_planner.coverage.viewpoint_grid import GRIDS, SPACING_RULES
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.problem.vehicle import Aloft, Vehicle
 from rocsafe_planner.replanning import Situation
-from rocsafe_planner.request import OBJECTIVES, SEPARATIONS, SurveyRequest
-from rocsafe_planner.routing import METHODS
-from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Aloft, Vehicle
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.site.request import OBJECTIVES, SEPARATIONS, SurveyRequest
 
 CENTRE = GeoPosition(53.28, -9.06)
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)

@@ -25,14 +25,14 @@ from collections.abc import Iterator
 from types import FrameType
 
 from drawn_surveys import Dice, drawn_request, drawn_situation
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, PlannerError
-from rocsafe_planner.plan import SurveyPlan
-from rocsafe_planner.plan_checker import check_plan
-from rocsafe_planner.plan_files import write_plan
-from rocsafe_planner.plan_reading import read_plan
+from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.export.plan_reading import read_plan
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.site.request import SurveyRequest
 
 LIMIT_S = 60
 # By the clock: for a search that waits and does nothing.

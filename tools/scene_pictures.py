@@ -15,7 +15,7 @@ from pathlib import Path
 
 import cv2
 
-from rocsafe_sim import scene_command
+from rocsafe_scene.command_line import scene_command
 
 ROOT = Path(__file__).resolve().parents[1]
 LARGEST_BYTES = 200_000

@@ -20,12 +20,12 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
-            'changes = rocsafe_mapping.changes_command:main',
+            'changes = rocsafe_mapping.command_line.changes_command:main',
             'collector = rocsafe_mapping.collector_node:main',
-            'import = rocsafe_mapping.import_command:main',
-            'map = rocsafe_mapping.map_command:main',
+            'import = rocsafe_mapping.command_line.import_command:main',
+            'map = rocsafe_mapping.command_line.map_command:main',
             'mosaic = rocsafe_mapping.mosaic_node:main',
-            'repository = rocsafe_mapping.repository_command:main',
+            'repository = rocsafe_mapping.command_line.repository_command:main',
         ],
     },
 )

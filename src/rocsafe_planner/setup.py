@@ -21,8 +21,8 @@ setup(
     entry_points={
         'console_scripts': [
             'planner = rocsafe_planner.planner_node:main',
-            'plan_file = rocsafe_planner.plan_cli:main',
-            'replan_file = rocsafe_planner.replan_cli:main',
+            'plan_file = rocsafe_planner.command_line.plan_command:main',
+            'replan_file = rocsafe_planner.command_line.replan_command:main',
         ],
     },
 )

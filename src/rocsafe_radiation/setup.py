@@ -22,7 +22,7 @@ setup(
         'console_scripts': [
             'field = rocsafe_radiation.field_node:main',
             'localizer = rocsafe_radiation.localizer_node:main',
-            'localize = rocsafe_radiation.localize_cli:main',
+            'localize = rocsafe_radiation.command_line.localize_command:main',
         ],
     },
 )

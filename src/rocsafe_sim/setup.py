@@ -11,7 +11,7 @@ setup(
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed', 'engine/*.glsl']},
+    package_data={NAME: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -23,7 +23,6 @@ setup(
             'world = rocsafe_sim.world_node:main',
             'rav = rocsafe_sim.rav_node:main',
             'fleet = rocsafe_sim.fleet_node:main',
-            'scene = rocsafe_sim.scene_command:main',
         ],
     },
 )

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
-from test.sim.scenes import PLANT, THINGS, describe, small_environment
+from test.scene.scenes import PLANT, THINGS, describe, small_environment
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_dataset.dataset_command import main
@@ -22,11 +22,11 @@ from rocsafe_dataset.summary import finish
 from rocsafe_dataset.work import claim, open_tasks
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.engine.lens import looking
-from rocsafe_sim.engine.pipe import open_pipe
-from rocsafe_sim.engine.silhouettes import batches
-from rocsafe_sim.errors import EngineError
-from rocsafe_sim.scene.classes import CLASS_NAMES
+from rocsafe_scene.engine.lens import looking
+from rocsafe_scene.engine.pipe import open_pipe
+from rocsafe_scene.engine.silhouettes import batches
+from rocsafe_scene.errors import EngineError
+from rocsafe_scene.mesh.classes import CLASS_NAMES
 
 OPTIONS = DatasetOptions(
     count=10, seed=2, size_px=(160, 120), height_m=(12.0, 25.0), per_arrangement=5,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test.sim.scenes import PLANT, THINGS, small_environment
+from test.scene.scenes import PLANT, THINGS, small_environment
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_dataset.arrangements import arrange, bounds_of
@@ -14,7 +14,7 @@ from rocsafe_dataset.options import SPLITS, DatasetOptions
 from rocsafe_dataset.photographer import site_of
 from rocsafe_dataset.places import divided
 from rocsafe_dataset.takes import split_of, take
-from rocsafe_sim.scene.light import sun_direction
+from rocsafe_scene.scene.sunlight import sun_direction
 
 OPTIONS = DatasetOptions(count=60, seed=5)
 PEOPLE = {

@@ -9,8 +9,8 @@ import math
 
 from test.fakes.mission_store import MissionStore
 
-from rocsafe_mavlink.dialect import Message, decode, encode
-from rocsafe_mavlink.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.wire.dialect import Message, decode, encode
 
 STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND, BRAKE = 0, 3, 4, 5, 6, 9, 17
 MODES = {STABILIZE, AUTO, GUIDED, LOITER, RTL, LAND, BRAKE}

@@ -22,8 +22,8 @@ if str(Path(__file__).parents[1]) not in test.__path__:
 
 from test.fakes.fake_autopilot import HOME, FakeCopter
 
-from rocsafe_mavlink.dialect import decode, encode
-from rocsafe_mavlink.framing import pack_frame, scan
+from rocsafe_mavlink.wire.dialect import decode, encode
+from rocsafe_mavlink.wire.framing import pack_frame, scan
 
 TICK_S = 0.02
 # Simulated time that passes at most at once, and bytes that may wait for the bridge: a socket

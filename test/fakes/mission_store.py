@@ -4,8 +4,8 @@
 import math
 from dataclasses import dataclass, replace
 
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.wire.dialect import Message
 
 LARGEST_COUNT = 650
 ASK_AGAIN_S = 1.0

@@ -3,9 +3,9 @@
 
 import pytest
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m, offset
+from rocsafe_geo.regions.area import SurveyArea
 
 HOME = GeoPosition(53.28, -9.06, 20.0)
 

@@ -7,8 +7,8 @@ import zipfile
 
 import pytest
 
-from rocsafe_geo.area_files import read_area, read_areas
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area_files import read_area, read_areas
 
 OUTER = [[-9.062, 53.279], [-9.056, 53.279], [-9.056, 53.283], [-9.062, 53.283], [-9.062, 53.279]]
 INNER = [[-9.060, 53.280], [-9.058, 53.280], [-9.058, 53.281], [-9.060, 53.280]]

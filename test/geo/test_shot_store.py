@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.shot import Shot, shot_of, shot_record
-from rocsafe_geo.shot_store import RESEND_BURST, RESEND_S, ShotStore, SpoolError
+from rocsafe_geo.storage.shot import Shot, shot_of, shot_record
+from rocsafe_geo.storage.shot_store import RESEND_BURST, RESEND_S, ShotStore, SpoolError
 
 
 def shot(sequence: int = 0, jpeg: bytes = b'\xff\xd8picture') -> Shot:
@@ -126,6 +126,6 @@ def test_spool_full_of_unsent_photographs_refuses_another(tmp_path: Path) -> Non
 def test_photographs_are_brought_to_the_disk(tmp_path: Path, monkeypatch) -> None:
     """File and folder, for the image and for its record."""
     synced = []
-    monkeypatch.setattr('rocsafe_geo.durable.os.fsync', synced.append)
+    monkeypatch.setattr('rocsafe_geo.storage.durable.os.fsync', synced.append)
     ShotStore(tmp_path).add(shot())
     assert len(synced) == 4

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 WIDTH_PX, HEIGHT_PX = 64, 48
 Shot = tuple[ShotRecord, bytes]

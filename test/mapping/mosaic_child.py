@@ -7,10 +7,10 @@
 import sys
 from pathlib import Path
 
-from rocsafe_mapping.catalogue import read_store
-from rocsafe_mapping.handover import Handover, hand_over
-from rocsafe_mapping.live import LiveMap
-from rocsafe_mapping.mapmaker import MapOptions
+from rocsafe_mapping.mosaic.live import LiveMap
+from rocsafe_mapping.mosaic.mapmaker import MapOptions
+from rocsafe_mapping.products.handover import Handover, hand_over
+from rocsafe_mapping.store.catalogue import read_store
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ import pytest
 from rocsafe_mapping.alignment import initial, ties
 from rocsafe_mapping.alignment.photo import footprint, ground_frame_of, photo_of_record
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
-from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.products.quality import violations
 
 _spec = importlib.util.spec_from_file_location(

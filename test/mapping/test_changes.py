@@ -12,10 +12,10 @@ import rasterio
 import rasterio.warp
 import shapely
 
-from rocsafe_mapping.changes import ChangeOptions
-from rocsafe_mapping.changes_command import EXIT_OK, EXIT_REFUSED, main
-from rocsafe_mapping.exif import with_exif
-from rocsafe_mapping.map_command import main as map_main
+from rocsafe_mapping.command_line.changes_command import EXIT_OK, EXIT_REFUSED, main
+from rocsafe_mapping.command_line.map_command import main as map_main
+from rocsafe_mapping.mosaic.changes import ChangeOptions
+from rocsafe_mapping.photographs.exif import with_exif
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')

@@ -7,7 +7,7 @@ import pytest
 from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_mapping.alignment.clocks import in_time, lags_s
 from rocsafe_mapping.alignment.photo import Photo, Pose
-from rocsafe_mapping.shot import Intrinsics
+from rocsafe_mapping.photographs.shot import Intrinsics
 
 CAMERA = Intrinsics(
     width_px=640, height_px=480, fx_px=554.0, fy_px=554.0, cx_px=319.5, cy_px=239.5

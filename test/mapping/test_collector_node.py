@@ -14,11 +14,11 @@ from sensor_msgs.msg import Image, NavSatStatus
 from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
-from rocsafe_mapping import store
-from rocsafe_mapping.catalogue import read_shot
 from rocsafe_mapping.collector_node import CollectorNode
-from rocsafe_mapping.label_images import LabelImages
+from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.repository.server import Repository
+from rocsafe_mapping.store import store
+from rocsafe_mapping.store.catalogue import read_shot
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError

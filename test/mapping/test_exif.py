@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
-from rocsafe_mapping.exif import heading_deg, with_exif
+from rocsafe_mapping.photographs.exif import heading_deg, with_exif
 
 # 1e-7 arc second.
 ANGLE_TOLERANCE_DEG = 1e-7 / 3600.0

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.label_images import LABELS, MOST_WAITING, TABLE, LabelImages, LabelKeeper
+from rocsafe_mapping.photographs.label_images import (
+    LABELS,
+    MOST_WAITING,
+    TABLE,
+    LabelImages,
+    LabelKeeper,
+)
 
 NUMBERS = np.array([[1, 300], [65535, 2]], np.uint16)
 ROWS = [

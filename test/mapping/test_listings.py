@@ -17,13 +17,18 @@ from rocsafe_geo.pinhole import (
     rotation_enu_from_optical,
     rotation_of_quaternion,
 )
-from rocsafe_mapping.catalogue import StoredShot, read_store
-from rocsafe_mapping.exif import with_exif
-from rocsafe_mapping.import_command import EXIT_OK, EXIT_REFUSED, EXIT_SOME_REFUSED, main
-from rocsafe_mapping.listings import write_listings
-from rocsafe_mapping.photograph_files import photographs_of
-from rocsafe_mapping.store import ImageStore
-from rocsafe_mapping.store_index import INDEX, write_index
+from rocsafe_mapping.command_line.import_command import (
+    EXIT_OK,
+    EXIT_REFUSED,
+    EXIT_SOME_REFUSED,
+    main,
+)
+from rocsafe_mapping.photographs.exif import with_exif
+from rocsafe_mapping.store.catalogue import StoredShot, read_store
+from rocsafe_mapping.store.listings import write_listings
+from rocsafe_mapping.store.photograph_files import photographs_of
+from rocsafe_mapping.store.store import ImageStore
+from rocsafe_mapping.store.store_index import INDEX, write_index
 
 YAW, PITCH, ROLL = 0.7, 0.03, -0.05
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from rocsafe_mapping.errors import MappingError, PlacementError
-from rocsafe_mapping.live import LiveMap
-from rocsafe_mapping.mapmaker import MapOptions
+from rocsafe_mapping.mosaic.live import LiveMap
+from rocsafe_mapping.mosaic.mapmaker import MapOptions
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')

@@ -11,8 +11,8 @@ import pytest
 import rasterio
 import rasterio.warp
 
-from rocsafe_mapping.exif import with_exif
-from rocsafe_mapping.map_command import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, main
+from rocsafe_mapping.command_line.map_command import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, main
+from rocsafe_mapping.photographs.exif import with_exif
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')

@@ -15,8 +15,8 @@ import rasterio
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.errors import MappingError, PlacementError
-from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
-from rocsafe_mapping.preview import Preview
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.preview import Preview
 from rocsafe_mapping.products.cog import write_cog
 
 _spec = importlib.util.spec_from_file_location(

@@ -20,7 +20,7 @@ import cv2
 import pytest
 import rasterio
 
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.store import ImageStore, Status
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')

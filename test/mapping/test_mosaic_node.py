@@ -13,12 +13,12 @@ import rasterio
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.mosaic_node import MosaicNode
-from rocsafe_mapping.store import ImageStore
+from rocsafe_mapping.store.store import ImageStore
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import region_of_area
 

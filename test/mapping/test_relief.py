@@ -12,7 +12,7 @@ import rasterio
 
 from rocsafe_geo.pinhole import ground_homography, rotation_enu_from_optical
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.products.error_map import ERROR_TIF, error_map, write_error_map
 
 _spec = importlib.util.spec_from_file_location(

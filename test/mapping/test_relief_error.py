@@ -11,8 +11,8 @@ from rocsafe_mapping.alignment.photo import Photo, Pose
 from rocsafe_mapping.alignment.relief_error import height_error, leaning_m
 from rocsafe_mapping.alignment.surface import Surface, level_grid
 from rocsafe_mapping.alignment.survey import BY_FEATURES, Placement
-from rocsafe_mapping.mapmaker import Alignment
-from rocsafe_mapping.shot import Intrinsics
+from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.photographs.shot import Intrinsics
 
 HEIGHT_M = 32.0
 POSE = Pose(centre=np.array([20.0, 20.0, HEIGHT_M]), rotation=rotation_enu_from_optical(0.0))

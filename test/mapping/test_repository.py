@@ -9,13 +9,13 @@ import time
 
 import pytest
 
-from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.repository.copying import Copier
 from rocsafe_mapping.repository.http_sink import HttpSink
 from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.repository.sink import FolderSink, open_sink
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.catalogue import read_store
+from rocsafe_mapping.store.store import ImageStore, Status
 
 DEADLINE_S = 60.0
 

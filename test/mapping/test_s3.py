@@ -11,7 +11,7 @@ import pytest
 
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.repository.sink import open_sink
-from rocsafe_mapping.store import Status
+from rocsafe_mapping.store.store import Status
 
 pytest.importorskip('obstore', reason='obstore is an extra: pip install obstore')
 

@@ -7,9 +7,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from rocsafe_mapping.catalogue import MANIFEST, entry_of_line, read_store
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.catalogue import MANIFEST, entry_of_line, read_store
+from rocsafe_mapping.store.store import ImageStore, Status
 
 
 @pytest.fixture

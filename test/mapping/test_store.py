@@ -6,10 +6,10 @@ import json
 
 import pytest
 
-from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.shot import plain_of_record, record_of_plain
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.photographs.shot import plain_of_record, record_of_plain
+from rocsafe_mapping.store.catalogue import read_shot, read_store
+from rocsafe_mapping.store.store import ImageStore, Status
 
 
 @pytest.fixture

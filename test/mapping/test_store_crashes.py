@@ -11,9 +11,9 @@ import sys
 
 import pytest
 
-from rocsafe_geo import durable
+from rocsafe_geo.storage import durable
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.store import ImageStore, Status
 
 SHOTS = 2
 # More than the operations that storing SHOTS photographs takes: the loop below must end by itself.

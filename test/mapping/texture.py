@@ -16,7 +16,7 @@ from rocsafe_geo.pinhole import (
     rotation_enu_from_optical,
 )
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 CAMERA = PinholeCamera(math.radians(60.0), 400, 300)
 HEIGHT_M = 32.0

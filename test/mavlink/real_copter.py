@@ -11,8 +11,8 @@ import socket
 import threading
 import time
 
-from rocsafe_mavlink.dialect import Message, decode, encode
-from rocsafe_mavlink.framing import pack_frame, scan
+from rocsafe_mavlink.wire.dialect import Message, decode, encode
+from rocsafe_mavlink.wire.framing import pack_frame, scan
 
 SECOND_STATION = (254, 190)
 ARMED = 0x80

@@ -3,14 +3,14 @@
 
 from test.fakes.fake_autopilot import IDS, FakeCopter
 
-from rocsafe_mavlink import commands
-from rocsafe_mavlink.commands import CommandCall, Heard
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.events import EventKind
-from rocsafe_mavlink.mission_item import MissionItem
-from rocsafe_mavlink.mission_transfer import transfer
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.events import EventKind
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.protocols import command_call as commands
+from rocsafe_mavlink.protocols.command_call import CommandCall, Heard
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_transfer import transfer
+from rocsafe_mavlink.wire.dialect import Message
 
 TARGET, US = (1, 1), (255, 190)
 TICK_S = 0.1

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an ArduCopter says, in order, with the numbers that were recorded from one."""
 
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.wire.dialect import Message
 
 EKF_GOOD, EKF_LOST = 831, 37
 PREARM = 1 << 28

@@ -7,9 +7,9 @@ from test.mavlink.wire import KEY, NOW_S, STRANGER, frame, signed_frame
 
 from rocsafe_mavlink.assembly import make_drones, make_lines
 from rocsafe_mavlink.bridge_options import BridgeOptions
-from rocsafe_mavlink.counters import Reason
-from rocsafe_mavlink.endpoint import parse_endpoint
 from rocsafe_mavlink.errors import EndpointError, KeyFileError
+from rocsafe_mavlink.link.endpoint import parse_endpoint
+from rocsafe_mavlink.wire.counters import Reason
 
 
 def options(count=1, **given):

@@ -4,11 +4,11 @@
 import pytest
 from test.mavlink.telemetry import after, heartbeat, landed, mission, ready
 
-from rocsafe_mavlink.ardupilot import COPTER
-from rocsafe_mavlink.autopilot import FlightState, Verb
-from rocsafe_mavlink.autopilots import autopilot_of
-from rocsafe_mavlink.px4 import MULTICOPTER, custom_mode
-from rocsafe_mavlink.vehicle import Vehicle
+from rocsafe_mavlink.autopilots.ardupilot import COPTER
+from rocsafe_mavlink.autopilots.autopilot import FlightState, Verb
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, custom_mode
+from rocsafe_mavlink.autopilots.registry import autopilot_of
+from rocsafe_mavlink.knowledge.vehicle import Vehicle
 
 NOW_S = 100.0
 

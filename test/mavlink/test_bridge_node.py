@@ -17,7 +17,7 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleEvent, VehicleState
 from rocsafe_interfaces.srv import Preflight
-from rocsafe_mavlink import vehicle
+from rocsafe_mavlink.knowledge import vehicle
 from rocsafe_ros import topics
 
 # SET_MESSAGE_INTERVAL: it changes nothing of what a vehicle does.

@@ -15,18 +15,18 @@ from test.fakes.fake_autopilot import FakeCopter
 from test.mavlink.telemetry import ready
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_geo.shot_store import ShotStore
-from rocsafe_mavlink.camera_shot import CAPTURED, FEEDBACK, TRIGGER, CameraShot, ShotLog
-from rocsafe_mavlink.dialect import Message, decode, encode
-from rocsafe_mavlink.film import Film
-from rocsafe_mavlink.flight_journal import Assignment
-from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.photographer import Exposure, Photographer
-from rocsafe_mavlink.picture import Picture
-from rocsafe_mavlink.picture_pairing import PicturePairing
-from rocsafe_mavlink.pictures import WatchedFolder, open_source
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.vehicle import Gps
+from rocsafe_geo.storage.shot_store import ShotStore
+from rocsafe_mavlink.camera.camera_shot import CAPTURED, FEEDBACK, TRIGGER, CameraShot, ShotLog
+from rocsafe_mavlink.camera.camera_trigger import Exposure, Photographer
+from rocsafe_mavlink.camera.numbering import Film
+from rocsafe_mavlink.camera.pairing import PicturePairing
+from rocsafe_mavlink.camera.source import Picture
+from rocsafe_mavlink.camera.sources import WatchedFolder, open_source
+from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.vehicle import Gps
+from rocsafe_mavlink.wire.dialect import Message, decode, encode
 
 NOW_S = 1_767_225_600.0
 

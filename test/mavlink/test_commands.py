@@ -4,8 +4,15 @@
 import pytest
 from test.mavlink.sky import TARGET, US
 
-from rocsafe_mavlink.commands import CallStage, CommandCall, Heard, arm, change_speed, set_interval
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.protocols.command_call import (
+    CallStage,
+    CommandCall,
+    Heard,
+    arm,
+    change_speed,
+    set_interval,
+)
+from rocsafe_mavlink.wire.dialect import Message
 
 
 def begun(now_s=10.0, heard=()):

@@ -4,8 +4,8 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as library
 
-from rocsafe_mavlink.dialect import Message, clean_text, decode, encode
-from rocsafe_mavlink.framing import pack_frame, scan
+from rocsafe_mavlink.wire.dialect import Message, clean_text, decode, encode
+from rocsafe_mavlink.wire.framing import pack_frame, scan
 
 
 class Wire(list):

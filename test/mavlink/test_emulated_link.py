@@ -12,11 +12,11 @@ import pytest
 from test.mavlink.test_station import Air, may_fly
 from test.mavlink.wire import DRONE
 
-from rocsafe_mavlink.dialect import decode
-from rocsafe_mavlink.flight import FlightStage
-from rocsafe_mavlink.flight_outcome import Outcome
-from rocsafe_mavlink.framing import scan
-from rocsafe_mavlink.mission_transfer import compare
+from rocsafe_mavlink.flight.flight import FlightStage
+from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.protocols.mission_transfer import compare
+from rocsafe_mavlink.wire.dialect import decode
+from rocsafe_mavlink.wire.framing import scan
 
 READY_S = 46.0
 

@@ -4,13 +4,13 @@
 import pytest
 from test.mavlink.sky import TARGET, Sky, survey
 
-from rocsafe_mavlink import commands
-from rocsafe_mavlink.ardupilot import AUTO, COPTER, GUIDED, LAND, RTL
-from rocsafe_mavlink.autopilot import FlightState, Verb
-from rocsafe_mavlink.events import EventKind
-from rocsafe_mavlink.fix import fix_fault
-from rocsafe_mavlink.mission_transfer import TransferStage
-from rocsafe_mavlink.vehicle import Contact, MissionPhase
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, GUIDED, LAND, RTL
+from rocsafe_mavlink.autopilots.autopilot import FlightState, Verb
+from rocsafe_mavlink.knowledge.events import EventKind
+from rocsafe_mavlink.knowledge.fix import fix_fault
+from rocsafe_mavlink.knowledge.vehicle import Contact, MissionPhase
+from rocsafe_mavlink.protocols import command_call as commands
+from rocsafe_mavlink.protocols.mission_transfer import TransferStage
 
 
 def ready(**options):

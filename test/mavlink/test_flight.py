@@ -9,14 +9,14 @@ from test.mavlink.sky import US, Sky
 from test.mavlink.telemetry import after, heartbeat, ready
 
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_mavlink.ardupilot import AUTO, COPTER, RTL
-from rocsafe_mavlink.fence import Fence
-from rocsafe_mavlink.flight import FlightStage, adopted, fly, home_moved
-from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
-from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint, mission_of
-from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, failures, preflight
-from rocsafe_mavlink.px4 import MULTICOPTER
-from rocsafe_mavlink.vehicle import Battery
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, RTL
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly, home_moved
+from rocsafe_mavlink.flight.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint, mission_of
+from rocsafe_mavlink.flight.preflight import FlightLimits, Knowledge, Verdict, failures, preflight
+from rocsafe_mavlink.knowledge.vehicle import Battery
 
 HOME = GeoPosition(47.397742, 8.545594)
 NOW_S = 100.0

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as library
 from test.mavlink.wire import HEARTBEAT, POSITION, frame
 
-from rocsafe_mavlink.counters import Counters
-from rocsafe_mavlink.framing import LARGEST_FRAME, scan
-from rocsafe_mavlink.peer import Peer
+from rocsafe_mavlink.link.peer import Peer
+from rocsafe_mavlink.wire.counters import Counters
+from rocsafe_mavlink.wire.framing import LARGEST_FRAME, scan
 
 
 def names(data):

@@ -17,14 +17,14 @@ from test.mavlink.wire import (
     open_link,
 )
 
-from rocsafe_mavlink.authority import COMPONENT_ARM_DISARM, DO_REPOSITION
-from rocsafe_mavlink.counters import Reason
-from rocsafe_mavlink.dialect import CRC_EXTRAS, Message, checksum
 from rocsafe_mavlink.errors import NotAllowedError
-from rocsafe_mavlink.framing import scan
-from rocsafe_mavlink.link import Link, LinkIdentity, LinkRules
-from rocsafe_mavlink.peer import LARGEST_DATAGRAM, LARGEST_RATE_PER_S
-from rocsafe_mavlink.plausibility import LIMITS, fault_of
+from rocsafe_mavlink.link.link import Link, LinkIdentity, LinkRules
+from rocsafe_mavlink.link.peer import LARGEST_DATAGRAM, LARGEST_RATE_PER_S
+from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM, DO_REPOSITION
+from rocsafe_mavlink.wire.counters import Reason
+from rocsafe_mavlink.wire.dialect import CRC_EXTRAS, Message, checksum
+from rocsafe_mavlink.wire.framing import scan
+from rocsafe_mavlink.wire.plausibility import LIMITS, fault_of
 
 LARGEST_MEMORY = 64 * 1024
 NUMBERS = np.array(list(CRC_EXTRAS))

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_mavlink.dialect import decode, encode
-from rocsafe_mavlink.mission_item import MissionItem, difference, item_of
+from rocsafe_mavlink.protocols.mission_item import MissionItem, difference, item_of
+from rocsafe_mavlink.wire.dialect import decode, encode
 
 WAYPOINT = MissionItem(
     command=16, x_e7=473979219, y_e7=85458589, z_m=50.0, parameters=(2.0, 0.0, 0.0, 0.1)

@@ -9,13 +9,13 @@ import pytest
 from test.fakes.channel import Channel, Fault
 from test.fakes.mission_store import MissionStore
 
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.mission_item import MissionItem
-from rocsafe_mavlink.mission_transfer import (
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_transfer import (
     TransferStage,
     compare,
     transfer,
 )
+from rocsafe_mavlink.wire.dialect import Message
 
 TARGET, STATION = (1, 1), (255, 190)
 TICK_S = 0.25

@@ -12,20 +12,20 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition, distance_m, offset
-from rocsafe_mavlink.ardupilot import AUTO, BRAKE, COPTER, GUIDED
-from rocsafe_mavlink.dialect import Message
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
+from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
+from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
+from rocsafe_mavlink.drone.command_services import OperatorOrders
 from rocsafe_mavlink.errors import OrderRefusedError
-from rocsafe_mavlink.fence import Fence, fence_items, fence_of
-from rocsafe_mavlink.flight_outcome import Outcome
-from rocsafe_mavlink.operator_orders import OperatorOrders
-from rocsafe_mavlink.orders import Desk
-from rocsafe_mavlink.parameters import Parameter, ParameterReader
-from rocsafe_mavlink.prediction import predict
-from rocsafe_mavlink.preflight import FlightLimits, Knowledge, Verdict, preflight
-from rocsafe_mavlink.px4 import MULTICOPTER, OFFBOARD
-from rocsafe_mavlink.px4 import PX4 as PX4_NUMBER
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.vehicle import Home, Landed
+from rocsafe_mavlink.flight.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.flight.operator_commands import Desk
+from rocsafe_mavlink.flight.preflight import FlightLimits, Knowledge, Verdict, preflight
+from rocsafe_mavlink.knowledge.prediction import predict
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.vehicle import Home, Landed
+from rocsafe_mavlink.wire.dialect import Message
 
 TARGET, US = (1, 1), (255, 190)
 PLACE = GeoPosition(*HOME)

@@ -4,9 +4,9 @@
 import pytest
 from test.mavlink.telemetry import said
 
-from rocsafe_mavlink.dialect import decode, encode
-from rocsafe_mavlink.flight_outcome import Outcome, failsafe_of
-from rocsafe_mavlink.px4_events import event_number, text_of_event
+from rocsafe_mavlink.flight.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.knowledge.px4_events import event_number, text_of_event
+from rocsafe_mavlink.wire.dialect import decode, encode
 
 
 def event(name, *arguments, level=2):

@@ -9,8 +9,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import Flight, GeoPoint, Route, Viewpoint
 from rocsafe_mavlink.conversions import assignment_of
-from rocsafe_mavlink.drone import DroneSpec
-from rocsafe_mavlink.preflight import FlightLimits
+from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.flight.preflight import FlightLimits
 
 PLACE = GeoPosition(53.28, -9.06, 60.0)
 VIEW = Viewpoint(

@@ -16,12 +16,16 @@ from test.mavlink.wire import (
     with_ticks,
 )
 
-from rocsafe_mavlink.counters import Reason
-from rocsafe_mavlink.dialect import Message
 from rocsafe_mavlink.errors import KeyFileError
-from rocsafe_mavlink.link import Link, LinkRules
-from rocsafe_mavlink.signing import SignatureGate, Signer, SigningKey, read_key, ticks_at
-from rocsafe_mavlink.timestamp_store import LARGEST_STREAM_COUNT, RESERVE_TICKS, TimestampStore
+from rocsafe_mavlink.link.link import Link, LinkRules
+from rocsafe_mavlink.wire.counters import Reason
+from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.signing import SignatureGate, Signer, SigningKey, read_key, ticks_at
+from rocsafe_mavlink.wire.timestamp_store import (
+    LARGEST_STREAM_COUNT,
+    RESERVE_TICKS,
+    TimestampStore,
+)
 
 
 def signed_link(path=None, allowed=(DRONE,)):

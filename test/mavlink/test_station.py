@@ -7,15 +7,15 @@ from test.fakes.fake_autopilot import IDS, FakeCopter
 from test.mavlink.test_flight import plan
 from test.mavlink.wire import DRONE, NOW_S, STRANGER, open_link
 
-from rocsafe_mavlink.counters import Reason
-from rocsafe_mavlink.dialect import Message, decode, encode
-from rocsafe_mavlink.events import EventKind
-from rocsafe_mavlink.flight_outcome import Outcome
-from rocsafe_mavlink.framing import pack_frame, scan
-from rocsafe_mavlink.preflight import FlightLimits
-from rocsafe_mavlink.station import Station
-from rocsafe_mavlink.stream_rates import WANTED
-from rocsafe_mavlink.vehicle import Contact
+from rocsafe_mavlink.drone.station import Station
+from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.flight.preflight import FlightLimits
+from rocsafe_mavlink.knowledge.events import EventKind
+from rocsafe_mavlink.knowledge.vehicle import Contact
+from rocsafe_mavlink.protocols.stream_rates import WANTED
+from rocsafe_mavlink.wire.counters import Reason
+from rocsafe_mavlink.wire.dialect import Message, decode, encode
+from rocsafe_mavlink.wire.framing import pack_frame, scan
 
 US = (255, 190)
 TICK_S = 0.1

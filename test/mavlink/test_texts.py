@@ -4,7 +4,7 @@
 import pytest
 from test.mavlink.telemetry import said
 
-from rocsafe_mavlink.texts import TextJoiner
+from rocsafe_mavlink.wire.texts import TextJoiner
 
 LONG = 'RTL: start return at 518 m (30 m above destination) and a further sixty characters more'
 

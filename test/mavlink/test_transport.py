@@ -7,9 +7,9 @@ import time
 
 import pytest
 
-from rocsafe_mavlink.endpoint import Endpoint, EndpointKind, parse_endpoint
 from rocsafe_mavlink.errors import EndpointError
-from rocsafe_mavlink.transport import RETRY_S, UdpTransport, address_of, open_transport
+from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
+from rocsafe_mavlink.link.transport import RETRY_S, UdpTransport, address_of, open_transport
 
 DEADLINE_S = 60.0
 LOOPBACK = '127.0.0.1'

@@ -22,12 +22,12 @@ from test.mavlink.telemetry import (
 )
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.events import EventKind
-from rocsafe_mavlink.fix import fix_fault, separation_m
-from rocsafe_mavlink.reducer import reduce
-from rocsafe_mavlink.units import deg_of_e7, e7_of_deg, yaw_of_centidegrees
-from rocsafe_mavlink.vehicle import Battery, Contact, Home, Vehicle
+from rocsafe_mavlink.knowledge.events import EventKind
+from rocsafe_mavlink.knowledge.fix import fix_fault, separation_m
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.vehicle import Battery, Contact, Home, Vehicle
+from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.units import deg_of_e7, e7_of_deg, yaw_of_centidegrees
 
 NOW_S = 100.0
 

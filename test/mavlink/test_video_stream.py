@@ -10,11 +10,11 @@ from test.fakes.camera import GREYS, RATE_HZ, Camera, HttpCamera, RtspCamera, nu
 from test.mavlink.telemetry import ready
 from test.mavlink.test_camera import exposure, feedback
 
-from rocsafe_mavlink import video_stream
-from rocsafe_mavlink.film import Film
-from rocsafe_mavlink.photographer import Photographer
-from rocsafe_mavlink.pictures import open_source
-from rocsafe_mavlink.video_stream import Frame, VideoStream, dates_of, is_catching_up
+from rocsafe_mavlink.camera import video_stream
+from rocsafe_mavlink.camera.camera_trigger import Photographer
+from rocsafe_mavlink.camera.numbering import Film
+from rocsafe_mavlink.camera.sources import open_source
+from rocsafe_mavlink.camera.video_stream import Frame, VideoStream, dates_of, is_catching_up
 
 # Of a viewer that looks at a stream for some seconds before it shows it, on a busy machine.
 DEADLINE_S = 60.0

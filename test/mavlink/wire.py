@@ -3,11 +3,11 @@
 
 import os
 
-from rocsafe_mavlink.dialect import Message, encode
-from rocsafe_mavlink.framing import SIGNATURE_SIZE, pack_frame
-from rocsafe_mavlink.link import Link, LinkRules
-from rocsafe_mavlink.signing import Signer, SigningKey, ticks_at
-from rocsafe_mavlink.timestamp_store import TimestampStore
+from rocsafe_mavlink.link.link import Link, LinkRules
+from rocsafe_mavlink.wire.dialect import Message, encode
+from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, pack_frame
+from rocsafe_mavlink.wire.signing import Signer, SigningKey, ticks_at
+from rocsafe_mavlink.wire.timestamp_store import TimestampStore
 
 DRONE = ('127.0.0.1', 14551)
 STRANGER = ('127.0.0.1', 40000)

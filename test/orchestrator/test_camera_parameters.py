@@ -5,7 +5,7 @@ import pytest
 import yaml
 
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
-from rocsafe_orchestrator.scenario.camera_blocks import (
+from rocsafe_scenario.camera_blocks import (
     CameraBlock,
     OtherCameraBlock,
     camera_parameters,

@@ -23,16 +23,16 @@ from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, gro
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.report.sections import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.radiation_blocks import Material, Nuclide, RadiationBlock
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_radiation.detector import DETECTOR_NAMES
-from rocsafe_radiation.field import MODELS
+from rocsafe_radiation.detection.detector import DETECTOR_NAMES
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
+from rocsafe_radiation.field_parameters.provider import provider_of
 from rocsafe_radiation.localizer_options import LocalizerOptions
-from rocsafe_radiation.nuclide import nuclide, nuclide_names
-from rocsafe_radiation.options import FieldOptions
-from rocsafe_radiation.photons import AIR, materials
-from rocsafe_radiation.provider import provider_of
+from rocsafe_radiation.physics.field import MODELS
+from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
+from rocsafe_radiation.physics.photons import AIR, materials
+from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
+from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {

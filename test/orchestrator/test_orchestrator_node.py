@@ -41,9 +41,9 @@ from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
 from rocsafe_orchestrator.processes.processes import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_scenario.scenario_file import read_scenario
 
 DEADLINE_S = 60.0
 # Nobody asks again while an answer is under way, however busy the machine is.
@@ -355,7 +355,7 @@ from pathlib import Path
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+from rocsafe_scenario.scenario_file import read_scenario
 
 REPEAT_S = 3.0
 

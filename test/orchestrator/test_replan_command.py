@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rocsafe_orchestrator.command_line.replan_command import ReplanRequest, planner_request
-from rocsafe_orchestrator.errors import ScenarioError
+from rocsafe_scenario.errors import ScenarioError
 
 
 @pytest.fixture

@@ -5,14 +5,14 @@ import math
 
 import numpy as np
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.motion.autopilot import DIRECT
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.fleet_problem import FleetProblem
-from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Vehicle
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.problem.vehicle import Vehicle
+from rocsafe_planner.site.request import SurveyRequest
 
 # The seed system's survey rectangle, its field and its drone starts, in Galway.
 RECTANGLE = SurveyArea(

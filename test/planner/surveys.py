@@ -5,10 +5,10 @@ import math
 
 from hypothesis import strategies as st
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_planner.survey_region import SurveyRegion
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.problem.survey_region import SurveyRegion
 
 from .fleets import request, vehicle
 

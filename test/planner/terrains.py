@@ -8,8 +8,8 @@ import rasterio
 from rasterio.transform import from_origin
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.terrain import Terrain
-from rocsafe_geo.terrain_file import read_terrain
+from rocsafe_geo.terrain.terrain import Terrain
+from rocsafe_geo.terrain.terrain_file import read_terrain
 
 CENTRE = GeoPosition(53.2800, -9.0633)
 M_PER_DEG = 111_320.0

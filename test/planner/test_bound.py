@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
-from rocsafe_planner.bound import lower_bound
-from rocsafe_planner.optimising import Effort, optimised
-from rocsafe_planner.route_values import finish_s
-from rocsafe_planner.routing import nearest_to_shortest
-from rocsafe_planner.tour_splitting import makespan_s
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.problem.vehicle import Aloft
+from rocsafe_planner.routing.bound import lower_bound
+from rocsafe_planner.routing.costs import finish_s
+from rocsafe_planner.routing.methods import nearest_to_shortest
+from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.tour_splitting import makespan_s
 
 from .fleets import problem, vehicle
 
@@ -207,7 +207,7 @@ def test_large_worlds_are_bounded_by_simpler_legs(monkeypatch):
     points = [(25 * i, 31 * j) for j in range(6) for i in range(7)]
     world = problem(points, [(0, -50), (200, 200)])
     exact = bound_of(world).makespan_s
-    monkeypatch.setattr('rocsafe_planner.routing_task.MOST_CLOSED_SITES', 1)
+    monkeypatch.setattr('rocsafe_planner.routing.solver_problem.MOST_CLOSED_SITES', 1)
     assert 0.9 * exact < bound_of(world).makespan_s <= exact * (1.0 + 1e-6)
 
 

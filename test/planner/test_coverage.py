@@ -10,9 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_planner.coverage import GRIDS, CoverageSpec, cover, coverage_spec, spacing_m
+from rocsafe_planner.coverage.sight import sight
+from rocsafe_planner.coverage.viewpoint_grid import (
+    GRIDS,
+    CoverageSpec,
+    cover,
+    coverage_spec,
+    spacing_m,
+)
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
-from rocsafe_planner.sight import sight
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 

@@ -7,15 +7,20 @@ import math
 import pytest
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.flight_search import caps_within, full_caps, may_search, time_of_flights
-from rocsafe_planner.objective import OBJECTIVE_VALUES
-from rocsafe_planner.optimising import Effort, optimised
+from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.route_values import finish_s, objective_value
-from rocsafe_planner.sorties import sorties
-from rocsafe_planner.survey_site import survey_site
-from rocsafe_planner.swap_search import optimised_with_swaps
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.problem.vehicle import Aloft
+from rocsafe_planner.routing.battery_swaps import optimised_with_swaps
+from rocsafe_planner.routing.costs import finish_s, objective_value
+from rocsafe_planner.routing.flight_search import (
+    caps_within,
+    full_caps,
+    may_search,
+    time_of_flights,
+)
+from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.sorties import sorties
+from rocsafe_planner.site.survey_site import survey_site
 
 from .fleets import FLEET, problem, request, vehicle
 

@@ -7,12 +7,12 @@ import math
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
-from rocsafe_planner.keeping_apart import _turns
-from rocsafe_planner.plan import Route
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.plan.keeping_apart import _turns
+from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.problem.vehicle import Aloft
 
 from .fleets import STARTS, request, vehicle
 from .surveys import surveys

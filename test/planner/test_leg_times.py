@@ -6,9 +6,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rocsafe_planner import fleet_problem, leg_times
-from rocsafe_planner.routing import METHODS
-from rocsafe_planner.survey_site import survey_site
+from rocsafe_planner.problem import fleet_problem, leg_times
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.site.survey_site import survey_site
 
 from .fleets import FLEET, request
 from .terrains import terrain

@@ -10,15 +10,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
-from rocsafe_planner.fleet_problem import FleetProblem
-from rocsafe_planner.objective import OBJECTIVE_VALUES, objective_gap
-from rocsafe_planner.optimising import Effort, optimised
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.plan.objective import OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.routing import METHODS
-from rocsafe_planner.routing_task import routing_problem
+from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.solver_problem import routing_problem
+from rocsafe_planner.routing.tour_splitting import makespan_s
 from rocsafe_planner.solver import route_cost
-from rocsafe_planner.tour_splitting import makespan_s
 
 from .fleets import FLEET, problem, request
 from .surveys import surveys
@@ -88,7 +88,7 @@ def test_there_is_a_plan_before_the_search(monkeypatch):
         assert told[0] == makespan_s(world, METHODS['boustrophedon_minmax'](world))
         return routing_problem(*arguments)
 
-    monkeypatch.setattr('rocsafe_planner.optimising.routing_problem', tables)
+    monkeypatch.setattr('rocsafe_planner.routing.solver_method.routing_problem', tables)
     world = problem([(20.0 * x, 20.0 * y) for x in range(5) for y in range(4)], [(0.0, 0.0)] * 2)
     found = optimised(world, Effort(), watch)
     assert makespan_s(world, found.orders) <= told[0]
@@ -112,7 +112,7 @@ def test_without_a_budget_always_the_same():
 def test_costs_are_those_of_the_time_model(survey):
     """What the solver counts, for each objective, is what the planner states."""
     from rocsafe_planner.errors import PlannerError
-    from rocsafe_planner.survey_site import survey_site
+    from rocsafe_planner.site.survey_site import survey_site
 
     try:
         world: FleetProblem = survey_site(survey).problem

@@ -6,12 +6,12 @@ import dataclasses
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import offset
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
-from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.routing import METHODS
+from rocsafe_planner.routing.methods import METHODS
 
 from .fleets import FLEET, request
 from .surveys import ring, surveys

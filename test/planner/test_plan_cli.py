@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from rocsafe_planner.plan_cli import main
+from rocsafe_planner.command_line.plan_command import main
 
 REQUEST = {
     'region': {

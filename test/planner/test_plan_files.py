@@ -14,14 +14,14 @@ import pytest
 import shapely
 from PIL import Image
 
-from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.area_files import read_area
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_planner.flight_summary import flight_stem
-from rocsafe_planner.plan_files import write_plan
-from rocsafe_planner.plan_geojson import plan_geojson
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.regions.area_files import read_area
+from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.export.plan_geojson import plan_geojson
+from rocsafe_planner.export.route_colors import kml_color, route_color
+from rocsafe_planner.plan.flight_summary import flight_stem
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.route_colors import kml_color, route_color
 
 from .fleets import RECTANGLE, request, vehicle
 

@@ -7,9 +7,9 @@ import json
 import pytest
 
 from rocsafe_geo.position import distance_m
-from rocsafe_planner.plan_checker import check_plan
-from rocsafe_planner.plan_json import plan_document
-from rocsafe_planner.plan_reading import read_plan
+from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.export.plan_json import plan_document
+from rocsafe_planner.export.plan_reading import read_plan
 from rocsafe_planner.planning import plan_survey
 
 from .fleets import FLEET, request

@@ -8,15 +8,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m, offset
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import (
     BeyondEnduranceError,
     PlanningCancelledError,
     TooManyViewpointsError,
 )
-from rocsafe_planner.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
 
 from .fleets import FIELD, FLEET, RECTANGLE, STARTS, request, vehicle

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from rocsafe_planner.plan_checker import check_plan
-from rocsafe_planner.plan_geojson import area_rings
+from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.export.plan_geojson import area_rings
 from rocsafe_planner.region_plan import plan_region
 
 from .fleets import RECTANGLE

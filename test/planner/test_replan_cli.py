@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from rocsafe_planner.plan_files import write_plan
+from rocsafe_planner.command_line.replan_command import main
+from rocsafe_planner.export.plan_files import write_plan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replan_cli import main
 
 from .fleets import request
 from .terrains import read_terrain, write_terrain

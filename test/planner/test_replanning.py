@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
-from rocsafe_planner.plan_checker import check_plan
-from rocsafe_planner.plan_files import write_plan
+from rocsafe_planner.export.plan_files import write_plan
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.problem.vehicle import Aloft
 from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
-from rocsafe_planner.vehicle import Aloft
 
 from .fleets import FIELD, FLEET, request, vehicle
 

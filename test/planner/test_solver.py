@@ -24,12 +24,12 @@ from rocsafe_planner.solver import (
     one_depot,
     solve,
 )
-from rocsafe_planner.solver.compiled import cache_directory
-from rocsafe_planner.solver.flatten import tables_of
-from rocsafe_planner.solver.giant_tour import braid, cut, tour_of
-from rocsafe_planner.solver.neighbours import near_all_round, near_rows
+from rocsafe_planner.solver.model.compiled import cache_directory
+from rocsafe_planner.solver.model.flatten import tables_of
+from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
-from rocsafe_planner.solver.starts import first_plans, sector_plan
+from rocsafe_planner.solver.search.giant_tour import braid, cut, tour_of
+from rocsafe_planner.solver.search.starts import first_plans, sector_plan
 
 from . import tiny_routing
 

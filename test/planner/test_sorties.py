@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError
-from rocsafe_planner.flight_track import FlightTrack
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.plan.flight_track import FlightTrack
+from rocsafe_planner.plan.separation import TOLERANCE_M, delays_apart, minimum_separation_m
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.routing import nearest_to_shortest
-from rocsafe_planner.separation import TOLERANCE_M, delays_apart, minimum_separation_m
-from rocsafe_planner.sorties import sorties
-from rocsafe_planner.survey_site import survey_site
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.problem.vehicle import Aloft
+from rocsafe_planner.routing.methods import nearest_to_shortest
+from rocsafe_planner.routing.sorties import sorties
+from rocsafe_planner.site.survey_site import survey_site
 
 from .fleets import FLEET, problem, request, vehicle
 

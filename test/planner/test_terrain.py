@@ -11,14 +11,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pyproj import Transformer
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import offset
-from rocsafe_geo.relief import Relief
-from rocsafe_geo.terrain import LocalGround, Terrain, TerrainError
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.terrain.relief import Relief
+from rocsafe_geo.terrain.terrain import LocalGround, Terrain, TerrainError
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.vehicle import Aloft
+from rocsafe_planner.problem.vehicle import Aloft
 
 from .fleets import FLEET, request, vehicle
 from .surveys import surveys
@@ -196,7 +196,7 @@ def test_looks_at_coarse_grids_change_no_bend(monkeypatch, seed):
     """Legs that coarse grids prove to be high enough are those that samples leave straight."""
     relief, origins, targets = legs_over_peaks(seed)
     quick = relief.bends(origins, targets)
-    monkeypatch.setattr('rocsafe_geo.relief._PIECES', ())
+    monkeypatch.setattr('rocsafe_geo.terrain.relief._PIECES', ())
     for found, expected in zip(quick, relief.bends(origins, targets), strict=True):
         np.testing.assert_array_equal(found, expected)
 
@@ -294,7 +294,7 @@ def test_the_clearance_is_below_the_flight():
 
 def test_heights_above_home_go_to_autopilots():
     """Flight files count from the ground at home, which the terrain says."""
-    from rocsafe_planner.flight_path import flight_path
+    from rocsafe_planner.plan.flight_path import flight_path
 
     plan = plan_survey(request(terrain=SLOPE))
     route = plan.routes[0]
@@ -318,7 +318,7 @@ def test_more_viewpoints_than_a_table_of_legs_holds(monkeypatch, objective):
     lasting = plan_survey(request(terrain=hills, method='solver', proposals=3000))
     endurance = lasting.makespan_s * 1.1
     weak = tuple(dataclasses.replace(v, endurance_s=endurance) for v in FLEET)
-    monkeypatch.setattr('rocsafe_planner.routing_task.MOST_TERRAIN_SITES', 10)
+    monkeypatch.setattr('rocsafe_planner.routing.solver_problem.MOST_TERRAIN_SITES', 10)
     plan = plan_survey(
         request(terrain=hills, method='solver', proposals=3000, vehicles=weak, objective=objective)
     )

@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import LocalizationOptions
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.localization.localize import LocalizationOptions
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.readings.survey import Survey
 
 HEIGHT_M = 32.0
 LOSSLESS = LocalizationOptions(kernel=Kernel(is_lossy=False), source_up_m=0.0, source_up_std_m=0.0)

@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation.belief_search import believe, poisson_below
-from rocsafe_radiation.localization import LocalizationOptions, TooFewReadingsError
-from rocsafe_radiation.picture import PictureOptions, picture_of, suggested_waypoints
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.belief.belief_search import believe, poisson_below
+from rocsafe_radiation.localization.localize import LocalizationOptions, TooFewReadingsError
+from rocsafe_radiation.products.assessment import PictureOptions, picture_of, suggested_waypoints
+from rocsafe_radiation.readings.survey import Survey
 
 from .simulated_survey import LOSSLESS, survey
 

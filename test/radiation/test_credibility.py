@@ -6,13 +6,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rocsafe_radiation.credibility import unevenness, weighed
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.likelihood import Fit, Likelihood
-from rocsafe_radiation.localization import localize
-from rocsafe_radiation.order_search import search
-from rocsafe_radiation.order_trial import is_placed
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.localization.credibility import unevenness, weighed
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.hypothesis import is_placed
+from rocsafe_radiation.localization.likelihood import Fit, Likelihood
+from rocsafe_radiation.localization.localize import localize
+from rocsafe_radiation.localization.source_count import search
+from rocsafe_radiation.readings.survey import Survey
 
 from .simulated_survey import LOSSLESS, survey
 

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_radiation.background import Background
-from rocsafe_radiation.counting import Sample, WindowCounter
-from rocsafe_radiation.detector import (
+from rocsafe_radiation.detection.counting import Sample, WindowCounter
+from rocsafe_radiation.detection.detector import (
     DETECTORS,
     NON_PARALYSABLE,
     PARALYSABLE,
@@ -18,6 +17,7 @@ from rocsafe_radiation.detector import (
     measure,
     window_generator,
 )
+from rocsafe_radiation.physics.background import Background
 
 TUBE = DETECTORS['gm_sbm20']
 SECOND_NS = 1_000_000_000

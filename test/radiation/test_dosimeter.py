@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_radiation.dosimeter import DOSE, DOSE_RATE, AlarmLevels, Dosimeter, Exposure
+from rocsafe_radiation.detection.dosimeter import DOSE, DOSE_RATE, AlarmLevels, Dosimeter, Exposure
 
 LEVELS = AlarmLevels(dose_rates_usvh=(100.0,), doses_usv=(10.0,), largest_gap_s=5.0)
 S = 1_000_000_000

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from rocsafe_geo.position import GeoPosition, offset, slant_distance_m
 from rocsafe_radiation.errors import UnknownPointError
-from rocsafe_radiation.field import RadiationField, dose_rate_usvps
-from rocsafe_radiation.source import RadiationSource
+from rocsafe_radiation.physics.field import RadiationField, dose_rate_usvps
+from rocsafe_radiation.physics.source import RadiationSource
 
 # Float64 keeps 2e-16; the formula is one product and one quotient.
 FORMULA_TOLERANCE = 1e-12

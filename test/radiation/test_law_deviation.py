@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation import order_search
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.law_deviation import LawDeviation
-from rocsafe_radiation.likelihood import Likelihood
-from rocsafe_radiation.localization import LocalizationOptions, localize
-from rocsafe_radiation.photons import AIR
-from rocsafe_radiation.shielding import Box
-from rocsafe_radiation.transmission import shielded_transmission
+from rocsafe_radiation.localization import source_count as order_search
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.law_deviation import LawDeviation
+from rocsafe_radiation.localization.likelihood import Likelihood
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.physics.photons import AIR
+from rocsafe_radiation.physics.shielding import Box
+from rocsafe_radiation.physics.transmission import shielded_transmission
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -73,7 +73,7 @@ def test_a_misfit_widens_ellipses_and_is_told(monkeypatch):
     rough = dataclasses.replace(readings, counts=np.round(readings.counts * gains))
     # One source and Poisson counts, whatever the readings say.
     monkeypatch.setattr(
-        'rocsafe_radiation.localization.search',
+        'rocsafe_radiation.localization.localize.search',
         lambda *given: order_search.search(given[0], given[1], 1),
     )
     monkeypatch.setattr(order_search, 'NUISANCES', order_search.NUISANCES[:1])

@@ -7,17 +7,17 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood
-from rocsafe_radiation.localization import (
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.likelihood import Likelihood
+from rocsafe_radiation.localization.localize import (
     LocalizationOptions,
     SourceEstimate,
     TooFewReadingsError,
     localize,
 )
-from rocsafe_radiation.spectral_window import background_shape
-from rocsafe_radiation.survey import Observation, Survey, survey_of
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.readings.spectral_window import background_shape
+from rocsafe_radiation.readings.survey import Observation, Survey, survey_of
 
 from .simulated_survey import HEIGHT_M, LOSSLESS, survey
 

@@ -10,8 +10,8 @@ import pytest
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.localize_cli import main
-from rocsafe_radiation.readings_file import ReadingsFileError, read_readings
+from rocsafe_radiation.command_line.localize_command import main
+from rocsafe_radiation.readings.readings_file import ReadingsFileError, read_readings
 
 from .simulated_survey import survey
 
@@ -34,7 +34,7 @@ def table(tmp_path):
 @pytest.fixture(autouse=True)
 def _small_maps(monkeypatch):
     """Maps of fewer cells are made faster."""
-    monkeypatch.setattr('rocsafe_radiation.localize_cli.LARGEST_CELLS', 10_000)
+    monkeypatch.setattr('rocsafe_radiation.command_line.localize_command.LARGEST_CELLS', 10_000)
 
 
 def derailment():

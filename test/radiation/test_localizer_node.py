@@ -11,9 +11,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from visualization_msgs.msg import Marker
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import DoseAlarm, DoseRate, GeoPoint, RadiationReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.localizer_node import LocalizerNode

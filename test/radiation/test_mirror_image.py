@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation.localization import localize
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.localization.localize import localize
+from rocsafe_radiation.readings.survey import Survey
 
 from .simulated_survey import LOSSLESS
 

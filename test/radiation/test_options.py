@@ -3,7 +3,7 @@
 
 import pytest
 
-from rocsafe_radiation.options import FieldOptions
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
 
 ONE_SOURCE = {
     'source_names': ('wreck',),

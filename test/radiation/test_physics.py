@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_radiation.field import RadiationField
-from rocsafe_radiation.nuclide import nuclide, nuclide_names
-from rocsafe_radiation.photons import material
-from rocsafe_radiation.shielding import Box, BoxShielding
-from rocsafe_radiation.source import RadiationSource, decayed_sigma_usvps
-from rocsafe_radiation.transmission import (
+from rocsafe_radiation.physics.field import RadiationField
+from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
+from rocsafe_radiation.physics.photons import material
+from rocsafe_radiation.physics.shielding import Box, BoxShielding
+from rocsafe_radiation.physics.source import RadiationSource, decayed_sigma_usvps
+from rocsafe_radiation.physics.transmission import (
     air_transmission,
     exact_air_transmission,
     shielded_transmission,

@@ -13,13 +13,13 @@ from shapely.geometry import Point, shape
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.cordon import KML_NAMESPACE, cordons
-from rocsafe_radiation.dose_map import DoseMap, dose_map
-from rocsafe_radiation.isolines import areas_above
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import Localization, SourceEstimate
-from rocsafe_radiation.picture import PictureOptions, picture_of
-from rocsafe_radiation.products import write_products
+from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.products.assessment import PictureOptions, picture_of
+from rocsafe_radiation.products.cordon import KML_NAMESPACE, cordons
+from rocsafe_radiation.products.dose_map import DoseMap, dose_map
+from rocsafe_radiation.products.files import write_products
+from rocsafe_radiation.products.isolines import areas_above
 
 from .simulated_survey import LOSSLESS, survey
 

@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from rocsafe_radiation.dose_map import dose_map
-from rocsafe_radiation.localization import localize
-from rocsafe_radiation.residual_kriging import residual
-from rocsafe_radiation.survey import Survey
+from rocsafe_radiation.localization.localize import localize
+from rocsafe_radiation.products.dose_map import dose_map
+from rocsafe_radiation.products.residual_kriging import residual
+from rocsafe_radiation.readings.survey import Survey
 
 from .simulated_survey import LOSSLESS, survey
 

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_radiation.belief_grid import BeliefGrid, YesNoSensor
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.inquiry import Inquiry
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import Localization, SourceEstimate, localize
-from rocsafe_radiation.sequential_decision import SequentialEvidence, sequential_evidence
-from rocsafe_radiation.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
-from rocsafe_radiation.waypoint_choice import log_volume, next_waypoints
+from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
+from rocsafe_radiation.decision.assessment_steps import Inquiry
+from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
+from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
+from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.localize import Localization, SourceEstimate, localize
+from rocsafe_radiation.physics.kernel import Kernel
 
 from .simulated_survey import LOSSLESS, survey
 

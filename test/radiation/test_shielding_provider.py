@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_radiation.options import FieldOptions
-from rocsafe_radiation.shielding_provider import provided_shielding
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
+from rocsafe_radiation.field_parameters.shielding_provider import provided_shielding
 
 SOURCE = GeoPosition(53.28, -9.06, 66.0)
 ABOVE = offset(SOURCE, 0.0, 0.0, 32.0)

@@ -8,10 +8,10 @@ import pytest
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_radiation.field import RadiationField
-from rocsafe_radiation.options import FieldOptions
-from rocsafe_radiation.source import RadiationSource
-from rocsafe_radiation.source_shape import AreaShape, LineShape, TrackShape
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
+from rocsafe_radiation.physics.field import RadiationField
+from rocsafe_radiation.physics.source import RadiationSource
+from rocsafe_radiation.physics.source_shape import AreaShape, LineShape, TrackShape
 
 WRECK = GeoPosition(53.2838, -9.0633, 60.0)
 # Sources are taken apart into points half a metre apart.

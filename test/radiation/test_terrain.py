@@ -11,20 +11,20 @@ from test.planner.terrains import CENTRE, write_terrain
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_radiation.background import Background
-from rocsafe_radiation.belief_search import believe
-from rocsafe_radiation.dose_map import dose_map
-from rocsafe_radiation.fit_setting import Setting
-from rocsafe_radiation.ground import LEVEL, Ground, GroundError, ground_over
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.likelihood import Likelihood
-from rocsafe_radiation.localization import LocalizationOptions, localize
-from rocsafe_radiation.localize_cli import main
-from rocsafe_radiation.options import FieldOptions
-from rocsafe_radiation.reading_log import FlightReading, ReadingLog
-from rocsafe_radiation.survey import Survey
-from rocsafe_radiation.terrain_options import TerrainOptions
-from rocsafe_radiation.waypoint_choice import candidate_places
+from rocsafe_radiation.belief.belief_search import believe
+from rocsafe_radiation.command_line.localize_command import main
+from rocsafe_radiation.decision.waypoint_choice import candidate_places
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
+from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.likelihood import Likelihood
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
+from rocsafe_radiation.physics.background import Background
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.products.dose_map import dose_map
+from rocsafe_radiation.readings.ground import LEVEL, Ground, GroundError, ground_over
+from rocsafe_radiation.readings.reading_log import FlightReading, ReadingLog
+from rocsafe_radiation.readings.survey import Survey
 
 from .simulated_survey import HEIGHT_M, LOSSLESS
 
@@ -275,7 +275,7 @@ def lines(readings):
 
 def test_localize_takes_a_terrain(file, tmp_path, capsys, monkeypatch):
     """`localize --terrain` puts the source on the slope."""
-    monkeypatch.setattr('rocsafe_radiation.localize_cli.LARGEST_CELLS', 2000)
+    monkeypatch.setattr('rocsafe_radiation.command_line.localize_command.LARGEST_CELLS', 2000)
     table = tmp_path / 'readings.csv'
     table.write_text(lines(level_flight()))
     at = [f'{value:.9f}' for value in (ORIGIN.latitude_deg, ORIGIN.longitude_deg, 66.0)]

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_ros import conversions
 
 latitudes = st.floats(-84, 84)

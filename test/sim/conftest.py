@@ -7,18 +7,6 @@ from typing import Any
 import pytest
 
 
-@pytest.fixture(scope='session')
-def drawing() -> None:
-    """Skip, with the reason, where nothing can draw."""
-    from rocsafe_sim.engine.pipe import open_pipe
-    from rocsafe_sim.errors import EngineError
-
-    try:
-        open_pipe()
-    except EngineError as error:
-        pytest.skip(str(error))
-
-
 @pytest.fixture
 def operator(ros: Any) -> Iterator[Any]:
     """Return an operator in the test's own ROS context."""

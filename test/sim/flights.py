@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
-from rocsafe_sim.airframe import Airframe
-from rocsafe_sim.observation import Observation
-from rocsafe_sim.route import Route, Waypoint
-from rocsafe_sim.segment import Mode
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.route import Route, Waypoint
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.observation import Observation
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 HOME = (-40.0, 25.0, 0.0)
 START_NS = 1_700_000_000_000_000_000

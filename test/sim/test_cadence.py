@@ -3,7 +3,7 @@
 
 import pytest
 
-from rocsafe_sim.cadence import Cadence, floor_to
+from rocsafe_sim.clock.cadence import Cadence, floor_to
 
 MS = 1_000_000
 

@@ -16,10 +16,10 @@ from test.sim.node_stand import DEADLINE_S, Operator, route
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_sim.assembly import SharedParts
-from rocsafe_sim.camera import Truth
-from rocsafe_sim.camera_settings import CameraSettings
-from rocsafe_sim.mounted_camera import CameraModel
+from rocsafe_scene.cameras.camera import Truth
+from rocsafe_sim.cameras.camera_settings import CameraSettings
+from rocsafe_sim.cameras.mounted_camera import CameraModel
+from rocsafe_sim.rav.assembly import SharedParts
 
 DEPTH = np.array([[31.5, np.inf, 2.25], [30.25, 2.0, 40.5]], np.float32)
 NUMBERS = np.array([[2, 0, 70_000], [65_535, 3, 1]], np.uint32)

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_geo.pinhole import rotation_body_from_optical
-from rocsafe_sim.camera_settings import CameraSettings, cameras_of
-from rocsafe_sim.optics.effects import Effects
+from rocsafe_scene.optics.effects import Effects
+from rocsafe_sim.cameras.camera_settings import CameraSettings, cameras_of
 from rocsafe_sim.options import RavOptions
 
 FIRST = CameraSettings(image_width_px=320, image_height_px=240, stream_rate_hz=2.0)

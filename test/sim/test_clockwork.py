@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rocsafe_sim.clockwork import COMPLAIN_S, LISTEN_S, RESEND_S, Clockwork, Pace
+from rocsafe_sim.clock.clockwork import COMPLAIN_S, LISTEN_S, RESEND_S, Clockwork, Pace
 
 START, STEP = 1_000_000_000, 100_000_000
 NAMES = ('rav1', 'rav2')

@@ -14,11 +14,11 @@ from rocsafe_geo.pinhole import (
     rotation_enu_from_body,
     rotation_enu_from_optical,
 )
-from rocsafe_sim.camera_settings import CameraSettings
+from rocsafe_sim.cameras.camera_settings import CameraSettings
+from rocsafe_sim.cameras.gimbal import NADIR_RAD, Direction, Gimbal, GimbalLimits
+from rocsafe_sim.cameras.gimbal_file import read_gimbal, write_gimbal
+from rocsafe_sim.cameras.mounted_camera import Attitude, CameraModel, MountedCamera
 from rocsafe_sim.errors import JournalError
-from rocsafe_sim.gimbal import NADIR_RAD, Direction, Gimbal, GimbalLimits
-from rocsafe_sim.gimbal_file import read_gimbal, write_gimbal
-from rocsafe_sim.mounted_camera import Attitude, CameraModel, MountedCamera
 
 LIMITS = GimbalLimits(rate_radps=0.5, lowest_rad=NADIR_RAD, highest_rad=0.3)
 angles = st.floats(-3.1, 3.1)

@@ -25,7 +25,7 @@ from test.sim.node_stand import (
     route,
 )  # fmt: skip
 
-from rocsafe_geo import shot_store
+from rocsafe_geo.storage import shot_store
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import (
     GeoPoint,
@@ -34,8 +34,8 @@ from rocsafe_interfaces.msg import (
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError
-from rocsafe_sim.assembly import make_shared
 from rocsafe_sim.fleet_node import FleetNode
+from rocsafe_sim.rav.assembly import make_shared
 from rocsafe_sim.rav_node import RavNode
 
 

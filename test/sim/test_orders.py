@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehicle_on
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.route import Enu
-from rocsafe_sim.segment import Mode
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 ORDERS = ('hold', 'resume', 'return_home', 'land')
 # seconds after take-off at which the flight of ROUTE is in each mode

@@ -12,15 +12,15 @@ from test.planner.terrains import terrain
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.errors import PlannerError
-from rocsafe_planner.plan import SurveyPlan
-from rocsafe_planner.plan_checker import check_plan
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.conversions import route_of
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 NS = 1_000_000_000
 START_NS = 1_700_000_000 * NS

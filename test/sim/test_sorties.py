@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehicle_on
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.journal import read_journal, write_journal
-from rocsafe_sim.route import Enu, Route, Swap
-from rocsafe_sim.segment import Mode
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.route import Route, Swap
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.journal import read_journal, write_journal
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 SWAPPED = replace(ROUTE, swaps=(Swap(after=1), Swap(after=3)), swap_s=40.0)
 ALL = [waypoint.viewpoint_id for waypoint in ROUTE.waypoints]

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test.scene.scenes import PLANT, THINGS, small_environment
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps
-from test.sim.scenes import PLANT, THINGS, small_environment
 
+from rocsafe_scene.solids.rays import RayScene
+from rocsafe_scene.solids.scene_surroundings import SceneSurroundings
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.fall import GRAVITY_MPS2
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.journal import read_journal, write_journal
-from rocsafe_sim.scene.rays import RayScene
-from rocsafe_sim.scene.scene_surroundings import SceneSurroundings
-from rocsafe_sim.segment import Mode
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.fall import GRAVITY_MPS2
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.journal import read_journal, write_journal
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 
 class Hillside:

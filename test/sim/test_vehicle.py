@@ -21,14 +21,14 @@ from test.sim.flights import (
     vehicle_on,
 )
 
-from rocsafe_sim.airframe import Airframe
 from rocsafe_sim.errors import JournalError
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.journal import read_journal, write_journal
-from rocsafe_sim.observation import ShotDue
-from rocsafe_sim.route import Route, Waypoint
-from rocsafe_sim.segment import Mode
-from rocsafe_sim.vehicle import Vehicle
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.route import Route, Waypoint
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.journal import read_journal, write_journal
+from rocsafe_sim.vehicle.observation import ShotDue
+from rocsafe_sim.vehicle.vehicle import Vehicle
 
 
 def planned_duration_s(airframe: Airframe, route: Route, height_m: float) -> float:

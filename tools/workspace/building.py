@@ -61,7 +61,7 @@ def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_i
     executable = layout.install / 'rocsafe_orchestrator/lib/rocsafe_orchestrator/rocsafe'
     _write_command(layout, 'rocsafe', f'exec {shlex.quote(str(executable))} "$@"')
     if stand_in:
-        start = f'exec {shlex.quote(str(layout.python))} -m rocsafe_ros.ros2_cli "$@"'
+        start = f'exec {shlex.quote(str(layout.python))} -m rocsafe_ros2cli "$@"'
         _write_command(layout, 'ros2', f'{_prefer_real_ros2(layout)}\n{start}')
     else:
         remove(layout.venv / 'bin/ros2')

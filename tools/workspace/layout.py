@@ -98,4 +98,4 @@ class Layout:
     @property
     def kernels(self) -> list[Path]:
         """Sources of those loops."""
-        return sorted((self.planner / 'rocsafe_planner/solver').glob('*.py'))
+        return sorted((self.planner / 'rocsafe_planner/solver').rglob('*.py'))

@@ -8,9 +8,9 @@ import numpy as np
 
 from rocsafe_dataset.outlines import outline
 from rocsafe_dataset.rle import run_lengths, short_text
-from rocsafe_sim.engine.outputs import Frame
-from rocsafe_sim.scene.classes import class_number
-from rocsafe_sim.scene.environment import FIRST_OBJECT_NUMBER, SceneObject
+from rocsafe_scene.engine.outputs import Frame
+from rocsafe_scene.mesh.classes import class_number
+from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER, SceneObject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,11 +9,11 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from rocsafe_dataset.options import DatasetOptions
-from rocsafe_sim.scene.description import PlaceBlock
-from rocsafe_sim.scene.environment import Environment, Piece, SceneObject
-from rocsafe_sim.scene.light import sun_direction
-from rocsafe_sim.scene.mesh import Floats, rotation_of
-from rocsafe_sim.scene.terrain import Terrain
+from rocsafe_scene.ground.terrain import Terrain
+from rocsafe_scene.mesh.mesh import Floats, rotation_of
+from rocsafe_scene.scene.description import PlaceBlock
+from rocsafe_scene.scene.environment import Environment, Piece, SceneObject
+from rocsafe_scene.scene.sunlight import sun_direction
 
 # What may stand elsewhere: not what is built, grown or derailed.
 MOVABLE = frozenset(

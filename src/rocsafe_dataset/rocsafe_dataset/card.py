@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rocsafe_dataset.options import SPLITS, DatasetOptions
-from rocsafe_sim.scene.classes import class_number
+from rocsafe_scene.mesh.classes import class_number
 
 _TEXT = """# Data card: {scene}
 

@@ -15,15 +15,15 @@ from rocsafe_dataset.files import Folder
 from rocsafe_dataset.options import FORMATS, DatasetOptions
 from rocsafe_dataset.summary import finish
 from rocsafe_dataset.work import claim, open_tasks, work_off
-from rocsafe_sim.errors import SimError
-from rocsafe_sim.scene.description import SceneDescription
-from rocsafe_sim.scene.light import WEATHERS
-from rocsafe_sim.scene.map_cache import default_folder
-from rocsafe_sim.scene.scene_file import read_scene
-from rocsafe_sim.scene_arguments import exit_code_of, image_size
+from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
+from rocsafe_scene.errors import ViewError
+from rocsafe_scene.scene.description import SceneDescription
+from rocsafe_scene.scene.map_cache import default_folder
+from rocsafe_scene.scene.scene_file import read_scene
+from rocsafe_scene.scene.sunlight import WEATHERS
 
 EXIT_INTERRUPTED = 130
-MISTAKES = (SimError, DatasetError, ValueError)
+MISTAKES = (ViewError, DatasetError, ValueError)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

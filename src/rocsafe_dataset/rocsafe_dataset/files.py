@@ -15,13 +15,13 @@ from rocsafe_dataset.annotations import Annotation
 from rocsafe_dataset.errors import DatasetError
 from rocsafe_dataset.options import DatasetOptions
 from rocsafe_dataset.takes import Take
-from rocsafe_geo.durable import replace_whole
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, quaternion_of_rotation
-from rocsafe_mapping.exif import with_exif
-from rocsafe_mapping.exif_png import png_with_exif
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
-from rocsafe_sim.engine.outputs import Frame
+from rocsafe_geo.storage.durable import replace_whole
+from rocsafe_mapping.photographs.exif import with_exif
+from rocsafe_mapping.photographs.exif_png import png_with_exif
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
+from rocsafe_scene.engine.outputs import Frame
 
 _UNKNOWN = (0.0,) * 9
 # 16 bit pictures of instances end here.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_sim.scene.light import WEATHERS
+from rocsafe_scene.scene.sunlight import WEATHERS
 
 SPLITS = ('train', 'val', 'test')
 FORMATS = ('jpg', 'png')
@@ -28,7 +28,7 @@ class DatasetOptions:
     weathers : drawn from evenly.
     image_format : jpg or png.
     jpeg_quality : 1 to 100.
-    oversampling : 1 to 4, see `rocsafe_sim.engine.studio.Studio`.
+    oversampling : 1 to 4, see `rocsafe_scene.engine.studio.Studio`.
     per_arrangement : pictures with the same placement of things and the same light.
     splits : shares of `SPLITS`, sum 1.
     least_pixels : smaller instances are not annotated.

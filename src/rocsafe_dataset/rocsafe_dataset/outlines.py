@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_sim.scene.mesh import Floats
+from rocsafe_scene.mesh.mesh import Floats
 
 # A part smaller than this share of the largest is left out.
 _LEAST_SHARE = 0.02

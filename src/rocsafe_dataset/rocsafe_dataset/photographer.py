@@ -15,15 +15,15 @@ from rocsafe_dataset.places import divided
 from rocsafe_dataset.takes import Site, take
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_sim.engine.pipe import EGL_PACKAGES
-from rocsafe_sim.engine.renderer import Renderer
-from rocsafe_sim.engine.silhouettes import Silhouettes
-from rocsafe_sim.engine.studio import Studio, open_renderer
-from rocsafe_sim.scene.building import build
-from rocsafe_sim.scene.description import SceneDescription
-from rocsafe_sim.scene.environment import Environment
-from rocsafe_sim.scene.light import lighting, sun_direction
-from rocsafe_sim.scene.terrain import INNER_HALF_M
+from rocsafe_scene.engine.pipe import EGL_PACKAGES
+from rocsafe_scene.engine.renderer import Renderer
+from rocsafe_scene.engine.silhouettes import Silhouettes
+from rocsafe_scene.engine.studio import Studio, open_renderer
+from rocsafe_scene.ground.terrain import INNER_HALF_M
+from rocsafe_scene.scene.building import build
+from rocsafe_scene.scene.description import SceneDescription
+from rocsafe_scene.scene.environment import Environment
+from rocsafe_scene.scene.sunlight import lighting, sun_direction
 
 # Grows without end, and is everywhere.
 _PLANTS = frozenset(('tree', 'hedge', 'shrub', 'fence', 'cordon'))

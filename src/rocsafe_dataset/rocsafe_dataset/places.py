@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_sim.scene.mesh import Floats
+from rocsafe_scene.mesh.mesh import Floats
 
 # Blocks across and along the detailed ground.
 BLOCKS = (4, 4)

@@ -11,8 +11,8 @@ from rocsafe_dataset.card import card
 from rocsafe_dataset.errors import DatasetError
 from rocsafe_dataset.files import Folder
 from rocsafe_dataset.options import SPLITS
-from rocsafe_geo.durable import write_whole
-from rocsafe_sim.scene.classes import CLASSES
+from rocsafe_geo.storage.durable import write_whole
+from rocsafe_scene.mesh.classes import CLASSES
 
 Record = Mapping[str, Any]
 

@@ -9,8 +9,8 @@ import numpy as np
 from rocsafe_dataset.options import SPLITS, DatasetOptions
 from rocsafe_dataset.places import Places
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_sim.scene.mesh import Floats
-from rocsafe_sim.scene.terrain import Terrain
+from rocsafe_scene.ground.terrain import Terrain
+from rocsafe_scene.mesh.mesh import Floats
 
 # Drawn again until at most this share of the ground in view belongs to other splits.
 _MOST_FOREIGN = 0.1

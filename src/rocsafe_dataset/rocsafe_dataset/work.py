@@ -13,8 +13,8 @@ from pathlib import Path
 
 from rocsafe_dataset.errors import DatasetError
 from rocsafe_dataset.files import Folder
-from rocsafe_geo.durable import write_whole
-from rocsafe_sim.scene.description import SceneDescription
+from rocsafe_geo.storage.durable import write_whole
+from rocsafe_scene.scene.description import SceneDescription
 
 Task = tuple[int, tuple[int, ...]]
 

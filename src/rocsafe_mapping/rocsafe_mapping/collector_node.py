@@ -11,16 +11,16 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import GeotaggedImage
-from rocsafe_mapping.catalogue import read_store
 from rocsafe_mapping.conversions import numbers_of, receipt_of_answer, record_of_message
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.label_images import LabelKeeper
-from rocsafe_mapping.listings import write_listings
 from rocsafe_mapping.options import CollectorOptions
+from rocsafe_mapping.photographs.label_images import LabelKeeper
 from rocsafe_mapping.repository.copying import Copier
 from rocsafe_mapping.repository.sink import open_sink, token_of_file
-from rocsafe_mapping.store import Answer, ImageStore, Status
-from rocsafe_mapping.store_index import write_index
+from rocsafe_mapping.store.catalogue import read_store
+from rocsafe_mapping.store.listings import write_listings
+from rocsafe_mapping.store.store import Answer, ImageStore, Status
+from rocsafe_mapping.store.store_index import write_index
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, NavSatFix
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
-from rocsafe_mapping.store import Answer, Status
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.store.store import Answer, Status
 from rocsafe_ros.conversions import has_position, ns_of_stamp, quaternion_values
 
 RECEIPT_STATUS = {

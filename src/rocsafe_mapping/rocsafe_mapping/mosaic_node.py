@@ -10,17 +10,17 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from rocsafe_geo.area import SurveyArea
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import Region, ShotReceipt
 from rocsafe_mapping.allocation import keep_freed_memory
-from rocsafe_mapping.catalogue import read_shot, read_store
 from rocsafe_mapping.errors import MappingError, PlacementError, StoreError
-from rocsafe_mapping.handover import hand_over
-from rocsafe_mapping.live import TILES_S, LiveMap
 from rocsafe_mapping.map_conversions import mosaic_message
-from rocsafe_mapping.map_files import TILES, files_after, files_before, handover_of
-from rocsafe_mapping.mapmaker import MapOptions
+from rocsafe_mapping.mosaic.live import TILES_S, LiveMap
+from rocsafe_mapping.mosaic.mapmaker import MapOptions
 from rocsafe_mapping.options import MosaicOptions
+from rocsafe_mapping.products.handover import hand_over
+from rocsafe_mapping.products.map_files import TILES, files_after, files_before, handover_of
+from rocsafe_mapping.store.catalogue import read_shot, read_store
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import declare_options

@@ -5,19 +5,19 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rocsafe_mavlink.bridge_options import BridgeOptions
-from rocsafe_mavlink.drone import Drone
-from rocsafe_mavlink.endpoint import parse_endpoint
-from rocsafe_mavlink.film import Film
-from rocsafe_mavlink.flight_journal import FlightJournal
-from rocsafe_mavlink.line import Line
-from rocsafe_mavlink.link import Link, LinkRules
-from rocsafe_mavlink.photographer import Photographer
-from rocsafe_mavlink.pictures import open_source
-from rocsafe_mavlink.signing import SignatureGate, Signer, read_key
-from rocsafe_mavlink.station import Station
-from rocsafe_mavlink.stream_rates import StreamRates
-from rocsafe_mavlink.timestamp_store import TimestampStore
-from rocsafe_mavlink.transport import address_of, open_transport
+from rocsafe_mavlink.camera.camera_trigger import Photographer
+from rocsafe_mavlink.camera.numbering import Film
+from rocsafe_mavlink.camera.sources import open_source
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.line import Line
+from rocsafe_mavlink.drone.station import Station
+from rocsafe_mavlink.flight.flight_journal import FlightJournal
+from rocsafe_mavlink.link.endpoint import parse_endpoint
+from rocsafe_mavlink.link.link import Link, LinkRules
+from rocsafe_mavlink.link.transport import address_of, open_transport
+from rocsafe_mavlink.protocols.stream_rates import StreamRates
+from rocsafe_mavlink.wire.signing import SignatureGate, Signer, read_key
+from rocsafe_mavlink.wire.timestamp_store import TimestampStore
 
 LINK_ID = 0
 

@@ -12,17 +12,17 @@ from rclpy.node import Node
 from rocsafe_interfaces.msg import MissionState
 from rocsafe_mavlink.assembly import make_drones, make_lines, make_photographer
 from rocsafe_mavlink.bridge_options import BridgeOptions
+from rocsafe_mavlink.camera.camera_trigger import Photographer
+from rocsafe_mavlink.camera.video_stream import DECODER_OPTIONS
 from rocsafe_mavlink.conversions import link_status
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.drone import Drone
+from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone_node import DroneTelemetry
 from rocsafe_mavlink.errors import MavlinkError
-from rocsafe_mavlink.events import Event
 from rocsafe_mavlink.fly_route_node import FlyRouteServer
+from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.order_node import OrderServices
-from rocsafe_mavlink.photographer import Photographer
 from rocsafe_mavlink.shots_node import ShotSender
-from rocsafe_mavlink.video_stream import DECODER_OPTIONS
+from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.drone import DroneSpec
-from rocsafe_mavlink.link import LinkIdentity
-from rocsafe_mavlink.preflight import FlightLimits
+from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.flight.preflight import FlightLimits
+from rocsafe_mavlink.link.link import LinkIdentity
 
 _LISTS = ('systems', 'components', 'speeds_mps', 'hovers_s', 'endurances_s', 'image_folders',
           'signing_key_files', 'geoid_separations_m')  # fmt: skip

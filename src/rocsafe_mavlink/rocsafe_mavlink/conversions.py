@@ -20,15 +20,15 @@ from rocsafe_interfaces.msg import (
     Viewpoint,
 )
 from rocsafe_interfaces.msg import Route as RouteMessage
-from rocsafe_mavlink.autopilot import FlightState
-from rocsafe_mavlink.drone import DroneSpec
-from rocsafe_mavlink.events import Event
-from rocsafe_mavlink.fence import Ring
-from rocsafe_mavlink.flight_journal import Assignment
-from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.observation import Observation
-from rocsafe_mavlink.preflight import Check, Verdict
-from rocsafe_mavlink.vehicle import Contact
+from rocsafe_mavlink.autopilots.autopilot import FlightState
+from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.drone.observation import Observation
+from rocsafe_mavlink.flight.fence import Ring
+from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.flight.preflight import Check, Verdict
+from rocsafe_mavlink.knowledge.events import Event
+from rocsafe_mavlink.knowledge.vehicle import Contact
 from rocsafe_ros.conversions import position_of_point
 
 STATES = {

@@ -14,12 +14,12 @@ from rocsafe_mavlink.conversions import (
     predicted_message,
     state_message,
 )
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.drone import Drone
-from rocsafe_mavlink.events import Event, EventKind
-from rocsafe_mavlink.observation import Observation, enu_of, fix_quality
-from rocsafe_mavlink.stream_rates import POSITION
-from rocsafe_mavlink.vehicle import Motion
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.observation import Observation, enu_of, fix_quality
+from rocsafe_mavlink.knowledge.events import Event, EventKind
+from rocsafe_mavlink.knowledge.vehicle import Motion
+from rocsafe_mavlink.protocols.stream_rates import POSITION
+from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,

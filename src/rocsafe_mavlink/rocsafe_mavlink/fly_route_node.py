@@ -9,9 +9,9 @@ from rclpy.action import ActionServer, CancelResponse
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_mavlink.conversions import assignment_of
-from rocsafe_mavlink.drone import Drone, WaitError
+from rocsafe_mavlink.drone.drone import Drone, WaitError
 from rocsafe_mavlink.errors import OrderRefusedError
-from rocsafe_mavlink.flight_journal import Assignment
+from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.result_conversions import (
     cancelled_message,
     refusal_message,

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from typing import Any
 
 from rocsafe_mavlink.conversions import check_message, ring_of
-from rocsafe_mavlink.drone import Drone
+from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import OrderRefusedError
-from rocsafe_mavlink.fence import Fence
-from rocsafe_mavlink.preflight import failures
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.preflight import failures
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import position_of_point
 from rocsafe_ros.vehicle_scope import VehicleScopeNode

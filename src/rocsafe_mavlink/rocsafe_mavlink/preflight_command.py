@@ -17,11 +17,11 @@ from typing import Any
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.assembly import make_drones, make_lines
 from rocsafe_mavlink.bridge_options import BridgeOptions
-from rocsafe_mavlink.drone import Drone
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.line import Line
 from rocsafe_mavlink.errors import MavlinkError
-from rocsafe_mavlink.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.line import Line
-from rocsafe_mavlink.preflight import NOT_READ, Check, Verdict, failures
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.flight.preflight import NOT_READ, Check, Verdict, failures
 
 POLL_S = 0.02
 LARGEST_PATIENCE_S = 300.0

@@ -2,8 +2,8 @@
 """How flights ended -> results of fly_route."""
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_mavlink.flight_outcome import Outcome
-from rocsafe_mavlink.observation import FlightSummary, Left
+from rocsafe_mavlink.drone.observation import FlightSummary, Left
+from rocsafe_mavlink.flight.flight_outcome import Outcome
 
 OUTCOMES = {
     Outcome.COMPLETED: FlyRoute.Result.COMPLETED,

@@ -4,11 +4,11 @@
 import time
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_geo.shot import Shot
+from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
-from rocsafe_mavlink.dialect import Message
-from rocsafe_mavlink.drone import Drone
-from rocsafe_mavlink.photographer import Exposure, Photographer
+from rocsafe_mavlink.camera.camera_trigger import Exposure, Photographer
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     camera_info_message,

@@ -15,7 +15,8 @@ from rocsafe_orchestrator.command_line import (
     report,
     run,
 )
-from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, OrchestratorError
+from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
+from rocsafe_scenario.errors import ScenarioError
 
 DESCRIPTION = """\
 ROCSAFE surveys a region with a fleet of unmanned vehicles: it plans who photographs what, flies
@@ -45,10 +46,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if argv is None else argv
     try:
         return _obey(words)
-    except OrchestratorError as error:
+    except (OrchestratorError, ScenarioError) as error:
         for line in str(error).splitlines():
             print(f'rocsafe: {line}', file=sys.stderr)
-        return error.exit_code
+        return EXIT_USAGE if isinstance(error, ScenarioError) else error.exit_code
     except ModuleNotFoundError as error:
         print(
             f'rocsafe: Python module {error.name} is missing: run `make setup`, or '

@@ -4,8 +4,8 @@
 import math
 from collections.abc import Container
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     Autopilot,
@@ -27,10 +27,10 @@ from rocsafe_orchestrator.mission.status import (
     RunStatus,
     VehicleStatus,
 )
-from rocsafe_orchestrator.scenario.camera_blocks import CameraBlock
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import RegionBlock, VehicleBlock
 from rocsafe_ros.conversions import point_of_position, position_of_point, region_of_area
+from rocsafe_scenario.camera_blocks import CameraBlock
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import RegionBlock, VehicleBlock
 
 # What a flight that did not end as planned is called.
 _FAULTS = {

@@ -15,12 +15,6 @@ class OrchestratorError(Exception):
     exit_code = EXIT_FAILED
 
 
-class ScenarioError(OrchestratorError):
-    """A scenario, or a file that it names, cannot be flown as written."""
-
-    exit_code = EXIT_USAGE
-
-
 class SetupError(OrchestratorError):
     """The machine, not the mission: an executable is missing, or another run is in the way."""
 

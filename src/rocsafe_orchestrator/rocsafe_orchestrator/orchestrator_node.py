@@ -21,10 +21,10 @@ from rocsafe_orchestrator.mission.options import OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
-from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import declare_options
+from rocsafe_scenario.scenario import Scenario
 
 NAME = 'orchestrator'
 # Requests are few, and their answers may wait so long.

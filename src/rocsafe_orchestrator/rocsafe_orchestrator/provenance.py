@@ -12,7 +12,7 @@ from typing import Any
 
 # Distributions whose version decides what a run computes.
 _DISTRIBUTIONS = (
-    'rocsafe_orchestrator', 'rocsafe_planner', 'rocsafe_sim', 'rocsafe_radiation',
+    'rocsafe_orchestrator', 'rocsafe_planner', 'rocsafe_scene', 'rocsafe_sim', 'rocsafe_radiation',
     'rocsafe_mapping', 'ros-jazzy-rclpy', 'ros-jazzy-rmw-fastrtps-cpp', 'numpy', 'numba',
     'opencv-python-headless', 'rasterio', 'shapely', 'pyproj', 'pydantic', 'mcap', 'pillow',
 )  # fmt: skip

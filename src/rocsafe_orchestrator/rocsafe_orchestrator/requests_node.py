@@ -18,8 +18,8 @@ from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.processes import Endpoint
-from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_ros import topics
+from rocsafe_scenario.scenario import Scenario
 
 
 class Requests:

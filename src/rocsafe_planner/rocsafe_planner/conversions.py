@@ -7,7 +7,7 @@ from dataclasses import fields
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.terrain_file import read_terrain
+from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces import action, msg
 from rocsafe_planner.errors import (
     BeyondEnduranceError,
@@ -15,15 +15,15 @@ from rocsafe_planner.errors import (
     PlanningCancelledError,
     TooManyViewpointsError,
 )
-from rocsafe_planner.flight_path import ground_places
-from rocsafe_planner.objective import OBJECTIVE_VALUES
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_planner.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
+from rocsafe_planner.plan.flight_path import ground_places
+from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
+from rocsafe_planner.plan.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
+from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.problem.vehicle import Aloft, Vehicle
+from rocsafe_planner.problem.viewpoint import viewpoints_over
 from rocsafe_planner.replanning import Situation
-from rocsafe_planner.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
-from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Aloft, Vehicle
-from rocsafe_planner.viewpoint import viewpoints_over
+from rocsafe_planner.site.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
     area_of_region,

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rocsafe_geo.limits import require_count
-from rocsafe_planner.coverage import GRIDS
-from rocsafe_planner.request import DEFAULT_MAX_VIEWPOINTS, DEFAULT_METHOD, require_one_of
-from rocsafe_planner.routing import METHODS
+from rocsafe_planner.coverage.viewpoint_grid import GRIDS
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.site.request import DEFAULT_MAX_VIEWPOINTS, DEFAULT_METHOD, require_one_of
 
 MAX_VIEWPOINTS_LIMIT = 1_000_000
 

@@ -9,7 +9,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
-from rocsafe_geo.terrain_file import read_terrain
+from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
 from rocsafe_interfaces.msg import SurveyPlan
 from rocsafe_planner.conversions import (
@@ -22,14 +22,14 @@ from rocsafe_planner.conversions import (
     situation_of_goal,
 )
 from rocsafe_planner.errors import PlannerError
+from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.export.plan_reading import exported_plan
 from rocsafe_planner.options import PlannerOptions
-from rocsafe_planner.plan import SurveyPlan as PlanValue
-from rocsafe_planner.plan_files import write_plan
-from rocsafe_planner.plan_reading import exported_plan
+from rocsafe_planner.plan.plan import SurveyPlan as PlanValue
 from rocsafe_planner.planning import Progress, plan_survey
 from rocsafe_planner.planning_job import PlanningJob
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_planner.request import SurveyRequest
+from rocsafe_planner.site.request import SurveyRequest
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher

@@ -6,19 +6,19 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from rocsafe_planner.coverage.sight import Sight, sight
 from rocsafe_planner.errors import PlanningCancelledError
-from rocsafe_planner.given_viewpoints import footprints_of
-from rocsafe_planner.keeping_apart import KeptApart, kept_apart
-from rocsafe_planner.optimised import Optimised
-from rocsafe_planner.plan import SurveyPlan
-from rocsafe_planner.request import DEFAULT_OBJECTIVE, SurveyRequest
-from rocsafe_planner.route_making import SECONDS_PER_HOUR
-from rocsafe_planner.routing import METHODS
-from rocsafe_planner.sight import Sight, sight
-from rocsafe_planner.survey_site import SurveySite, survey_site
+from rocsafe_planner.plan.keeping_apart import KeptApart, kept_apart
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.routes import SECONDS_PER_HOUR
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.routing.solver_result import Optimised
+from rocsafe_planner.site.given_viewpoints import footprints_of
+from rocsafe_planner.site.request import DEFAULT_OBJECTIVE, SurveyRequest
+from rocsafe_planner.site.survey_site import SurveySite, survey_site
 
 if TYPE_CHECKING:
-    from rocsafe_planner.bound import LowerBound
+    from rocsafe_planner.routing.bound import LowerBound
 
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
@@ -94,7 +94,7 @@ def _bound(
 ) -> 'LowerBound':
     """Return the best bound of the makespan: that of the search, or a later one."""
     # Loaded when it is asked for: see `_found`.
-    from rocsafe_planner.bound import LowerBound, lower_bound
+    from rocsafe_planner.routing.bound import LowerBound, lower_bound
 
     has_proof = site.request.objective == DEFAULT_OBJECTIVE and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
@@ -119,8 +119,8 @@ def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> O
         orders = METHODS[request.method](site.problem)
         return Optimised(orders=orders)
     # Loaded when it is asked for: compiled code takes a moment that no other method needs.
-    from rocsafe_planner.optimising import Effort
-    from rocsafe_planner.swap_search import optimised_with_swaps
+    from rocsafe_planner.routing.battery_swaps import optimised_with_swaps
+    from rocsafe_planner.routing.solver_method import Effort
 
     is_time = request.objective == DEFAULT_OBJECTIVE
     found = optimised_with_swaps(

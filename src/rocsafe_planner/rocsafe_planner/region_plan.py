@@ -10,15 +10,15 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.area_files import read_areas
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.plan import SurveyPlan
+from rocsafe_geo.regions.area_files import read_areas
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.survey_region import SurveyRegion
-from rocsafe_planner.vehicle import Vehicle
+from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.problem.vehicle import Vehicle
+from rocsafe_planner.site.request import SurveyRequest
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 """Of a request that names none."""

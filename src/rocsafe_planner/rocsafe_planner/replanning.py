@@ -10,17 +10,17 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_planner.airspace import Airspace
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.errors import NothingLeftError, PlannerError
-from rocsafe_planner.given_viewpoints import places_of
-from rocsafe_planner.plan import SurveyPlan
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import Progress, plan_survey
-from rocsafe_planner.request import SurveyRequest
-from rocsafe_planner.survey_site import frame_of
-from rocsafe_planner.vehicle import Aloft, Vehicle
-from rocsafe_planner.viewpoint import Viewpoint, viewpoints_over
+from rocsafe_planner.problem.airspace import Airspace
+from rocsafe_planner.problem.vehicle import Aloft, Vehicle
+from rocsafe_planner.problem.viewpoint import Viewpoint, viewpoints_over
+from rocsafe_planner.site.given_viewpoints import places_of
+from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.site.survey_site import frame_of
 
 _PROPOSALS_A_POINT = 1500
 _LEAST_PROPOSALS = 100_000

@@ -6,8 +6,8 @@ import math
 from std_msgs.msg import Header
 
 from rocsafe_interfaces.msg import AccumulatedDose, DoseAlarm, DoseRate, RadiationReading
-from rocsafe_radiation.dosimeter import DOSE, Alarm, Dosimeter, Exposure
-from rocsafe_radiation.reading_log import FlightReading
+from rocsafe_radiation.detection.dosimeter import DOSE, Alarm, Dosimeter, Exposure
+from rocsafe_radiation.readings.reading_log import FlightReading
 
 SV_PER_USV = 1e-6
 

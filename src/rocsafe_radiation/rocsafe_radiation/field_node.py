@@ -16,12 +16,12 @@ from rocsafe_radiation.conversions import (
     sample_of,
     seconds_since,
 )
-from rocsafe_radiation.counting import WindowCounter
+from rocsafe_radiation.detection.counting import WindowCounter
+from rocsafe_radiation.detection.pairing import StampPairing
+from rocsafe_radiation.detection.survey_field import SurveyField
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
-from rocsafe_radiation.field import require_point
-from rocsafe_radiation.options import FieldOptions
-from rocsafe_radiation.pairing import StampPairing
-from rocsafe_radiation.survey_field import SurveyField
+from rocsafe_radiation.field_parameters.field_options import FieldOptions
+from rocsafe_radiation.physics.field import require_point
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lockstep import Participant

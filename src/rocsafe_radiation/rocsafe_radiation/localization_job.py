@@ -4,7 +4,7 @@
 import threading
 from collections.abc import Callable
 
-from rocsafe_radiation.picture import Picture
+from rocsafe_radiation.products.assessment import Picture
 
 
 class LocalizationJob:

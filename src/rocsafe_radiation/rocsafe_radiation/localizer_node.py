@@ -9,20 +9,20 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_radiation.ground import GroundError
-from rocsafe_radiation.inquiry import Inquiry
-from rocsafe_radiation.localization import TooFewReadingsError
-from rocsafe_radiation.localization_job import LocalizationJob
-from rocsafe_radiation.localizer_options import LocalizerOptions
-from rocsafe_radiation.picture import Picture, picture_of, suggested_waypoints
-from rocsafe_radiation.picture_conversions import (
+from rocsafe_radiation.assessment_conversions import (
     belief_message,
     cordon_markers,
     dose_map_message,
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.reading_spool import ReadingSpool
+from rocsafe_radiation.decision.assessment_steps import Inquiry
+from rocsafe_radiation.localization.localize import TooFewReadingsError
+from rocsafe_radiation.localization_job import LocalizationJob
+from rocsafe_radiation.localizer_options import LocalizerOptions
+from rocsafe_radiation.products.assessment import Picture, picture_of, suggested_waypoints
+from rocsafe_radiation.readings.ground import GroundError
+from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import area_of_region

@@ -5,21 +5,21 @@ import math
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.cordon import DEFAULT_LEVELS_USVH
-from rocsafe_radiation.dosimeter import (
+from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_DOSE_RATES_USVH,
     DEFAULT_DOSES_USV,
     AlarmLevels,
 )
-from rocsafe_radiation.field import AIR_MODEL, PAPER_MODEL
-from rocsafe_radiation.kernel import Kernel
-from rocsafe_radiation.localization import METHODS, ML_METHOD, LocalizationOptions
-from rocsafe_radiation.nuclide import DEFAULT_NUCLIDE, nuclide
-from rocsafe_radiation.order_search import LARGEST_ORDER
-from rocsafe_radiation.picture import PictureOptions
-from rocsafe_radiation.reading_log import ReadingLog
-from rocsafe_radiation.stopping import StoppingRule
-from rocsafe_radiation.terrain_options import TerrainOptions
+from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
+from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
+from rocsafe_radiation.localization.source_count import LARGEST_ORDER
+from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
+from rocsafe_radiation.products.assessment import PictureOptions
+from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
+from rocsafe_radiation.readings.reading_log import ReadingLog
 
 AUTO_MODEL = 'auto'
 MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)

@@ -5,14 +5,14 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.msg import RadiationReading
 from rocsafe_radiation.conversions import flight_reading_of
+from rocsafe_radiation.detection.dosimeter import AlarmLevels, Dosimeter
 from rocsafe_radiation.dose_conversions import (
     alarm_message,
     dose_message,
     dose_rate_message,
     exposure_of,
 )
-from rocsafe_radiation.dosimeter import AlarmLevels, Dosimeter
-from rocsafe_radiation.reading_log import FlightReading
+from rocsafe_radiation.readings.reading_log import FlightReading
 from rocsafe_ros import topics
 
 

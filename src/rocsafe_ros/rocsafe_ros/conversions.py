@@ -11,10 +11,10 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.shot import Shot
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
 
 Enu = tuple[float, float, float]

@@ -8,11 +8,10 @@ from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import jpeg_message
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import Cadence, period_ns
-from rocsafe_sim.camera import jpeg_of
-from rocsafe_sim.errors import SimError
-from rocsafe_sim.mounted_camera import MountedCamera, Picture
-from rocsafe_sim.observation import Observation
+from rocsafe_scene.cameras.ground_camera import jpeg_of
+from rocsafe_scene.errors import ViewError
+from rocsafe_sim.cameras.mounted_camera import MountedCamera, Picture
+from rocsafe_sim.clock.cadence import Cadence, period_ns
 from rocsafe_sim.picture_conversions import (
     depth_message,
     direction_of,
@@ -23,7 +22,8 @@ from rocsafe_sim.picture_conversions import (
     picture_header,
     pose_message,
 )
-from rocsafe_sim.rav import Rav
+from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.vehicle.observation import Observation
 
 GIMBAL_PERIOD_NS = 1_000_000_000
 # Who records does not look: for it alone nothing is streamed.
@@ -100,7 +100,7 @@ class CameraInterface:
             return
         try:
             picture = self._rav.look(self._camera, seen)
-        except SimError as error:
+        except ViewError as error:
             self._node.get_logger().warning(f'{self.name}: no picture: {error}', once=True)
             return
         self._publish(picture, self._jpeg_of(picture) if _is_heard(self._compressed) else None)

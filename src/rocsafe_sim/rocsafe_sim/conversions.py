@@ -10,14 +10,15 @@ from std_msgs.msg import Header
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.battery import PowerModel
+from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_ros.conversions import position_of_point
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.observation import FlightSummary, Observation
-from rocsafe_sim.route import Enu, Route, Swap, Waypoint
-from rocsafe_sim.segment import Mode
+from rocsafe_sim.flight.route import Route, Swap, Waypoint
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.observation import FlightSummary, Observation
 
 STATES = {
     Mode.DISARMED: VehicleState.DISARMED,

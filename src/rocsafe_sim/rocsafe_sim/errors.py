@@ -12,15 +12,3 @@ class CommandRefusedError(SimError):
 
 class JournalError(SimError):
     """A journal cannot be read back."""
-
-
-class GroundError(SimError):
-    """The ground picture cannot be read, or does not show what is asked for."""
-
-
-class SceneError(SimError):
-    """A scene cannot be read or built; one line says what is wrong."""
-
-
-class EngineError(SimError):
-    """The camera's engine cannot start or did not deliver a picture."""

@@ -11,11 +11,12 @@ from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.assembly import make_rav, make_shared
-from rocsafe_sim.cadence import floor_to
+from rocsafe_scene.errors import ViewError
+from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.errors import SimError
 from rocsafe_sim.options import FleetOptions
-from rocsafe_sim.rav import Rav
+from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle_node import VehicleInterface
 
 
@@ -72,7 +73,7 @@ def _ravs(options: FleetOptions) -> list[Rav]:
             make_rav(options, name, GeoPosition(*home, 0.0), shared, spool and spool / name)
             for name, home in zip(options.vehicles, homes, strict=True)
         ]
-    except (SimError, OSError) as error:
+    except (SimError, ViewError, OSError) as error:
         raise ParameterError(f'fleet: {error}') from error
 
 

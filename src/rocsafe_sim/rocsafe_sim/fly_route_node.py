@@ -9,11 +9,11 @@ from rclpy.action import ActionServer, CancelResponse
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import Cadence
+from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight_record import Outcome
-from rocsafe_sim.rav import Rav
+from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.vehicle.flight_record import Outcome
 
 FEEDBACK_PERIOD_NS = 1_000_000_000
 

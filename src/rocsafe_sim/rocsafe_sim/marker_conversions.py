@@ -7,9 +7,10 @@ from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_ros.conversions import MAP_FRAME, yaw_quaternion
-from rocsafe_sim.route import Enu, Route
-from rocsafe_sim.scenery.scene import Scene, Thing
+from rocsafe_scene.scenery.scene import Scene, Thing
+from rocsafe_sim.flight.route import Route
 
 _LINE_WIDTH_M = 0.5
 _DOT_WIDTH_M = 1.2

@@ -18,10 +18,10 @@ from rocsafe_ros.conversions import (
     quaternion_message,
     stamp_of_ns,
 )
-from rocsafe_sim.camera import Truth
-from rocsafe_sim.camera_settings import CameraSettings
-from rocsafe_sim.gimbal import Direction, Gimbal
-from rocsafe_sim.mounted_camera import Picture
+from rocsafe_scene.cameras.camera import Truth
+from rocsafe_sim.cameras.camera_settings import CameraSettings
+from rocsafe_sim.cameras.gimbal import Direction, Gimbal
+from rocsafe_sim.cameras.mounted_camera import Picture
 
 
 def picture_header(vehicle: str, picture: Picture) -> Header:

@@ -9,11 +9,12 @@ from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.assembly import make_rav, make_shared
-from rocsafe_sim.cadence import floor_to
+from rocsafe_scene.errors import ViewError
+from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.errors import SimError
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.rav import Rav
+from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle_node import VehicleInterface
 
 
@@ -52,7 +53,7 @@ def _rav(options: RavOptions, name: str) -> Rav:
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
         return make_rav(options, name, home, make_shared(options), spool)
-    except (SimError, OSError) as error:
+    except (SimError, ViewError, OSError) as error:
         raise ParameterError(f'{name}: {error}') from error
 
 

@@ -17,12 +17,12 @@ from rocsafe_ros.conversions import (
     velocity_message,
 )
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.cadence import Cadence
+from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import STATES, battery_message, waiting_text
+from rocsafe_sim.flight.route import Route
 from rocsafe_sim.marker_conversions import route_markers
-from rocsafe_sim.observation import Observation
-from rocsafe_sim.rav import Rav
-from rocsafe_sim.route import Route
+from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.vehicle.observation import Observation
 
 SLOW_PERIOD_NS = 1_000_000_000
 # A track nobody looks at is published this seldom, for those who come later.

@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 from std_srvs.srv import Trigger
 
-from rocsafe_geo.shot import Shot
+from rocsafe_geo.storage.shot import Shot
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.fly_route_node import FlyRouteServer
-from rocsafe_sim.rav import Rav
+from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
 

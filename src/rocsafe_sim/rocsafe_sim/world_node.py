@@ -15,10 +15,10 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
-from rocsafe_sim.clockwork import Clockwork, Pace
+from rocsafe_scene.scenery.catalogue import make_scene
+from rocsafe_sim.clock.clockwork import Clockwork, Pace
 from rocsafe_sim.marker_conversions import scene_markers
 from rocsafe_sim.options import WorldOptions
-from rocsafe_sim.scenery.catalogue import make_scene
 
 # How often waiting is looked at where no report comes in.
 TICK_S = 0.1

@@ -59,9 +59,9 @@ class SyntheticRun:
     """Writes the files of a run that never flew, each as its node would."""
 
     def __init__(self, path: Path, detail: Synthetic) -> None:
-        from rocsafe_geo.area import SurveyArea
         from rocsafe_geo.frame import LocalFrame
         from rocsafe_geo.position import GeoPosition
+        from rocsafe_geo.regions.area import SurveyArea
 
         self.path = path
         self.detail = detail

@@ -15,11 +15,11 @@ from rocsafe_orchestrator.products.plan_file import PlanFileError, read_plan
 @pytest.fixture(scope='module')
 def planned():
     """A small plan, made by the planner."""
-    from rocsafe_geo.area import SurveyArea
+    from rocsafe_geo.regions.area import SurveyArea
     from rocsafe_planner.planning import plan_survey
-    from rocsafe_planner.request import SurveyRequest
-    from rocsafe_planner.survey_region import SurveyRegion
-    from rocsafe_planner.vehicle import Vehicle
+    from rocsafe_planner.problem.survey_region import SurveyRegion
+    from rocsafe_planner.problem.vehicle import Vehicle
+    from rocsafe_planner.site.request import SurveyRequest
 
     corners = [(53.28, -9.06), (53.281, -9.06), (53.281, -9.062), (53.28, -9.062)]
     boundary = tuple(GeoPosition(*corner) for corner in corners)
@@ -40,7 +40,7 @@ def planned():
 
 def test_plan_of_the_planner_is_read_whole(planned, tmp_path):
     """Figures, routes and region are those of the plan."""
-    from rocsafe_planner.plan_json import plan_document
+    from rocsafe_planner.export.plan_json import plan_document
 
     path = tmp_path / 'plan.json'
     path.write_text(json.dumps(plan_document(planned)), encoding='utf-8')
@@ -73,8 +73,8 @@ def test_photographs_of_the_store_are_read(tmp_path):
 
     from PIL import Image
 
-    from rocsafe_mapping.shot import Intrinsics, ShotRecord
-    from rocsafe_mapping.store import ImageStore
+    from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
+    from rocsafe_mapping.store.store import ImageStore
 
     stream = io.BytesIO()
     Image.new('RGB', (64, 48), 'green').save(stream, 'JPEG')

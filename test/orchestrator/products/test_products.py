@@ -8,7 +8,6 @@ import shutil
 
 import pytest
 
-from rocsafe_orchestrator.products.products import write_products
 from rocsafe_orchestrator.products.readings_table import COLUMNS
 from rocsafe_orchestrator.products.run_record import Reading, VehicleSample
 from rocsafe_orchestrator.products.summary import (
@@ -18,6 +17,7 @@ from rocsafe_orchestrator.products.summary import (
     utc_text,
     viewpoints_of,
 )
+from rocsafe_orchestrator.write_products import write_products
 
 SECOND = 1_000_000_000
 SIGMA_USVPS = 25.0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_orchestrator.products.products import write_products
+from rocsafe_orchestrator.write_products import write_products
 
 LARGEST_BYTES = 3_000_000
 VOID = {'area', 'br', 'hr', 'img', 'input', 'link', 'meta'}
@@ -134,7 +134,7 @@ def test_mosaic_lies_where_it_belongs(finished, outline):
     from pyproj import Transformer
 
     from rocsafe_geo.frame import LocalFrame
-    from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+    from rocsafe_scenario.scenario_file import read_scenario
 
     image = next(a for tag, a in outline.elements if tag == 'image')
     a, b, c, d, e, f = map(float, re.findall(r'-?[\d.]+(?:e-?\d+)?', image['transform']))

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-from rocsafe_orchestrator.products.products import write_products
+from rocsafe_orchestrator.write_products import write_products
 
 CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
 TIMEOUT_S = 60

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from rocsafe_orchestrator.products.products import write_products
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+from rocsafe_orchestrator.write_products import write_products
+from rocsafe_scenario.scenario_file import read_scenario
 
 
 @pytest.fixture
@@ -17,7 +17,8 @@ def run(flown_run, tmp_path, monkeypatch):
     executable = tmp_path / 'prefix' / 'lib' / 'rocsafe_radiation' / 'localize'
     executable.parent.mkdir(parents=True)
     executable.write_text(
-        f'#!/bin/sh\nexec {sys.executable} -m rocsafe_radiation.localize_cli "$@"\n'
+        f'#!/bin/sh\nexec {sys.executable} '
+        '-m rocsafe_radiation.command_line.localize_command "$@"\n'
     )
     executable.chmod(0o755)
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path / 'prefix'))

@@ -15,7 +15,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import rotation_of_quaternion
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.errors import PlacementError
-from rocsafe_mapping.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 FloatArray = NDArray[np.float64]
 # What a fix, a barometer and an attitude are worth where the record does not say.

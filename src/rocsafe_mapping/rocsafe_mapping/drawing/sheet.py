@@ -12,7 +12,7 @@ from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose, footprint
 from rocsafe_mapping.alignment.state import Lens
 from rocsafe_mapping.alignment.surface import Surface
 from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.shot import Intrinsics
+from rocsafe_mapping.photographs.shot import Intrinsics
 
 # The place in the photograph is computed at every so many pixels of the map, and drawn straight
 # between: the error is far below a tenth of a pixel.

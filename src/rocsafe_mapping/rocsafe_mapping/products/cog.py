@@ -14,7 +14,13 @@ from rasterio.errors import RasterioError
 from rasterio.transform import Affine
 from rasterio.windows import Window as RasterWindow
 
-from rocsafe_geo.durable import discard_part, finish_part, part_of, sync_directory, sync_file
+from rocsafe_geo.storage.durable import (
+    discard_part,
+    finish_part,
+    part_of,
+    sync_directory,
+    sync_file,
+)
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.errors import MappingError
 

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.durable import write_whole
+from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing.sheet import Shares
-from rocsafe_mapping.mapmaker import Alignment
+from rocsafe_mapping.mosaic.mapmaker import Alignment
 from rocsafe_mapping.products.cog import write_values
 
 ERROR_TIF, ERROR_PNG = 'error.tif', 'error.png'

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.durable import write_whole
+from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.label_map import UNKNOWN, label_tiles
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing.sheet import Sheet
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.label_images import LabelImages
+from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.products.cog import write_cog
 
 LABELS_TIF, LABELS_JSON = 'labels.tif', 'labels.json'

@@ -18,10 +18,10 @@ from rasterio.transform import Affine
 from rasterio.vrt import WarpedVRT
 from rasterio.warp import calculate_default_transform, transform_bounds
 
-from rocsafe_geo.durable import discard_part, finish_part, part_of, write_whole
+from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.mosaic.web_tiles import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.products.cog import CACHE_BYTES
-from rocsafe_mapping.web_tiles import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 
 LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>

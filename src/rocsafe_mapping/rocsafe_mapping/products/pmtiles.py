@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from rocsafe_geo.durable import discard_part, finish_part, part_of, sync_file
+from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, sync_file
 from rocsafe_mapping.errors import MappingError
 
 MAGIC, VERSION = b'PMTiles', 3

@@ -15,7 +15,7 @@ from rocsafe_mapping.alignment.state import State
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
 from rocsafe_mapping.drawing.labels import NOBODY, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mapmaker import Alignment, by_gps
+from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Event, Thread
 
-from rocsafe_geo.durable import AppendOnlyFile
-from rocsafe_mapping.catalogue import Notice, StoredShot, read_store
+from rocsafe_geo.storage.durable import AppendOnlyFile
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.repository.sink import Sink
-from rocsafe_mapping.store import Status
+from rocsafe_mapping.store.catalogue import Notice, StoredShot, read_store
+from rocsafe_mapping.store.store import Status
 
 LEDGER = 'copied.txt'
 FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 30.0

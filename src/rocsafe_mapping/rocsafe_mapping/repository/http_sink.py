@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from urllib.parse import urlsplit
 
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.shot import ShotRecord, plain_of_record
-from rocsafe_mapping.store import Answer, Status
+from rocsafe_mapping.photographs.shot import ShotRecord, plain_of_record
+from rocsafe_mapping.store.store import Answer, Status
 
 TIMEOUT_S = 10.0
 PIECE_BYTES = 256 * 1024

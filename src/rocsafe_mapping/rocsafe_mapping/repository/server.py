@@ -19,11 +19,11 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
 
-from rocsafe_geo.durable import sync_file
+from rocsafe_geo.storage.durable import sync_file
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
 from rocsafe_mapping.repository.http_sink import OFFSET
-from rocsafe_mapping.shot import ShotRecord, record_of_plain
-from rocsafe_mapping.store import ImageStore, Status
+from rocsafe_mapping.store.store import ImageStore, Status
 
 MOST_BODY_BYTES = 64 * 2**20
 UPLOADS = 'uploads'

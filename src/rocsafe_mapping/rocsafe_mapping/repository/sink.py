@@ -9,11 +9,11 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from rocsafe_mapping.catalogue import IMAGE_SUFFIX, SIDECAR_SUFFIX
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photographs.shot import ShotRecord, plain_of_record
 from rocsafe_mapping.repository.http_sink import HttpSink
-from rocsafe_mapping.shot import ShotRecord, plain_of_record
-from rocsafe_mapping.store import Answer, ImageStore, Status
+from rocsafe_mapping.store.catalogue import IMAGE_SUFFIX, SIDECAR_SUFFIX
+from rocsafe_mapping.store.store import Answer, ImageStore, Status
 
 
 class Sink(Protocol):

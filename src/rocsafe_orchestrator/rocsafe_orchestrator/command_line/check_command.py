@@ -8,10 +8,10 @@ from rich.table import Table
 
 from rocsafe_geo.position import distance_m
 from rocsafe_orchestrator.errors import EXIT_COMPLETE
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_checks import flight_mistakes
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
-from rocsafe_orchestrator.scenario.survey_size import area_m2, fewest_viewpoints, spacing_m
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_checks import flight_mistakes
+from rocsafe_scenario.scenario_file import read_scenario
+from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacing_m
 
 
 def check(path: Path, console: Console) -> int:

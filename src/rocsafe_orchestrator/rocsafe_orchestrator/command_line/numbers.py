@@ -4,7 +4,7 @@
 import argparse
 import math
 
-from rocsafe_orchestrator.scenario.limits import (
+from rocsafe_scenario.limits import (
     LARGEST_BUDGET_S,
     LARGEST_FLEET,
     LARGEST_HEIGHT_M,

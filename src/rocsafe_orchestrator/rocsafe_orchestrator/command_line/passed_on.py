@@ -42,7 +42,7 @@ PASSED_ON = (
     ),
     PassedOn(
         word='scene',
-        package='rocsafe_sim',
+        package='rocsafe_scene',
         executable='scene',
         summary='check, list, render the scenes that cameras see; write their heights',
     ),

@@ -11,21 +11,22 @@ from typing import Any
 
 from rich.console import Console
 
-from rocsafe_geo.area import SurveyArea
-from rocsafe_geo.area_files import read_areas
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.regions.area_files import read_areas
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError, ScenarioError
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
 from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_orchestrator.processes.launches import find_executable
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import (
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import (
     LINK_KEYS,
     RegionBlock,
     SurveyBlock,
     VehicleBlock,
 )
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario, region_block
+from rocsafe_scenario.scenario_file import read_scenario, region_block
 
 REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
 # A plan of the largest allowed size takes a fraction of this.

@@ -12,17 +12,13 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_orchestrator.command_line.plan_command import planned
-from rocsafe_orchestrator.errors import (
-    EXIT_COMPLETE,
-    EXIT_FAILED,
-    OrchestratorError,
-    ScenarioError,
-)
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, OrchestratorError
 from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_file import read_scenario
 
 # What starting the executable and ending it may take besides.
 SPARE_S = 30.0

@@ -11,8 +11,9 @@ from rich.console import Console
 
 from rocsafe_orchestrator.command_line.plan_command import areas_of, asked_planner
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, ScenarioError
-from rocsafe_orchestrator.scenario.scenario_file import region_block
+from rocsafe_orchestrator.errors import EXIT_COMPLETE
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario_file import region_block
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, ScenarioError
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_scenario.errors import ScenarioError
 
 
 def report(path: Path, console: Console) -> int:
@@ -19,7 +20,7 @@ def report(path: Path, console: Console) -> int:
     run = RunDirectory(path.resolve())
     if not run.run_info.is_file():
         raise ScenarioError(f'{path}: is no run directory (it has no {run.run_info.name})')
-    from rocsafe_orchestrator.products.products import write_products
+    from rocsafe_orchestrator.write_products import write_products
 
     write_products(run.path)
     products = (run.report, run.summary, run.readings, run.recording, run.mosaic)

@@ -17,7 +17,7 @@ from rich.text import Text
 from rocsafe_orchestrator.command_line.mission_run import MissionRun, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, ScenarioError
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
@@ -34,9 +34,10 @@ from rocsafe_orchestrator.processes.processes import crew_of, process_table
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_checks import flight_mistakes
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_checks import flight_mistakes
+from rocsafe_scenario.scenario_file import read_scenario
 
 # How far ROS looks for other participants; the user who sets one of these has decided.
 REACH_VARIABLES = (

@@ -4,13 +4,13 @@
 from typing import Any
 
 from rocsafe_orchestrator.processes.terrain_parameters import true_terrain_parameters
-from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
-from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_scenario.radiation_blocks import SourceBlock
+from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
 SHAPE_OF_KEY = {'position': 'point'}
 # Who answers for the things of a scene; the field calls it by this name.
-SCENE_SHIELDING = 'rocsafe_sim.scene.shielding:scene_shielding'
+SCENE_SHIELDING = 'rocsafe_scene.solids.shielding:scene_shielding'
 
 
 def field_parameters(scenario: Scenario) -> Parameters:

@@ -10,9 +10,9 @@ import yaml
 
 from rocsafe_orchestrator.processes.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.camera_blocks import camera_parameters
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
+from rocsafe_scenario.camera_blocks import camera_parameters
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 
 Parameters = dict[str, Any]
 

@@ -10,8 +10,8 @@ from rocsafe_orchestrator.processes import node_parameters
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.process_values import RestartPolicy
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.scenario import Scenario
 from rocsafe_ros import topics
+from rocsafe_scenario.scenario import Scenario
 
 Spec = topics.TopicSpec | topics.CallSpec
 

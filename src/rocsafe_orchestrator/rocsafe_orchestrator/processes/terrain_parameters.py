@@ -4,11 +4,11 @@
 from typing import Any
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
 # Who answers for the ground of a scene; the nodes call it by this name.
-SCENE_HEIGHTS = 'rocsafe_sim.scene.ground_heights:scene_heights'
+SCENE_HEIGHTS = 'rocsafe_scene.solids.ground_heights:scene_heights'
 
 
 def true_terrain_parameters(scenario: Scenario) -> Parameters:

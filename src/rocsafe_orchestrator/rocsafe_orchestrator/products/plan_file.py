@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_orchestrator.products.run_record import Plan, PlannedRoute, PlannedViewpoint
 
 FORMAT_VERSION = 1

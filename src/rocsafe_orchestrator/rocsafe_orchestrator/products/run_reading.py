@@ -15,8 +15,9 @@ from rocsafe_orchestrator.products.photographs import read_photographs
 from rocsafe_orchestrator.products.plan_file import read_plan
 from rocsafe_orchestrator.products.run_record import FlightLog, Photograph, Plan, RunRecord
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_orchestrator.scenario.scenario import Scenario
-from rocsafe_orchestrator.scenario.scenario_file import read_scenario
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_file import read_scenario
 
 T = TypeVar('T')
 
@@ -56,7 +57,7 @@ class _Reading:
             return None
         try:
             return read(path)
-        except (OrchestratorError, OSError, TypeError, ValueError) as error:
+        except (OrchestratorError, ScenarioError, OSError, TypeError, ValueError) as error:
             first = str(error).splitlines()[0]
             self._missing.append(f'no {what}: {_naming(path, first)}')
             return None

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
-from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_scenario.scenario import Scenario
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

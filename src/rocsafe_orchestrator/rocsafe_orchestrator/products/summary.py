@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from rocsafe_geo.json_values import finite
+from rocsafe_geo.storage.json_values import finite
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,

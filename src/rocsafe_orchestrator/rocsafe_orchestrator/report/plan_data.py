@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rocsafe_geo.area import SurveyArea
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_orchestrator.products.run_record import Plan, PlannedViewpoint, RunRecord
 
 Point = tuple[float, float]

@@ -10,8 +10,8 @@ from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.markup import Content, element
 from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
-from rocsafe_orchestrator.scenario.radiation_blocks import SourceBlock
-from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_scenario.radiation_blocks import SourceBlock
+from rocsafe_scenario.scenario import Scenario
 
 _S_PER_H = 3600.0
 

@@ -21,7 +21,7 @@ from rocsafe_orchestrator.report.run_facts import (
     survey_facts,
 )
 from rocsafe_orchestrator.report.tables import facts
-from rocsafe_orchestrator.scenario.scenario import Scenario
+from rocsafe_scenario.scenario import Scenario
 
 OUTCOMES = {
     'complete': ('✓', 'Complete'),

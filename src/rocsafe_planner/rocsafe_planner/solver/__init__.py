@@ -5,9 +5,8 @@
 knows ROS, regions or cameras; everything is sites, legs and vehicles.
 """
 
-from rocsafe_planner.solver.certificate import Bound, held_karp_bound, improving_bounds
-from rocsafe_planner.solver.outcome import Progress, SearchOptions, Solution
-from rocsafe_planner.solver.problem import (
+from rocsafe_planner.solver.bounds.certificate import Bound, held_karp_bound, improving_bounds
+from rocsafe_planner.solver.model.problem import (
     MatrixLegs,
     PointLegs,
     Routes,
@@ -17,6 +16,7 @@ from rocsafe_planner.solver.problem import (
     route_cost,
     route_load,
 )
+from rocsafe_planner.solver.search.outcome import Progress, SearchOptions, Solution
 from rocsafe_planner.solver.solve import solve
 
 __all__ = [

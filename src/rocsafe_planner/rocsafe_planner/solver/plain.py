@@ -6,9 +6,9 @@ Far from what annealing finds (10 to 30 % on grids), but valid and quick in plai
 
 import numpy as np
 
-from rocsafe_planner.solver.problem import MatrixLegs, RoutingProblem
-from rocsafe_planner.solver.split import split
-from rocsafe_planner.solver.tables import Floats, Ints, Tables
+from rocsafe_planner.solver.model.problem import MatrixLegs, RoutingProblem
+from rocsafe_planner.solver.model.tables import Floats, Ints, Tables
+from rocsafe_planner.solver.search.split import split
 
 MOST_PASSES = 200
 MOST_CUSTOMERS = 3000

@@ -9,13 +9,13 @@ import sys
 
 import numpy as np
 
-from rocsafe_planner.solver.certificate import improving_bounds
-from rocsafe_planner.solver.compiled import CACHE_PREFIX, cache_directory
-from rocsafe_planner.solver.flatten import tables_of
-from rocsafe_planner.solver.forest import SPARSE_FROM
-from rocsafe_planner.solver.outcome import SearchOptions
-from rocsafe_planner.solver.problem import RoutingProblem, Vehicle, one_depot
-from rocsafe_planner.solver.search import Lane, Manner
+from rocsafe_planner.solver.bounds.certificate import improving_bounds
+from rocsafe_planner.solver.bounds.forest import SPARSE_FROM
+from rocsafe_planner.solver.model.compiled import CACHE_PREFIX, cache_directory
+from rocsafe_planner.solver.model.flatten import tables_of
+from rocsafe_planner.solver.model.problem import RoutingProblem, Vehicle, one_depot
+from rocsafe_planner.solver.search.outcome import SearchOptions
+from rocsafe_planner.solver.search.population import Lane, Manner
 from rocsafe_planner.solver.solve import plan_of, solve
 
 _QUICK = SearchOptions(proposals=1, bound_share=0.0)

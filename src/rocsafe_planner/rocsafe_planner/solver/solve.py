@@ -9,17 +9,17 @@ from itertools import chain
 
 import numpy as np
 
-from rocsafe_planner.solver.certificate import Bound, improving_bounds
-from rocsafe_planner.solver.compiled import IS_COMPILED
-from rocsafe_planner.solver.flatten import tables_of
-from rocsafe_planner.solver.outcome import Progress, SearchOptions, Solution
+from rocsafe_planner.solver.bounds.certificate import Bound, improving_bounds
+from rocsafe_planner.solver.bounds.relaxation import relax
+from rocsafe_planner.solver.model.compiled import IS_COMPILED
+from rocsafe_planner.solver.model.flatten import tables_of
+from rocsafe_planner.solver.model.problem import Routes, RoutingProblem, route_cost, route_load
+from rocsafe_planner.solver.model.tables import Floats
 from rocsafe_planner.solver.plain import improve, recut
-from rocsafe_planner.solver.problem import Routes, RoutingProblem, route_cost, route_load
-from rocsafe_planner.solver.relaxation import relax
-from rocsafe_planner.solver.schedule import Schedule
-from rocsafe_planner.solver.search import Lane, Plan
-from rocsafe_planner.solver.starts import first_plans, sector_plan, seen_from_home
-from rocsafe_planner.solver.tables import Floats
+from rocsafe_planner.solver.search.outcome import Progress, SearchOptions, Solution
+from rocsafe_planner.solver.search.population import Lane, Plan
+from rocsafe_planner.solver.search.schedule import Schedule
+from rocsafe_planner.solver.search.starts import first_plans, sector_plan, seen_from_home
 
 POLL_S = 0.02
 UNKNOWN = Bound(value=0.0, name='none')

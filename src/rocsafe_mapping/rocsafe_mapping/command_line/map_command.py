@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`map`: the map of a folder of photographs, without ROS."""
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.regions.area_files import read_area
+from rocsafe_mapping.allocation import keep_freed_memory
+from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.photographs.label_images import LABELS
+from rocsafe_mapping.products.handover import Handover, hand_over
+from rocsafe_mapping.products.overlays import write_mbtiles
+from rocsafe_mapping.products.pmtiles import write_pmtiles
+from rocsafe_mapping.store.catalogue import MANIFEST, StoredShot, read_store
+from rocsafe_mapping.store.photograph_files import photographs_of
+
+EXIT_OK, EXIT_FAILED, EXIT_REFUSED = 0, 1, 2
+NAME = 'mosaic'
+EPILOG = """\
+The folder holds drone photographs with Exif, or is an image store of ROCSAFE. Written are
+mosaic.tif (cloud optimised GeoTIFF in UTM), mosaic.png with world file and mosaic.kml,
+mosaic.mbtiles and mosaic.pmtiles, quality.json and quality.html; where there are label images,
+labels.tif and labels.json too. Exit code 1: there is a map, but it must not be called
+georeferenced; the reasons are printed.
+"""
+
+
+@dataclass(slots=True)
+class Stopwatch:
+    """Wall and processor seconds of the stages of a map."""
+
+    costs: dict[str, dict[str, float]] = field(default_factory=dict)
+    _wall_s: float = field(default_factory=time.perf_counter)
+    _cpu_s: float = field(default_factory=time.process_time)
+
+    def lap(self, stage: str) -> None:
+        """Note the time since the last stage as that of `stage`."""
+        wall_s, cpu_s = time.perf_counter(), time.process_time()
+        self.costs[stage] = {
+            'wall_s': round(wall_s - self._wall_s, 3),
+            'cpu_s': round(cpu_s - self._cpu_s, 3),
+        }
+        self._wall_s, self._cpu_s = wall_s, cpu_s
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the map and return the exit code."""
+    options = _parser().parse_args(arguments)
+    keep_freed_memory()
+    try:
+        return make_map(options)
+    except (MappingError, ValueError, OSError) as error:
+        sys.stderr.write(f'error: {error}\n')
+        return EXIT_REFUSED
+
+
+def make_map(options: argparse.Namespace) -> int:
+    """Make the map that the command line asks for.
+
+    Raises
+    ------
+    MappingError: if there is nothing to map or a file cannot be written.
+    """
+    watch = Stopwatch()
+    maker = Mapmaker(
+        MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), _note
+    )
+    for shot in shots_of(options.folder):
+        try:
+            maker.add(shot.record, shot.read_image, shot.path.stem)
+        except PlacementError as error:
+            _note(f'not on the map: {error}')
+    if not len(maker) or maker.frame is None:
+        raise MappingError(f'{options.folder}: no photograph that can be placed')
+    watch.lap('read')
+    folder = options.output or options.folder / 'map'
+    region = None
+    if options.region is not None:
+        region = read_area(options.region).polygon(maker.frame.frame)
+    wanted = Handover(
+        geotiff=folder / f'{NAME}.tif',
+        folder=folder,
+        region=region,
+        with_overlays=not options.only_geotiff,
+        labels=_labels_of(options),
+    )
+    alignment = maker.align(watch.lap)
+    document = hand_over(maker, alignment, wanted, watch.lap, watch.costs)
+    if not options.only_geotiff:
+        write_mbtiles(wanted.geotiff, folder / f'{NAME}.mbtiles')
+        write_pmtiles(folder / f'{NAME}.mbtiles', folder / f'{NAME}.pmtiles')
+    return _conclude(document, folder)
+
+
+def _labels_of(options: argparse.Namespace) -> Path | None:
+    """Return the folder of label images: the one that is named, or that of an image store."""
+    if options.labels is not None:
+        return Path(options.labels)
+    kept = Path(options.folder) / LABELS
+    return kept if kept.is_dir() else None
+
+
+def shots_of(folder: Path) -> tuple[StoredShot, ...]:
+    """Return the photographs of an image store, or of any folder.
+
+    Raises
+    ------
+    StoreError: if it cannot be read.
+    """
+    if (folder / MANIFEST).exists():
+        return read_store(folder, _note)
+    return photographs_of(folder, _note)
+
+
+def _conclude(document: Mapping[str, Any], folder: Path) -> int:
+    photographs = document['photographs']
+    sys.stdout.write(
+        f'{photographs["total"]} photographs, {photographs["placed_by_features"]} placed by what '
+        f'they show, {len(photographs["placed_by_gps"])} by their fix alone\n'
+        f'written to {folder}\n'
+    )
+    for reason in document['why_not_georeferenced']:
+        sys.stdout.write(f'not to be called georeferenced: {reason}\n')
+    return EXIT_OK if document['is_georeferenced'] else EXIT_FAILED
+
+
+def _note(text: str) -> None:
+    sys.stderr.write(f'{text}\n')
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='rocsafe map',
+        description='Make a georeferenced map of a folder of drone photographs.',
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument('folder', type=Path, metavar='FOLDER')
+    parser.add_argument(
+        '-o', '--output', type=Path, metavar='DIR', help='where to write [FOLDER/map]'
+    )
+    parser.add_argument(
+        '--resolution', type=float, default=0.0, metavar='M',
+        help='side of a pixel in metres [that of the photographs]',
+    )  # fmt: skip
+    parser.add_argument(
+        '--max-pixels', type=int, default=400_000_000, metavar='N',
+        help='a map of more pixels gets coarser ones [400000000]',
+    )  # fmt: skip
+    parser.add_argument(
+        '--region', type=Path, metavar='FILE',
+        help='GeoJSON or KML of the region that was to be covered',
+    )  # fmt: skip
+    parser.add_argument(
+        '--labels',
+        type=Path,
+        metavar='DIR',
+        help='PNG label images named like the photographs: writes labels.tif too',
+    )
+    parser.add_argument('--only-geotiff', action='store_true', help='no picture, KML and tiles')
+    return parser
+
+
+if __name__ == '__main__':
+    sys.exit(main())

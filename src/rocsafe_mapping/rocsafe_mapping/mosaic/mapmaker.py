@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From photographs to a map: takes them in, aligns them, draws them."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rocsafe_mapping.alignment.adjustment import residuals_px, standing_m, stated_error_m
+from rocsafe_mapping.alignment.photo import (
+    FloatArray,
+    GroundFrame,
+    Photo,
+    footprint,
+    ground_frame_of,
+    photo_of_record,
+)
+from rocsafe_mapping.alignment.relief_error import height_error, leaning_m
+from rocsafe_mapping.alignment.state import Lens
+from rocsafe_mapping.alignment.surface import Surface
+from rocsafe_mapping.alignment.survey import BY_GPS, Placement, Survey
+from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
+from rocsafe_mapping.drawing.picture import Pictures, ReadImage
+from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing.sheet import Sheet
+from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.photographs.shot import ShotRecord
+
+DEFAULT_MAX_PIXELS = 400_000_000
+# Shares of the four corners of a photograph at 8 x 8 places spread over it, shape (64, 4).
+_ALONG = (np.arange(8) + 0.5) / 8
+EVENLY = np.stack(
+    [np.outer(a, b).ravel() for a, b in (
+        (1 - _ALONG, 1 - _ALONG), (1 - _ALONG, _ALONG), (_ALONG, _ALONG), (_ALONG, 1 - _ALONG)
+    )], axis=1,
+)  # fmt: skip
+Notice = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapOptions:
+    """What map is wanted.
+
+    Attributes
+    ----------
+    ground_resolution_m: side of a pixel; 0: that of the photographs.
+    max_pixels: limit of width times height; a larger map gets coarser pixels.
+    """
+
+    ground_resolution_m: float = 0.0
+    max_pixels: int = DEFAULT_MAX_PIXELS
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ground_resolution_m < math.inf:
+            raise ValueError(
+                f'ground_resolution_m = {self.ground_resolution_m} must be at least 0 and finite'
+            )
+        if self.max_pixels < 1:
+            raise ValueError(f'max_pixels = {self.max_pixels} must be at least 1')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alignment:
+    """Where all photographs are, and how sure that is.
+
+    Attributes
+    ----------
+    photos, placements: by name.
+    errors_m: standard error of each tied photograph's corners on level ground.
+    held_out_px: residuals (n, 2) of ties that were not adjusted.
+    ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
+    heights_error: standard error of the ground's heights with what stands there.
+    lags_s: by how much the fixes of vehicles are late, where that is certain; the priors of
+        `photos` are without it.
+    """
+
+    photos: Mapping[str, Photo]
+    placements: Mapping[str, Placement]
+    errors_m: Mapping[str, float]
+    held_out_px: FloatArray
+    ties_m: FloatArray
+    standing_m: FloatArray
+    heights_error: Surface = field(default_factory=Surface)
+    lags_s: Mapping[str, float] = field(default_factory=dict)
+
+    def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
+        """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
+        if ground_m is None:
+            ground_m = EVENLY @ footprint(self.photos[name], self.placements[name].pose)
+        return float(np.sqrt(np.mean(self.errors_at_m(name, ground_m) ** 2)))
+
+    def errors_at_m(
+        self, name: str, ground_m: FloatArray, rise_m: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Return the standard errors (n,) of what a photograph shows at points (n, 2) of the map.
+
+        `rise_m` is the height above the ground of what it shows there, which a flat map leaves
+        leaning.
+        """
+        pose = self.placements[name].pose
+        leaning = leaning_m(self.heights_error, pose, ground_m, rise_m)
+        return np.hypot(self._placing_error_m(name), leaning)
+
+    def _placing_error_m(self, name: str) -> float:
+        """Return the standard error of a photograph's corners if the ground were as found."""
+        if name in self.errors_m:
+            return self.errors_m[name]
+        photo = self.photos[name]
+        height_m = float(photo.prior.centre[2])
+        turn = photo.tilt_std_rad * math.sqrt(2.0)
+        yaw = photo.yaw_std_rad if photo.has_yaw else math.pi / 2
+        side_m = 0.5 * math.hypot(photo.camera.width_px, photo.camera.height_px)
+        side_m *= photo.ground_resolution_m
+        return math.hypot(photo.horizontal_std_m * math.sqrt(2.0), turn * height_m, yaw * side_m)
+
+
+class Mapmaker:
+    """Takes in photographs, aligns them and draws the map.
+
+    Parameters
+    ----------
+    options: what map is wanted.
+    notice: is told, in one line each, of photographs that cannot be on the map.
+    """
+
+    def __init__(self, options: MapOptions, notice: Notice = lambda _text: None) -> None:
+        self._options = options
+        self._notice = notice
+        self.pictures = Pictures()
+        self.survey = Survey(self.pictures.gray)
+        self.frame: GroundFrame | None = None
+        self.epsg = 0
+        self._file_names: dict[str, str] = {}
+
+    def __len__(self) -> int:
+        return len(self.survey)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.survey
+
+    @property
+    def finest_resolution_m(self) -> float:
+        """Side of the ground that a pixel of the photographs shows."""
+        sizes = [photo.ground_resolution_m for photo in self.survey.photos.values()]
+        return round(float(np.median(sizes)), 4)
+
+    def file_name(self, name: str) -> str:
+        """Return the name that the file of a photograph has, without its suffix."""
+        return self._file_names.get(name, name)
+
+    def add(self, record: ShotRecord, read: ReadImage, file_name: str = '') -> Photo:
+        """Take in a photograph: it lies where its fix says until it is aligned.
+
+        `file_name` is that of its file, where it is not called like its shot.
+
+        Raises
+        ------
+        PlacementError: if its position, height or attitude is unknown or outside UTM.
+        """
+        frame = self.frame or ground_frame_of(record)
+        photo = photo_of_record(record, frame)
+        epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
+        self.frame, self.epsg = frame, epsg
+        self.pictures.add(photo, read)
+        if file_name:
+            self._file_names[photo.name] = file_name
+        self.survey.add(photo)
+        return photo
+
+    def align(self, step: Callable[[str], None] = lambda _stage: None) -> Alignment:
+        """Find where all photographs are; `step` is told the name of each finished stage."""
+        self.drop_unreadable()
+        self.survey.complete()
+        step('match')
+        self.survey.place_all()
+        alignment = self.alignment()
+        step('adjust')
+        return alignment
+
+    def drop_unreadable(self) -> None:
+        """Leave out photographs whose pixels cannot be had, and say so."""
+        for name in self.survey.waiting():
+            try:
+                self.survey.extract(name)
+            except MappingError as error:
+                self._notice(f'not on the map: {error}')
+                self.survey.remove(name)
+
+    def alignment(self) -> Alignment:
+        """Return where all photographs are now."""
+        survey = self.survey
+        state, photos, pairs = survey.state, survey.photos, survey.used_pairs
+        ties_m, above_m = standing_m(photos, pairs, state)
+        return Alignment(
+            ties_m=ties_m,
+            standing_m=above_m,
+            photos=photos,
+            placements=survey.placements(),
+            heights_error=height_error(state.surface, ties_m, above_m),
+            lags_s=survey.lags_s,
+            errors_m=stated_error_m(photos, pairs, state) if state.poses else {},
+            held_out_px=residuals_px(photos, pairs, state, held_out=True),
+        )
+
+    def sheets(self, names: Collection[str] | None = None) -> dict[str, Sheet]:
+        """Return the photographs, or some of them, as they lie now."""
+        state = self.survey.state
+        return {
+            name: Sheet(
+                photo=self.survey.photo(name),
+                pose=placement.pose,
+                lens=state.lenses.get(self.survey.photo(name).lens, Lens()),
+                surface=state.surface,
+            )
+            for name, placement in self.survey.placements(names).items()
+        }
+
+    def renderer(self, *, with_relief: bool = False) -> Renderer:
+        """Return what draws the map as the photographs lie now.
+
+        `with_relief` has it look for what stands on the ground, which takes time.
+
+        Raises
+        ------
+        PlacementError: if there is no photograph.
+        """
+        sheets = self.sheets()
+        tied = self.survey.state.poses if with_relief else ()
+        return Renderer(sheets, self.pictures, self.grid(sheets), tied)
+
+    def grid(self, sheets: Mapping[str, Sheet]) -> MapGrid:
+        """Return the map's grid, its pixels as fine as its limits allow.
+
+        Raises
+        ------
+        PlacementError: if there is no photograph.
+        """
+        if self.frame is None or not sheets:
+            raise PlacementError('no photograph is placed yet')
+        wished = self._options.ground_resolution_m
+        if wished == 0.0:
+            wished = self.finest_resolution_m
+        grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
+        corners = np.concatenate([sheet.corners_m for sheet in sheets.values()])
+        while True:
+            window = grid.window_of(corners)
+            if window.width * window.height <= self._options.max_pixels:
+                return grid
+            coarser = 2.0 * grid.resolution_m
+            self._notice(
+                f'the map would exceed {self._options.max_pixels} pixels: its pixels are now '
+                f'{coarser:g} m wide, not {grid.resolution_m:g} m'
+            )
+            grid = dataclasses.replace(grid, resolution_m=coarser)
+
+
+def by_gps(alignment: Alignment) -> tuple[str, ...]:
+    """Return the names of the photographs that only their fixes place."""
+    return tuple(sorted(n for n, p in alignment.placements.items() if p.placed_by == BY_GPS))

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The layout of an image store on disk, and reading it.
+
+``<shot_id>.jpg`` is a photograph with Exif, ``<shot_id>.json`` its record. ``manifest.jsonl`` has
+one line for each stored photograph and only grows. ``rejected/`` keeps images that could not be
+stored, named by their SHA-256. These names stand here and nowhere else.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
+
+MANIFEST = 'manifest.jsonl'
+REJECTED = 'rejected'
+LOCK = '.lock'
+IMAGE_SUFFIX = '.jpg'
+SIDECAR_SUFFIX = '.json'
+Notice = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ManifestEntry:
+    """A line of the manifest.
+
+    Attributes
+    ----------
+    shot_id: of the photograph; its files are named after it.
+    received_sha256: of the image as the vehicle sent it.
+    stored_sha256, stored_bytes: of the file, which has Exif added.
+    """
+
+    shot_id: str
+    received_sha256: str
+    stored_sha256: str
+    stored_bytes: int
+
+    def line(self) -> bytes:
+        """Return the line, without its end."""
+        return json.dumps(
+            {
+                'shot_id': self.shot_id,
+                'image': self.shot_id + IMAGE_SUFFIX,
+                'record': self.shot_id + SIDECAR_SUFFIX,
+                'received_sha256': self.received_sha256,
+                'stored_sha256': self.stored_sha256,
+                'stored_bytes': self.stored_bytes,
+            }
+        ).encode()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredShot:
+    """A photograph of the store: its record and where its image is.
+
+    Attributes
+    ----------
+    record, path: of the photograph.
+    sha256, size_bytes: of the stored file; empty and 0 where only the file tells.
+    """
+
+    record: ShotRecord
+    path: Path
+    sha256: str = ''
+    size_bytes: int = 0
+
+    def read_image(self) -> bytes:
+        """Return the JPEG file.
+
+        Raises
+        ------
+        StoreError: if it cannot be read.
+        """
+        try:
+            return self.path.read_bytes()
+        except OSError as error:
+            raise StoreError(f'cannot read image {self.path}: {error.strerror}') from error
+
+
+def read_store(directory: Path, notice: Notice) -> tuple[StoredShot, ...]:
+    """Return the stored photographs in the order in which they were stored; may be called anytime.
+
+    One whose record cannot be read is left out, and `notice` is told in one line.
+
+    Raises
+    ------
+    StoreError: if the manifest cannot be read; a store that does not exist yet is empty.
+    """
+    manifest = directory.absolute() / MANIFEST
+    if not manifest.exists():
+        return ()
+    try:
+        # What follows the last line end is still being written.
+        lines = manifest.read_bytes().split(b'\n')[:-1]
+    except OSError as error:
+        raise StoreError(f'cannot read {manifest}: {error.strerror}') from error
+    entries = [entry for entry in map(entry_of_line, lines) if entry is not None]
+    shots = []
+    for shot_id in dict.fromkeys(entry.shot_id for entry in entries):
+        try:
+            shots.append(read_shot(directory, shot_id))
+        except StoreError as error:
+            notice(str(error))
+    return tuple(shots)
+
+
+def read_shot(directory: Path, shot_id: str) -> StoredShot:
+    """Return one photograph of the store in `directory`.
+
+    Raises
+    ------
+    StoreError: if there is no such photograph or its record cannot be read.
+    """
+    sidecar = directory.absolute() / (shot_id + SIDECAR_SUFFIX)
+    try:
+        plain = json.loads(sidecar.read_bytes())
+        record = record_of_plain(plain)
+    except (OSError, ValueError) as error:
+        raise StoreError(f'cannot read record {sidecar}: {error}') from error
+    return StoredShot(
+        record=record,
+        path=sidecar.with_suffix(IMAGE_SUFFIX),
+        sha256=str(plain.get('stored_sha256', '')),
+        size_bytes=int(plain.get('stored_bytes', 0)),
+    )
+
+
+def entry_of_line(line: bytes) -> ManifestEntry | None:
+    """Return the entry that `line` of the manifest holds, None if it is damaged."""
+    try:
+        values = json.loads(line)
+        return ManifestEntry(
+            shot_id=values['shot_id'],
+            received_sha256=values['received_sha256'],
+            stored_sha256=values['stored_sha256'],
+            stored_bytes=values['stored_bytes'],
+        )
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def entry_of_files(sidecar: Path, image: Path) -> ManifestEntry | None:
+    """Return the entry that `sidecar` and `image` lack, None unless they are whole."""
+    try:
+        plain = json.loads(sidecar.read_bytes())
+        record = record_of_plain(plain)
+        stored = image.read_bytes()
+        whole = hashlib.sha256(stored).hexdigest() == plain['stored_sha256']
+    except (OSError, ValueError, KeyError):
+        return None
+    if not whole or record.shot_id != sidecar.stem:
+        return None
+    return ManifestEntry(
+        shot_id=record.shot_id,
+        received_sha256=record.sha256,
+        stored_sha256=plain['stored_sha256'],
+        stored_bytes=len(stored),
+    )

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Anyone's drone photographs: what their Exif and XMP tell, as records.
+
+Conventions: Exif 2.32; XMP of DJI (``drone-dji``: yaw clockwise from north, a gimbal's pitch -90
+looks straight down, RelativeAltitude above the take-off point) and of Pix4D (``Camera``: yaw,
+pitch 0 straight down, roll). Strings may be padded with NUL, numbers may carry a plus sign.
+"""
+
+import hashlib
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL.ExifTags import GPS, Base
+
+from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
+from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
+from rocsafe_mapping.photographs.tags import Tags, read_tags
+from rocsafe_mapping.store.catalogue import Notice, StoredShot
+
+SUFFIXES = ('.jpg', '.jpeg')
+# A film frame is 36 mm x 24 mm; whether a maker's 35 mm equivalent is meant across the width or
+# along the diagonal is not said, hence this uncertainty.
+FILM_WIDTH_MM, FILM_DIAGONAL_MM = 36.0, math.hypot(36.0, 24.0)
+EXIF_FOCAL_STD_SHARE = 0.06
+TABLE_FOCAL_STD_SHARE = 0.03
+# Widths of sensors in millimetres, from their makers' data sheets.
+SENSOR_WIDTH_MM = {
+    'FC300S': 6.17, 'FC300X': 6.17, 'FC330': 6.17, 'FC220': 6.17, 'FC6310': 13.2, 'FC6310S': 13.2,
+    'FC6310R': 13.2, 'FC6520': 17.3, 'FC6540': 23.5, 'FC350': 6.17, 'FC550': 17.3,
+    'L1D-20C': 13.2, 'L2D-20C': 17.3, 'FC7303': 6.3, 'FC3411': 13.2, 'FC3582': 9.6,
+    'Canon PowerShot SX260 HS': 6.17, 'Canon PowerShot S100': 7.44,
+}  # fmt: skip
+UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
+# What the attitude of a gimbal, or of a camera without any, is worth.
+GIMBAL_TILT_STD_DEG, GIMBAL_YAW_STD_DEG = 2.0, 10.0
+FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
+HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
+GUESSED_HEIGHT_STD_SHARE = 0.5
+NS_PER_S = 1_000_000_000
+_NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
+
+
+def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
+    """Return the photographs of a folder, by name; of one that cannot be read `notice` is told.
+
+    Raises
+    ------
+    StoreError: if the folder cannot be read.
+    """
+    try:
+        paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    except OSError as error:
+        raise StoreError(f'cannot read {folder}: {error.strerror}') from error
+    counts: dict[str, int] = {}
+    shots = []
+    for path in paths:
+        try:
+            tags, data = read_tags(path)
+        except StoreError as error:
+            notice(str(error))
+            continue
+        vehicle = vehicle_of(tags)
+        sequence = counts.get(vehicle, 0)
+        counts[vehicle] = sequence + 1
+        try:
+            record = record_of_tags(tags, vehicle, sequence, hashlib.sha256(data).hexdigest())
+        except ValueError as error:
+            notice(f'{path}: {error}')
+            continue
+        shots.append(StoredShot(record=record, path=path))
+    return _with_heights(shots)
+
+
+def vehicle_of(tags: Tags) -> str:
+    """Return a name for the vehicle: what the camera's serial number, or its model, says."""
+    serial = str(tags.camera.get(Base.BodySerialNumber, '')).replace('\x00', '').strip()
+    words = serial or f'{tags.text(Base.Make)}_{tags.text(Base.Model)}'
+    name = _NOT_NAME.sub('_', words).strip('_')[:48]
+    return name if name[:1].isalpha() else f'camera_{name}'.rstrip('_')
+
+
+def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> ShotRecord:
+    """Return the record that the tags of a photograph amount to.
+
+    What is not known is NaN. A height above the ground that no tag tells is found by
+    `photographs_of` from the other photographs.
+
+    Raises
+    ------
+    ValueError: if a tag has a value that cannot be, or the focal length is not told.
+    """
+    latitude, longitude = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
+    yaw, pitch, roll, tilt_std, yaw_std = _attitude(tags)
+    rotation = rotation_enu_from_optical(math.radians(90.0 - yaw), pitch, roll)
+    horizontal = _known(tags.number('Camera:GPSXYAccuracy'), HORIZONTAL_STD_M)
+    vertical = _known(tags.number('Camera:GPSZAccuracy'), VERTICAL_STD_M)
+    quaternion = quaternion_of_rotation(rotation).tolist()
+    return ShotRecord(
+        shot_id=f'{vehicle}-{sequence:05d}',
+        vehicle=vehicle,
+        sequence=sequence,
+        viewpoint_id=sequence,
+        time_ns=_time_ns(tags),
+        latitude_deg=latitude,
+        longitude_deg=longitude,
+        altitude_m=_altitude(tags),
+        position_covariance_m2=_diagonal(horizontal, horizontal, vertical),
+        height_agl_m=tags.number('drone-dji:RelativeAltitude', 'Camera:AboveGroundAltitude'),
+        orientation_xyzw=(quaternion[0], quaternion[1], quaternion[2], quaternion[3]),
+        orientation_covariance_rad2=_diagonal(tilt_std, tilt_std, yaw_std),
+        camera=_camera(tags),
+        sha256=sha256,
+        lens=f'{tags.text(Base.Make)} {tags.text(Base.Model)} {vehicle}'.strip(),
+    )
+
+
+def _with_heights(shots: Sequence[StoredShot]) -> tuple[StoredShot, ...]:
+    """Return the photographs, each with a height above the ground.
+
+    Where no tag tells it, it is the altitude less that of the ground below the others, or less
+    0, and very uncertain: the alignment then takes the scale from the fixes.
+    """
+    known = [
+        shot.record.altitude_m - shot.record.height_agl_m
+        for shot in shots
+        if math.isfinite(shot.record.altitude_m + shot.record.height_agl_m)
+    ]
+    ground_m = float(np.median(known)) if known else 0.0
+    return tuple(
+        shot if shot.record.height_agl_m > 0.0 else _with_height(shot, ground_m) for shot in shots
+    )
+
+
+def _with_height(shot: StoredShot, ground_m: float) -> StoredShot:
+    record = shot.record
+    height_m = record.altitude_m - ground_m
+    covariance = (*record.position_covariance_m2[:8], (GUESSED_HEIGHT_STD_SHARE * height_m) ** 2)
+    record = replace(record, height_agl_m=height_m, position_covariance_m2=covariance)
+    return StoredShot(record=record, path=shot.path)
+
+
+def _degrees(tags: Tags, tag: int) -> float:
+    try:
+        degrees, minutes, seconds = (float(part) for part in tags.gps[tag])
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        return math.nan
+    sign = -1.0 if str(tags.gps.get(tag - 1, '')).strip('\x00 ') in {'S', 'W'} else 1.0
+    return sign * (degrees + minutes / 60.0 + seconds / 3600.0)
+
+
+def _altitude(tags: Tags) -> float:
+    exact = tags.number('drone-dji:AbsoluteAltitude')
+    if math.isfinite(exact):
+        return exact
+    try:
+        altitude = float(tags.gps[GPS.GPSAltitude])
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        return math.nan
+    # Exif 2: 1 is below sea level; Exif 3: 3 is below the ellipsoid.
+    return -altitude if bytes(tags.gps.get(GPS.GPSAltitudeRef, b'\0'))[:1] in b'\1\3' else altitude
+
+
+def _attitude(tags: Tags) -> tuple[float, float, float, float, float]:
+    """Return yaw in degrees clockwise from north, pitch, roll, and stds of tilt and yaw in rad."""
+    tilt, turn = math.radians(GIMBAL_TILT_STD_DEG), math.radians(GIMBAL_YAW_STD_DEG)
+    yaw = tags.number('drone-dji:GimbalYawDegree')
+    if math.isfinite(yaw):
+        # Pitch -90 of a gimbal is level for a nadir camera; positive pitch of the body lowers it.
+        pitch = -math.radians(_known(tags.number('drone-dji:GimbalPitchDegree'), -90.0) + 90.0)
+        roll = math.radians(_known(tags.number('drone-dji:GimbalRollDegree'), 0.0))
+        return yaw, pitch, math.remainder(roll, math.pi), tilt, turn
+    yaw = tags.number('Camera:Yaw', 'drone-dji:FlightYawDegree')
+    if math.isfinite(yaw):
+        pitch = -math.radians(_known(tags.number('Camera:Pitch'), 0.0))
+        roll = math.radians(_known(tags.number('Camera:Roll'), 0.0))
+        return yaw, pitch, roll, math.radians(FIXED_TILT_STD_DEG), turn
+    try:
+        yaw = float(tags.gps[GPS.GPSImgDirection])
+        return yaw, 0.0, 0.0, math.radians(FIXED_TILT_STD_DEG), turn
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        unknown = math.radians(NO_YAW_STD_DEG)
+        return 0.0, 0.0, 0.0, math.radians(FIXED_TILT_STD_DEG), unknown
+
+
+def _camera(tags: Tags) -> Intrinsics:
+    focal_px, std_share = _focal(tags)
+    return Intrinsics(
+        width_px=tags.width_px,
+        height_px=tags.height_px,
+        fx_px=focal_px,
+        fy_px=focal_px,
+        cx_px=0.5 * (tags.width_px - 1),
+        cy_px=0.5 * (tags.height_px - 1),
+        focal_std_share=std_share,
+    )
+
+
+def _focal(tags: Tags) -> tuple[float, float]:
+    """Return the focal length in pixels and its uncertainty over itself.
+
+    A calibration counts most, then the camera's table, then the 35 mm equivalent, then the
+    resolution of the focal plane.
+    """
+    exact = tags.number('rocsafe:FocalLengthPixels', 'drone-dji:CalibratedFocalLength')
+    if tags.xmp.get('rocsafe:FocalLengthPixels'):
+        return exact, 0.0
+    focal_mm = _number(tags.camera.get(Base.FocalLength))
+    sensor_mm = SENSOR_WIDTH_MM.get(tags.text(Base.Model))
+    if sensor_mm and math.isfinite(focal_mm):
+        return tags.width_px * focal_mm / sensor_mm, TABLE_FOCAL_STD_SHARE
+    film_mm = _number(tags.camera.get(Base.FocalLengthIn35mmFilm))
+    if film_mm > 0.0:
+        diagonal_px = math.hypot(tags.width_px, tags.height_px)
+        return film_mm * diagonal_px / FILM_DIAGONAL_MM, EXIF_FOCAL_STD_SHARE
+    per_unit = _number(tags.camera.get(Base.FocalPlaneXResolution))
+    unit_mm = UNIT_MM.get(tags.camera.get(Base.FocalPlaneResolutionUnit, 2), 25.4)
+    declared = _number(tags.camera.get(Base.ExifImageWidth))
+    if focal_mm * per_unit > 0.0:
+        shrink = tags.width_px / declared if declared > 0.0 else 1.0
+        return focal_mm * per_unit / unit_mm * shrink, EXIF_FOCAL_STD_SHARE
+    raise ValueError('no tag tells the focal length (FocalLengthIn35mmFilm or FocalPlane...)')
+
+
+def _time_ns(tags: Tags) -> int:
+    text = str(tags.camera.get(Base.DateTimeOriginal, '')).strip('\x00 ')
+    part = str(tags.camera.get(Base.SubsecTimeOriginal, '')).strip('\x00 ')
+    try:
+        taken = datetime.strptime(text, '%Y:%m:%d %H:%M:%S').replace(tzinfo=timezone.utc)
+    except ValueError:
+        return 0
+    fraction = int((part + '000000000')[:9]) if part.isdigit() else 0
+    return max(int(taken.timestamp()), 0) * NS_PER_S + fraction
+
+
+def _number(value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError, ZeroDivisionError):
+        return math.nan
+
+
+def _known(value: float, default: float) -> float:
+    return value if math.isfinite(value) else default
+
+
+def _diagonal(first: float, second: float, third: float) -> tuple[float, ...]:
+    return (first**2, 0.0, 0.0, 0.0, second**2, 0.0, 0.0, 0.0, third**2)

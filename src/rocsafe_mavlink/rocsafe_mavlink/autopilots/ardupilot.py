@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ArduPilot's multicopters: modes as in Copter 4.x, measured on ArduCopter 4.7."""
+
+from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
+
+ARDUPILOT = 3
+AUTO, GUIDED, LOITER, RTL, LAND, BRAKE = 3, 4, 5, 6, 9, 17
+
+COPTER = Autopilot(
+    name='ArduPilot Copter',
+    number=ARDUPILOT,
+    is_tested=True,
+    has_home_item=True,
+    mode_names={
+        0: 'STABILIZE',
+        1: 'ACRO',
+        2: 'ALT_HOLD',
+        AUTO: 'AUTO',
+        GUIDED: 'GUIDED',
+        LOITER: 'LOITER',
+        RTL: 'RTL',
+        7: 'CIRCLE',
+        LAND: 'LAND',
+        11: 'DRIFT',
+        13: 'SPORT',
+        14: 'FLIP',
+        15: 'AUTOTUNE',
+        16: 'POSHOLD',
+        BRAKE: 'BRAKE',
+        18: 'THROW',
+        19: 'AVOID_ADSB',
+        20: 'GUIDED_NOGPS',
+        21: 'SMART_RTL',
+        22: 'FLOWHOLD',
+        23: 'FOLLOW',
+        24: 'ZIGZAG',
+        27: 'AUTO_RTL',
+    },
+    modes={
+        Verb.GUIDED: GUIDED,
+        Verb.MISSION: AUTO,
+        # LOITER obeys the throttle stick, which may lie at its bottom.
+        Verb.HOLD: BRAKE,
+        Verb.RETURN: RTL,
+        Verb.LAND: LAND,
+    },
+    states={
+        LOITER: FlightState.HOLDING,
+        16: FlightState.HOLDING,
+        BRAKE: FlightState.HOLDING,
+        RTL: FlightState.RETURNING,
+        21: FlightState.RETURNING,
+        27: FlightState.RETURNING,
+        LAND: FlightState.LANDING,
+    },
+    is_mode_packed=False,
+    # It refuses to arm in AUTO, and elsewhere its pre-arm bit says too much.
+    arms_in=Verb.GUIDED,
+    pauses_missions=True,
+    repositions_itself=False,
+    flies_to_takeoff=False,
+    turns_at_waypoints=False,
+    starts_anywhere=False,
+    unsent=frozenset({'ESTIMATOR_STATUS'}),
+)

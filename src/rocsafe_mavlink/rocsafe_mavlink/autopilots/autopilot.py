@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What differs between autopilots, as tables; `ardupilot` and `px4` fill them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from rocsafe_mavlink.knowledge.vehicle import Contact, Landed, MissionPhase, Vehicle
+from rocsafe_mavlink.protocols.command_call import command
+from rocsafe_mavlink.wire.authority import DO_SET_MODE
+from rocsafe_mavlink.wire.dialect import Message
+
+CUSTOM_MODE_ENABLED = 1.0
+
+
+class FlightState(Enum):
+    """What a vehicle does; names are those of VehicleState.msg, after REP 147."""
+
+    UNKNOWN = 'unknown'
+    DISARMED = 'disarmed'
+    ARMED = 'armed'
+    TAKING_OFF = 'taking off'
+    FLYING = 'flying'
+    HOLDING = 'holding'
+    RETURNING = 'returning'
+    LANDING = 'landing'
+    LANDED = 'landed'
+    LOST = 'lost'
+
+
+class Verb(Enum):
+    """What a mode is wanted for."""
+
+    GUIDED = 'guided'
+    MISSION = 'mission'
+    HOLD = 'hold'
+    RETURN = 'return'
+    LAND = 'land'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Autopilot:
+    """One kind of autopilot.
+
+    Attributes
+    ----------
+    name: for people.
+    number: MAV_AUTOPILOT in its heartbeats.
+    is_tested: whether this was tried against the real one.
+    has_home_item: whether item 0 of a mission is home, not the first thing to do.
+    mode_names: by custom mode.
+    modes: custom mode for each verb.
+    states: what an airborne vehicle does in a custom mode; others fly.
+    is_mode_packed: whether a custom mode holds a main and a sub mode.
+    arms_in: mode in which to arm for a mission.
+    pauses_missions: whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
+    repositions_itself: whether DO_REPOSITION changes the mode, and wants a height above the sea.
+    flies_to_takeoff: whether it flies to the place of a take-off item once it has climbed.
+    turns_at_waypoints: whether a waypoint says which way to look; else CONDITION_YAW does.
+    starts_anywhere: whether MISSION_START begins with the item that it names, in the air too.
+    unsent: messages of `stream_rates.WANTED` that it does not have.
+    """
+
+    name: str
+    number: int
+    is_tested: bool
+    has_home_item: bool
+    mode_names: Mapping[int, str]
+    modes: Mapping[Verb, int]
+    states: Mapping[int, FlightState]
+    is_mode_packed: bool
+    arms_in: Verb
+    pauses_missions: bool
+    repositions_itself: bool
+    flies_to_takeoff: bool
+    turns_at_waypoints: bool
+    starts_anywhere: bool
+    unsent: frozenset[str]
+
+    def mode_name(self, custom_mode: int) -> str:
+        """Return the name of a mode; an unknown one is never taken for its neighbour."""
+        return self.mode_names.get(custom_mode, f'UNKNOWN({custom_mode})')
+
+    def is_in(self, vehicle: Vehicle, verb: Verb) -> bool:
+        """Whether the vehicle's heartbeat says that it is in the mode for `verb`."""
+        return vehicle.custom_mode == self.modes[verb]
+
+    def mode_command(self, verb: Verb, target: tuple[int, int]) -> Message:
+        """Return the command that asks `target` (system, component) for the mode of `verb`."""
+        mode = self.modes[verb]
+        main, sub = (mode >> 16 & 0xFF, mode >> 24) if self.is_mode_packed else (mode, 0)
+        return command(DO_SET_MODE, target, CUSTOM_MODE_ENABLED, main, sub)
+
+    def state_of(self, vehicle: Vehicle, now_s: float) -> FlightState:
+        """Return what `vehicle` does, as far as it can be told at `now_s`."""
+        contact = vehicle.contact(now_s)
+        if contact in (Contact.NONE, Contact.LOST):
+            return FlightState.UNKNOWN if contact is Contact.NONE else FlightState.LOST
+        if not vehicle.is_armed:
+            return FlightState.LANDED if vehicle.has_flown else FlightState.DISARMED
+        if vehicle.landed is Landed.ON_GROUND:
+            return FlightState.ARMED
+        return self._airborne(vehicle)
+
+    def _airborne(self, vehicle: Vehicle) -> FlightState:
+        if vehicle.landed is Landed.TAKEOFF:
+            return FlightState.TAKING_OFF
+        if vehicle.landed is Landed.LANDING:
+            return FlightState.LANDING
+        if self.is_in(vehicle, Verb.MISSION) and vehicle.mission.phase is MissionPhase.PAUSED:
+            return FlightState.HOLDING
+        if vehicle.custom_mode not in self.mode_names:
+            return FlightState.UNKNOWN
+        return self.states.get(vehicle.custom_mode, FlightState.FLYING)

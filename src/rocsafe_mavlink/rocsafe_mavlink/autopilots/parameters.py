@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of autopilots, read only: asked for by each of their spellings, in SI units.
+
+ArduPilot 4.7 renamed and rescaled many; a name that has two spellings is asked for by both, and
+the unit follows from the spelling that answered.
+"""
+
+import math
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
+from rocsafe_mavlink.autopilots.px4 import PX4
+from rocsafe_mavlink.wire.dialect import Message, addressed
+
+ASK_AGAIN_S = 1.0
+LARGEST_ASK_COUNT = 5
+# Integer types of a parameter that PX4 copies bit by bit into the float of its message.
+_INTEGER_FORMATS: Mapping[int, str] = {1: '<B', 2: '<b', 3: '<H', 4: '<h', 5: '<I', 6: '<i'}
+
+
+class Parameter(Enum):
+    """What is read, by what it means."""
+
+    CRUISE_SPEED_MPS = 'cruise speed'
+    ACCELERATION_MPS2 = 'acceleration'
+    WAYPOINT_RADIUS_M = 'waypoint radius'
+    LINK_LOSS_ACTION = 'link-loss action'
+    LOW_BATTERY_ACTION = 'low-battery action'
+    FENCE_ENABLED = 'fence'
+    YAW_BEHAVIOUR = 'heading on the way'
+    STATION = 'station that may command'
+
+
+# Spellings with the factor that makes SI of their unit, the newest first.
+SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
+    ARDUPILOT: {
+        Parameter.CRUISE_SPEED_MPS: (('WP_SPD', 1.0), ('WPNAV_SPEED', 0.01)),
+        Parameter.ACCELERATION_MPS2: (('WP_ACC', 1.0), ('WPNAV_ACCEL', 0.01)),
+        Parameter.WAYPOINT_RADIUS_M: (('WP_RADIUS_M', 1.0), ('WPNAV_RADIUS', 0.01)),
+        Parameter.LINK_LOSS_ACTION: (('FS_GCS_ENABLE', 1.0),),
+        Parameter.LOW_BATTERY_ACTION: (('BATT_FS_LOW_ACT', 1.0),),
+        Parameter.FENCE_ENABLED: (('FENCE_ENABLE', 1.0),),
+        Parameter.YAW_BEHAVIOUR: (('WP_YAW_BEHAVIOR', 1.0),),
+        Parameter.STATION: (('MAV_GCS_SYSID', 1.0), ('SYSID_MYGCS', 1.0)),
+    },
+    PX4: {
+        Parameter.CRUISE_SPEED_MPS: (('MPC_XY_CRUISE', 1.0),),
+        Parameter.ACCELERATION_MPS2: (('MPC_ACC_HOR', 1.0),),
+        Parameter.WAYPOINT_RADIUS_M: (('NAV_ACC_RAD', 1.0),),
+        Parameter.LINK_LOSS_ACTION: (('NAV_DLL_ACT', 1.0),),
+        Parameter.LOW_BATTERY_ACTION: (('COM_LOW_BAT_ACT', 1.0),),
+        Parameter.FENCE_ENABLED: (('GF_ACTION', 1.0),),
+    },
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterReader:
+    """Asks for every parameter that a kind of autopilot has: ``(state, message or tick)``.
+
+    Attributes
+    ----------
+    autopilot: MAV_AUTOPILOT.
+    target: (system, component).
+    found: value by spelling, in the unit of the spelling.
+    asks: rounds of questions.
+    asked_s: steady time of the last round.
+    """
+
+    autopilot: int
+    target: tuple[int, int]
+    found: Mapping[str, float]
+    asks: int = 0
+    asked_s: float = -math.inf
+
+    @property
+    def is_over(self) -> bool:
+        """Whether everything is known, or was asked for often enough."""
+        return not self._missing() or self.asks > LARGEST_ASK_COUNT
+
+    def value(self, parameter: Parameter) -> float:
+        """Return a parameter in SI units; NaN if no spelling of it was answered."""
+        for spelling, factor in SPELLINGS[self.autopilot].get(parameter, ()):
+            if spelling in self.found:
+                return self.found[spelling] * factor
+        return math.nan
+
+    def spelling(self, parameter: Parameter) -> str:
+        """Return how the vehicle spells a parameter; the newest way if it has not said."""
+        spellings = SPELLINGS[self.autopilot].get(parameter, ())
+        known = (name for name, _ in spellings if name in self.found)
+        return next(known, spellings[0][0] if spellings else parameter.value)
+
+    def on_message(self, message: Message) -> 'ParameterReader':
+        """Take a message; only a PARAM_VALUE of a name that was asked for changes anything."""
+        if message.name != 'PARAM_VALUE' or message['param_id'] not in self._names():
+            return self
+        value = decoded_value(self.autopilot, message)
+        if not math.isfinite(value):
+            return self
+        return replace(self, found={**self.found, message['param_id']: value})
+
+    def on_tick(self, now_s: float) -> tuple['ParameterReader', list[Message]]:
+        """Ask for what is missing, now and then."""
+        if self.is_over or now_s - self.asked_s < ASK_AGAIN_S:
+            return self, []
+        asked = replace(self, asks=self.asks + 1, asked_s=now_s)
+        return asked, [self._question(name) for name in self._missing()]
+
+    def _names(self) -> set[str]:
+        spellings = SPELLINGS[self.autopilot].values()
+        return {name for ways in spellings for name, _ in ways}
+
+    def _missing(self) -> list[str]:
+        return [
+            name
+            for ways in SPELLINGS[self.autopilot].values()
+            if not any(spelling in self.found for spelling, _ in ways)
+            for name, _ in ways
+        ]
+
+    def _question(self, name: str) -> Message:
+        return addressed('PARAM_REQUEST_READ', self.target, param_id=name, param_index=-1)
+
+
+def decoded_value(autopilot: int, message: Message) -> float:
+    """Return the value of a PARAM_VALUE: ArduPilot casts integers, PX4 copies their bits."""
+    value, kind = float(message['param_value']), int(message['param_type'])
+    if autopilot != PX4 or kind not in _INTEGER_FORMATS:
+        return value
+    layout = _INTEGER_FORMATS[kind]
+    raw = struct.pack('<f', value)[: struct.calcsize(layout)]
+    return float(struct.unpack(layout, raw)[0])

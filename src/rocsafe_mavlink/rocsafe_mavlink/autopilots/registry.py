@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which autopilots are known: chosen by the heartbeat, never by a parameter alone."""
+
+from rocsafe_mavlink.autopilots.ardupilot import COPTER
+from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
+
+AUTOPILOTS = {kind.number: kind for kind in (COPTER, MULTICOPTER)}
+# MAV_TYPE: quadrotor, coaxial, helicopter, hexa, octo, tri, and their larger kin.
+ROTORCRAFT = frozenset({2, 3, 4, 13, 14, 15, 29, 35})
+
+
+def autopilot_of(number: int, vehicle_type: int) -> Autopilot:
+    """Return the tables for a heartbeat's MAV_AUTOPILOT and MAV_TYPE.
+
+    Raises
+    ------
+    ValueError: if it is of no kind that is known here.
+    """
+    if number not in AUTOPILOTS:
+        known = ', '.join(f'{kind.number} ({kind.name})' for kind in AUTOPILOTS.values())
+        raise ValueError(f'autopilot = {number} is not known; known are {known}')
+    if vehicle_type not in ROTORCRAFT:
+        raise ValueError(f'vehicle type = {vehicle_type} is no multicopter')
+    return AUTOPILOTS[number]

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a bridge that was started again cannot read from the vehicle: which plan it was given.
+
+Where the vehicle is, what it does and how far it is, is always asked of the vehicle itself.
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.durable import write_whole
+from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assignment:
+    """A plan that a vehicle was given.
+
+    Attributes
+    ----------
+    plan_id: of whoever gave it.
+    plan: what is flown.
+    viewpoint_ids: of its stops, in order.
+    """
+
+    plan_id: str
+    plan: FlightPlan
+    viewpoint_ids: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.viewpoint_ids) != len(self.plan.stops):
+            raise ValueError(
+                f'viewpoint_ids has {len(self.viewpoint_ids)} of them: must have one for each of '
+                f'{len(self.plan.stops)} stops'
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """How far an assignment is, as last noted.
+
+    Attributes
+    ----------
+    assignment: what was given.
+    was_airborne: whether it was seen in the air since.
+    visited: waypoints behind it.
+    distance_m, duration_s: flown.
+    outcome, reason: how it ended; None before.
+    successor: what was being sent to be flown in its place; None: nothing. Which of both lies on
+        the vehicle is asked of the vehicle.
+    """
+
+    assignment: Assignment
+    was_airborne: bool = False
+    visited: int = 0
+    distance_m: float = 0.0
+    duration_s: float = 0.0
+    outcome: Outcome | None = None
+    reason: str = ''
+    successor: Assignment | None = None
+
+
+class FlightJournal:
+    """Keeps the entry of one vehicle, in memory and, if a path is given, on disk."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._path = path
+        self.entry: Entry | None = None if path is None else _read(path)
+
+    def write(self, entry: Entry) -> None:
+        """Keep `entry`: once this returns, a kill does not lose it."""
+        if entry == self.entry:
+            return
+        self.entry = entry
+        if self._path is None:
+            return
+        record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(self._path, json.dumps(record).encode())
+
+
+def _read(path: Path) -> Entry | None:
+    """Return the entry in `path`, None if there is none.
+
+    Raises
+    ------
+    ValueError: if it is damaged.
+    """
+    if not path.exists():
+        return None
+    try:
+        record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
+        outcome = record.pop('outcome')
+        assignment = _assignment(record.pop('assignment'))
+        successor = record.pop('successor', None)
+        return Entry(
+            assignment=assignment,
+            outcome=None if outcome is None else Outcome[outcome],
+            successor=None if successor is None else _assignment(successor),
+            **record,
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f'{path} is damaged: {error}') from error
+
+
+def _assignment(record: dict[str, Any]) -> Assignment:
+    plan = record['plan']
+    waypoints = tuple(
+        Waypoint(**{**waypoint, 'position': GeoPosition(**waypoint['position'])})
+        for waypoint in plan.pop('waypoints')
+    )
+    home = plan.pop('home')
+    return Assignment(
+        plan_id=record['plan_id'],
+        plan=FlightPlan(waypoints=waypoints, home=home and GeoPosition(**home), **plan),
+        viewpoint_ids=tuple(record['viewpoint_ids']),
+    )

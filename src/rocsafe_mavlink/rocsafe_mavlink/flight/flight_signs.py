@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a vehicle shows of its flight without saying it: a failsafe, a home that moved."""
+
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.knowledge.vehicle import EkfFlag, Home, SystemStatus, Vehicle
+
+HOME_MOVED_M, HOME_ROSE_M = 10.0, 3.0
+
+
+def shown_failsafe(vehicle: Vehicle) -> Outcome | None:
+    """Return the failsafe that a vehicle in the air shows, though its words were lost."""
+    if vehicle.is_fence_breached:
+        return Outcome.FAILSAFE_FENCE
+    flags = vehicle.ekf_flags
+    has_place = flags is None or flags & EkfFlag.ABSOLUTE_HORIZONTAL_POSITION
+    is_failing = vehicle.status == SystemStatus.CRITICAL and vehicle.is_armed
+    return Outcome.FAILSAFE_GPS if is_failing and not has_place else None
+
+
+def home_moved(planned: Home, now: Home | None) -> str:
+    """Return how far home moved, if it is more than a flight planned before can stand."""
+    if now is None:
+        return 'home is not known after arming'
+    level_m = distance_m(_place(planned), _place(now))
+    rise_m = abs(now.altitude_msl_m - planned.altitude_msl_m)
+    if level_m <= HOME_MOVED_M and rise_m <= HOME_ROSE_M:
+        return ''
+    limits = f'at most {HOME_MOVED_M:g} m and {HOME_ROSE_M:g} m'
+    return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height at arming: {limits} allowed'
+
+
+def _place(home: Home) -> GeoPosition:
+    return GeoPosition(home.latitude_deg, home.longitude_deg)

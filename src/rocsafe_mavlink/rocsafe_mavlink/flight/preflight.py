@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a careful pilot looks at before a flight: a list of checks with value and limit.
+
+An autopilot accepts a waypoint in another country and one at 40 km height; so both are looked at
+here.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from itertools import pairwise
+
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.flight_plan import FlightPlan
+from rocsafe_mavlink.knowledge.fix import fix_fault
+from rocsafe_mavlink.knowledge.vehicle import Contact, Home, Vehicle
+
+# Of a setting that was asked for and may still be answered.
+NOT_READ = 'not read yet'
+# Corners: measured on a recorded survey, a constant speed alone is 23 % too short.
+LEVEL_ALLOWANCE = 1.25
+
+
+# What a vehicle may show a while after it was switched on, or first heard.
+_PASSING_SOON = frozenset({'contact', 'fix', 'satellites', 'self-test', 'home', 'settings'})
+
+
+class Verdict(Enum):
+    """What a check says."""
+
+    PASS = 'pass'  # noqa: S105 - the opposite of fail
+    WARN = 'warn'
+    FAIL = 'fail'
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check: what was looked at, what it showed, and what it must be."""
+
+    name: str
+    verdict: Verdict
+    value: str
+    limit: str
+
+    @property
+    def may_pass_soon(self) -> bool:
+        """Whether waiting can help: a vehicle that was just switched on."""
+        is_untold = self.value == NOT_READ or 'not known' in self.value
+        return is_untold or self.name in _PASSING_SOON
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightLimits:
+    """What a flight may be.
+
+    Attributes
+    ----------
+    lowest_m, highest_m: height above home of a waypoint.
+    furthest_m: distance of a waypoint from home.
+    longest_s: duration of the flight.
+    smallest_charge: of the battery at the start, 0 to 1.
+    fewest_satellites: that the receiver must use.
+    climb_mps, descent_mps: for the duration.
+    longest_to_home_m: from the home of the plan to that of the vehicle.
+    must_return_on_link_loss: whether a vehicle that hears nobody has to come back.
+    reserve: share of the charge that a flight leaves.
+    """
+
+    lowest_m: float = 5.0
+    highest_m: float = 120.0
+    furthest_m: float = 2000.0
+    longest_s: float = 1500.0
+    smallest_charge: float = 0.5
+    fewest_satellites: int = 6
+    climb_mps: float = 2.5
+    descent_mps: float = 1.0
+    longest_to_home_m: float = 30.0
+    must_return_on_link_loss: bool = False
+    reserve: float = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Knowledge:
+    """What was read from a vehicle besides what it says by itself.
+
+    Attributes
+    ----------
+    parameters: its settings; None: not read.
+    fence: the polygons of its fence; None: not read.
+    fence_error: why its fence cannot be read; empty while it may be.
+    """
+
+    parameters: ParameterReader | None = None
+    fence: Fence | None = None
+    fence_error: str = ''
+
+
+def preflight(
+    vehicle: Vehicle,
+    autopilot: Autopilot,
+    plan: FlightPlan | None,
+    limits: FlightLimits,
+    now_s: float,
+    knowledge: Knowledge | None = None,
+) -> tuple[Check, ...]:
+    """Return every check of `vehicle` and `plan`, those that failed among them.
+
+    Without `plan` only the vehicle is looked at.
+    """
+    known = knowledge or Knowledge()
+    checks = [
+        *_vehicle_checks(vehicle, autopilot, limits, now_s),
+        *_setting_checks(known.parameters, limits),
+    ]
+    if vehicle.home is None:
+        return (*checks, Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'))
+    if plan is None:
+        return tuple(checks)
+    checks += [] if plan.home is None else [_home_check(plan.home, _place(vehicle.home), limits)]
+    energy = _energy_check(plan, vehicle, limits)
+    *way, fence = route_checks(vehicle, plan, limits, known)
+    return (*checks, *way, energy, fence)
+
+
+def route_checks(
+    vehicle: Vehicle, plan: FlightPlan, limits: FlightLimits, known: Knowledge
+) -> tuple[Check, ...]:
+    """Return every look at the way that `plan` takes, be it from the ground or in the air."""
+    if vehicle.home is None:
+        return (Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'),)
+    home = _place(vehicle.home)
+    return (*_plan_checks(plan, home, limits), _fence_check(plan, home, known))
+
+
+def failures(checks: tuple[Check, ...]) -> str:
+    """Return what failed, in one line; empty if nothing did."""
+    failed = (check for check in checks if check.verdict is Verdict.FAIL)
+    return '; '.join(f'{check.name} is {check.value}: must be {check.limit}' for check in failed)
+
+
+def is_failed_for_good(checks: tuple[Check, ...]) -> bool:
+    """Whether something failed that waiting does not help."""
+    return any(check.verdict is Verdict.FAIL and not check.may_pass_soon for check in checks)
+
+
+def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
+    """Return a coarse duration, home to home: a constant speed and an allowance for corners."""
+    places = [home, *(waypoint.position for waypoint in plan.waypoints), home]
+    level_s = LEVEL_ALLOWANCE * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
+    climb_s = plan.waypoints[0].height_m / limits.climb_mps
+    descent_s = plan.waypoints[-1].height_m / limits.descent_mps
+    return level_s + climb_s + descent_s + sum(waypoint.hold_s for waypoint in plan.waypoints)
+
+
+def _vehicle_checks(
+    vehicle: Vehicle, autopilot: Autopilot, limits: FlightLimits, now_s: float
+) -> list[Check]:
+    contact, fault = vehicle.contact(now_s), fix_fault(vehicle, now_s)
+    charge = vehicle.battery.fraction
+    tested = Verdict.PASS if autopilot.is_tested else Verdict.WARN
+    known = math.isfinite(vehicle.geoid_separation_m)
+    satellites = vehicle.gps.satellites
+    return [
+        _check('contact', contact is Contact.FRESH, contact.value, 'fresh'),
+        Check('autopilot', tested, autopilot.name, 'one that was tried here'),
+        _check('place', vehicle.is_on_ground, _ground(vehicle), 'on the ground'),
+        _check('motors', not vehicle.is_armed, 'on' if vehicle.is_armed else 'off', 'off'),
+        _check('fix', not fault, fault or 'good', 'good'),
+        _check(
+            'satellites',
+            satellites >= limits.fewest_satellites,
+            str(satellites),
+            f'{limits.fewest_satellites} or more',
+        ),
+        _check(
+            'self-test',
+            vehicle.is_prearm_ok,
+            'passed' if vehicle.is_prearm_ok else 'not passed',
+            'passed',
+        ),
+        _check(
+            'charge',
+            charge >= limits.smallest_charge,
+            'not known' if math.isnan(charge) else f'{charge:.0%}',
+            f'{limits.smallest_charge:.0%} or more',
+        ),
+        Check(
+            'geoid',
+            Verdict.PASS if known else Verdict.WARN,
+            f'{vehicle.geoid_separation_m:.1f} m' if known else 'not known',
+            'known, or altitudes are NaN',
+        ),
+    ]
+
+
+def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> list[Check]:
+    """Return what the vehicle's settings do when something goes wrong."""
+    must_return = limits.must_return_on_link_loss
+    if reader is None:
+        verdict = Verdict.FAIL if must_return else Verdict.WARN
+        return [Check('settings', verdict, NOT_READ, 'read')]
+    return [
+        _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
+        _setting(reader, Parameter.LOW_BATTERY_ACTION, is_required=False),
+        _setting(reader, Parameter.FENCE_ENABLED, is_required=False),
+        *_heading_checks(reader),
+    ]
+
+
+def _heading_checks(reader: ParameterReader) -> list[Check]:
+    """Return whether it looks where its mission says, not where it flies."""
+    if Parameter.YAW_BEHAVIOUR not in SPELLINGS[reader.autopilot]:
+        return []
+    text = _setting_text(reader, Parameter.YAW_BEHAVIOUR)
+    verdict = Verdict.PASS if reader.value(Parameter.YAW_BEHAVIOUR) == 0.0 else Verdict.WARN
+    limit = '0, or photographs lie turned'
+    return [Check(Parameter.YAW_BEHAVIOUR.value, verdict, text, limit)]
+
+
+def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
+    value, text = reader.value(parameter), _setting_text(reader, parameter)
+    is_on = math.isfinite(value) and value != 0.0
+    verdict = Verdict.PASS if is_on else Verdict.FAIL if is_required else Verdict.WARN
+    return Check(
+        parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'
+    )
+
+
+def _setting_text(reader: ParameterReader, parameter: Parameter) -> str:
+    value, spelling = reader.value(parameter), reader.spelling(parameter)
+    if math.isfinite(value):
+        return f'{spelling} = {value:g}'
+    return f'{spelling} not answered' if reader.is_over else NOT_READ
+
+
+def _energy_check(plan: FlightPlan, vehicle: Vehicle, limits: FlightLimits) -> Check:
+    home = vehicle.home
+    duration_s = 0.0 if home is None else estimated_duration_s(plan, _place(home), limits)
+    needed = duration_s / limits.longest_s + limits.reserve
+    charge = vehicle.battery.fraction
+    return _check(
+        'energy',
+        charge >= needed,
+        'charge not known' if math.isnan(charge) else f'{charge:.0%} charged',
+        f'{needed:.0%} for this flight, its reserve included',
+    )
+
+
+def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -> Check:
+    away_m = distance_m(planned, home)
+    return _check(
+        'place of the plan',
+        away_m <= limits.longest_to_home_m,
+        f'{away_m:.1f} m from where the plan has it',
+        f'at most {limits.longest_to_home_m:g} m',
+    )
+
+
+def _fence_check(plan: FlightPlan, home: GeoPosition, known: Knowledge) -> Check:
+    name, limit = 'within fence', 'none outside'
+    if known.fence is None:
+        verdict = Verdict.WARN if known.fence_error else Verdict.FAIL
+        return Check(name, verdict, known.fence_error or NOT_READ, limit)
+    places = [waypoint.position for waypoint in plan.waypoints]
+    outside = sum(not known.fence.holds(place) for place in places)
+    if outside:
+        return _check(name, False, f'{outside} of {len(places)} waypoints outside', limit)
+    legs = list(pairwise([home, *places, home]))
+    outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
+    return _check(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
+
+
+def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> list[Check]:
+    heights = [waypoint.height_m for waypoint in plan.waypoints]
+    furthest_m = max(distance_m(home, waypoint.position) for waypoint in plan.waypoints)
+    duration_s = estimated_duration_s(plan, home, limits)
+    low, high = limits.lowest_m, limits.highest_m
+    return [
+        _check(
+            'heights',
+            low <= min(heights) and max(heights) <= high,
+            f'{min(heights):g} to {max(heights):g} m',
+            f'{low:g} to {high:g} m above home',
+        ),
+        _check(
+            'distance',
+            furthest_m <= limits.furthest_m,
+            f'{furthest_m:.0f} m from home',
+            f'at most {limits.furthest_m:g} m',
+        ),
+        _check(
+            'duration',
+            duration_s <= limits.longest_s,
+            f'{duration_s:.0f} s',
+            f'at most {limits.longest_s:g} s',
+        ),
+    ]
+
+
+def _check(name: str, is_good: bool, value: str, limit: str) -> Check:
+    return Check(name, Verdict.PASS if is_good else Verdict.FAIL, value, limit)
+
+
+def _ground(vehicle: Vehicle) -> str:
+    return 'on the ground' if vehicle.is_on_ground else 'in the air'
+
+
+def _place(home: Home) -> GeoPosition:
+    return GeoPosition(home.latitude_deg, home.longitude_deg)

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a position can be believed: messages keep coming long after the receiver lost it."""
+
+import math
+
+from rocsafe_mavlink.knowledge.vehicle import FIX_3D, EkfFlag, Vehicle
+
+# A receiver whose time stands still this long has stopped.
+FROZEN_AFTER_S = 1.0
+# A position older than this is no current one.
+OLD_AFTER_S = 1.0
+LARGEST_SPEED_MPS = 60.0
+LARGEST_SEPARATION_M = 110.0
+# A difference below this is no difference: simulators copy one altitude into the other.
+SMALLEST_SEPARATION_M = 0.001
+
+
+def fix_fault(vehicle: Vehicle, now_s: float) -> str:
+    """Return why the position of `vehicle` cannot be believed at `now_s`; empty if it can."""
+    gps, motion = vehicle.gps, vehicle.motion
+    if motion is None or now_s - motion.heard_s > OLD_AFTER_S:
+        return 'no position comes'
+    if gps.fix_type < FIX_3D:
+        return f'the receiver has no fix (type {gps.fix_type})'
+    if now_s - gps.changed_s > FROZEN_AFTER_S:
+        return "the receiver's time stands still"
+    if vehicle.ekf_flags is None:
+        return 'the position estimate has not been heard of'
+    if not vehicle.ekf_flags & EkfFlag.ABSOLUTE_HORIZONTAL_POSITION:
+        return 'the autopilot does not use the receiver'
+    if motion.position.latitude_deg == 0.0 and motion.position.longitude_deg == 0.0:
+        return 'the position is the zero of the map'
+    if now_s - vehicle.jumped_s < OLD_AFTER_S:
+        return 'the position jumped'
+    return ''
+
+
+def separation_m(altitude_m: float, ellipsoid_m: float, given_m: float) -> float:
+    """Return the geoid's height above the ellipsoid, NaN if nobody knows it.
+
+    Parameters
+    ----------
+    altitude_m: above mean sea level, by the receiver.
+    ellipsoid_m: above the ellipsoid, by the receiver; 0 if it does not tell.
+    given_m: from a parameter; NaN if none was given.
+    """
+    measured = ellipsoid_m - altitude_m
+    is_told = ellipsoid_m != 0.0 and abs(measured) > SMALLEST_SEPARATION_M
+    if is_told and abs(measured) <= LARGEST_SEPARATION_M:
+        return measured
+    return given_m if math.isfinite(given_m) else math.nan

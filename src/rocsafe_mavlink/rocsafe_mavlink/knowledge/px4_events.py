@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a PX4 left its mission: its texts say only that a failsafe acts, its events say which.
+
+An event is a number made from its name, with arguments that only PX4's own source lays out
+(events.h, failsafe/framework.cpp and geofenceCheck.cpp of August 2025). The few that matter are
+told as texts, so that people and flights hear of them as of any other words.
+"""
+
+from collections.abc import Mapping
+
+from rocsafe_mavlink.wire.dialect import Message
+
+_FNV_OFFSET, _FNV_PRIME = 0x811C9DC5, 0x01000193
+_AUTOPILOT = 1 << 24
+# failsafe_cause_t of events/enums.json; 0 is none in particular.
+_CAUSES: Mapping[int, str] = {
+    1: 'manual control loss',
+    2: 'GCS connection loss',
+    3: 'low battery level',
+    4: 'critical battery level',
+    5: 'emergency battery level',
+    6: 'remaining flight time low',
+}
+
+
+def event_number(name: str) -> int:
+    """Return the number of an autopilot's event: FNV-1a of its name, 24 bits of it."""
+    value = _FNV_OFFSET
+    for letter in name.encode():
+        value = (value ^ letter) * _FNV_PRIME & 0xFFFFFFFF
+    return value & 0xFFFFFF | _AUTOPILOT
+
+
+# Where the cause lies among the arguments: after mode and action, and the delay if it has one.
+_FAILSAFES = {
+    event_number('commander_failsafe_enter'): 5,
+    event_number('commander_failsafe_enter_hold'): 7,
+}
+_TEXTS = {
+    event_number('check_gf_violation_max_hor_dist'): 'exceeding maximum distance to home',
+    event_number('check_gf_violation_max_alt'): 'exceeding maximum altitude above home',
+    event_number('check_gf_violation_custom_gf'): 'approaching or outside geofence',
+}
+
+
+def text_of_event(event: Message) -> Message:
+    """Return the STATUSTEXT that says what an EVENT does; the event itself if it is not one."""
+    number = int(event['id'])
+    if number in _TEXTS:
+        return _text(event, f'Geofence violation: {_TEXTS[number]}')
+    cause = _CAUSES.get(event['arguments'][_FAILSAFES[number]]) if number in _FAILSAFES else None
+    return event if cause is None else _text(event, f'Failsafe: {cause}')
+
+
+def _text(event: Message, text: str) -> Message:
+    severity = min(int(event['log_levels']) & 0xF, 7)
+    return Message(
+        'STATUSTEXT', {'severity': severity, 'text': text}, event.system, event.component
+    )

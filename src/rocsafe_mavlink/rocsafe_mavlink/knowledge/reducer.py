@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages change what is known of a vehicle; nothing else does.
+
+`reduce` is a pure function, so that a recorded flight gives the same states every time.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
+from rocsafe_geo.position import distance_m
+from rocsafe_mavlink.knowledge.events import Event, EventKind, events_between
+from rocsafe_mavlink.knowledge.fix import LARGEST_SPEED_MPS, separation_m
+from rocsafe_mavlink.knowledge.vehicle import (
+    Attitude,
+    Battery,
+    Gps,
+    Home,
+    Landed,
+    MissionPhase,
+    MissionStatus,
+    Motion,
+    SystemStatus,
+    Vehicle,
+)
+from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.units import (
+    UNKNOWN_16,
+    deg_of_e7,
+    enu_of_ned_cmps,
+    m_of_mm,
+    position_of_e7,
+    yaw_of_centidegrees,
+)
+
+ARMED_FLAG = 0x80
+PREARM_BIT = 1 << 28
+# MAV_AUTOPILOT of what is no autopilot: a camera, a ground station.
+NO_AUTOPILOT = 8
+# Autopilot time that goes back by more is a new start; by less, a late message.
+REBOOT_AFTER_S = 2.0
+UNKNOWN_SATELLITES = 255
+Reducer = Callable[[Vehicle, Message, float], Vehicle]
+
+
+def reduce(
+    vehicle: Vehicle, message: Message, now_s: float, given_separation_m: float = math.nan
+) -> tuple[Vehicle, list[Event]]:
+    """Return what is known after a message, and what happened.
+
+    Messages of other senders change nothing.
+
+    Parameters
+    ----------
+    now_s: steady time of arrival, seconds.
+    given_separation_m: geoid above ellipsoid where the receiver does not tell; NaN if not known.
+    """
+    if (message.system, message.component) != (vehicle.system, vehicle.component):
+        return vehicle, []
+    if message.name == 'STATUSTEXT':
+        return vehicle, [Event(EventKind.TEXT, str(message['text']), int(message['severity']))]
+    events = []
+    if _has_rebooted(vehicle, message):
+        vehicle = Vehicle(system=vehicle.system, component=vehicle.component)
+        events.append(Event(EventKind.REBOOTED))
+    reducer = _REDUCERS.get(message.name)
+    after = vehicle if reducer is None else reducer(vehicle, message, now_s)
+    if message.name == 'GPS_RAW_INT':
+        after = _with_geoid(after, message, given_separation_m)
+    return after, events + events_between(vehicle, after)
+
+
+def _has_rebooted(vehicle: Vehicle, message: Message) -> bool:
+    if message.name == 'HEARTBEAT':
+        was_up = vehicle.autopilot is not None and vehicle.status > SystemStatus.CALIBRATING
+        return was_up and message['system_status'] in (SystemStatus.UNINIT, SystemStatus.BOOT)
+    if message.name == 'GLOBAL_POSITION_INT' and vehicle.motion is not None:
+        return bool(vehicle.motion.boot_s - message['time_boot_ms'] / 1000.0 > REBOOT_AFTER_S)
+    return False
+
+
+def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+    if message['autopilot'] == NO_AUTOPILOT:
+        return vehicle
+    is_armed = bool(message['base_mode'] & ARMED_FLAG)
+    mission = vehicle.mission
+    if is_armed and not vehicle.is_armed:
+        mission = replace(mission, reached=-1)
+    return replace(
+        vehicle,
+        heartbeat_s=now_s,
+        autopilot=message['autopilot'],
+        vehicle_type=message['type'],
+        custom_mode=message['custom_mode'],
+        status=message['system_status'],
+        is_armed=is_armed,
+        mission=mission,
+    )
+
+
+def _position(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+    boot_s = message['time_boot_ms'] / 1000.0
+    last = vehicle.motion
+    if last is not None and boot_s < last.boot_s:
+        # Overtaken on the way: what is known is newer.
+        return vehicle
+    altitude_m = m_of_mm(message['alt'])
+    motion = Motion(
+        position=position_of_e7(
+            message['lat'], message['lon'], altitude_m + vehicle.geoid_separation_m
+        ),
+        altitude_msl_m=altitude_m,
+        height_above_home_m=m_of_mm(message['relative_alt']),
+        velocity_enu_mps=enu_of_ned_cmps(message['vx'], message['vy'], message['vz']),
+        yaw_rad=yaw_of_centidegrees(message['hdg']),
+        boot_s=boot_s,
+        heard_s=now_s,
+    )
+    jumped_s = now_s if _is_jump(last, motion) else vehicle.jumped_s
+    return replace(vehicle, motion=motion, jumped_s=jumped_s)
+
+
+def _is_jump(last: Motion | None, motion: Motion) -> bool:
+    if last is None:
+        return False
+    # Positions are rounded: the shortest time counts as a fifth of a second.
+    passed_s = max(motion.boot_s - last.boot_s, 0.2)
+    return distance_m(last.position, motion.position) > LARGEST_SPEED_MPS * passed_s
+
+
+def _gps(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+    last = vehicle.gps
+    is_new = message['time_usec'] != last.time_us
+    satellites = message['satellites_visible']
+    gps = Gps(
+        fix_type=message['fix_type'],
+        satellites=-1 if satellites == UNKNOWN_SATELLITES else satellites,
+        time_us=message['time_usec'],
+        changed_s=now_s if is_new else last.changed_s,
+        horizontal_std_m=_accuracy_m(message['h_acc']),
+        vertical_std_m=_accuracy_m(message['v_acc']),
+    )
+    return replace(vehicle, gps=gps)
+
+
+def _accuracy_m(accuracy_mm: int) -> float:
+    return m_of_mm(accuracy_mm) if accuracy_mm else math.nan
+
+
+def _with_geoid(vehicle: Vehicle, message: Message, given_m: float) -> Vehicle:
+    if vehicle.is_armed and math.isfinite(vehicle.geoid_separation_m):
+        # Held still in flight, or the track would step where the source changes.
+        return vehicle
+    found_m = separation_m(m_of_mm(message['alt']), m_of_mm(message['alt_ellipsoid']), given_m)
+    return replace(vehicle, geoid_separation_m=found_m)
+
+
+def _sys_status(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    charge, current = message['battery_remaining'], message['current_battery']
+    voltage = message['voltage_battery']
+    battery = Battery(
+        fraction=math.nan if charge < 0 else charge / 100.0,
+        voltage_v=math.nan if voltage == UNKNOWN_16 else voltage / 1000.0,
+        current_a=math.nan if current < 0 else current / 100.0,
+    )
+    is_ok = bool(message['onboard_control_sensors_health'] & PREARM_BIT)
+    return replace(vehicle, battery=battery, is_prearm_ok=is_ok)
+
+
+def _ekf(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    return replace(vehicle, ekf_flags=message['flags'])
+
+
+def _attitude(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    # Forward, right, down becomes forward, left, up.
+    attitude = Attitude(
+        roll_rad=message['roll'],
+        pitch_rad=-message['pitch'],
+        yaw_rad=wrap_rad(yaw_of_heading_rad(message['yaw'])),
+    )
+    return replace(vehicle, attitude=attitude)
+
+
+def _home(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    home = Home(
+        latitude_deg=deg_of_e7(message['latitude']),
+        longitude_deg=deg_of_e7(message['longitude']),
+        altitude_msl_m=m_of_mm(message['altitude']),
+    )
+    return replace(vehicle, home=home)
+
+
+def _landed(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    value = message['landed_state']
+    landed = Landed(value) if value in set(Landed) else Landed.UNDEFINED
+    is_in_air = vehicle.is_armed and landed in (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)
+    return replace(vehicle, landed=landed, has_flown=vehicle.has_flown or is_in_air)
+
+
+def _mission(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    value = message['mission_state']
+    phase = MissionPhase(value) if value in set(MissionPhase) else MissionPhase.UNKNOWN
+    mission = MissionStatus(current=message['seq'], reached=vehicle.mission.reached, phase=phase)
+    return replace(vehicle, mission=mission)
+
+
+def _reached(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    reached = max(vehicle.mission.reached, message['seq'])
+    return replace(vehicle, mission=replace(vehicle.mission, reached=reached))
+
+
+def _fence(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    return replace(vehicle, is_fence_breached=bool(message['breach_status']))
+
+
+def _time(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+    if not message['time_unix_usec']:
+        return vehicle
+    boot_s = message['time_unix_usec'] / 1e6 - message['time_boot_ms'] / 1e3
+    return replace(vehicle, boot_unix_s=boot_s)
+
+
+_REDUCERS: Mapping[str, Reducer] = {
+    'ATTITUDE': _attitude,
+    'EKF_STATUS_REPORT': _ekf,
+    'ESTIMATOR_STATUS': _ekf,
+    'EXTENDED_SYS_STATE': _landed,
+    'FENCE_STATUS': _fence,
+    'GLOBAL_POSITION_INT': _position,
+    'GPS_RAW_INT': _gps,
+    'HEARTBEAT': _heartbeat,
+    'HOME_POSITION': _home,
+    'MISSION_CURRENT': _mission,
+    'MISSION_ITEM_REACHED': _reached,
+    'SYSTEM_TIME': _time,
+    'SYS_STATUS': _sys_status,
+}

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A link: addresses of peers, each with its own reader, and what is sent to each.
+
+No input or output: a transport hands in what came from which address, and takes what to send.
+"""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+from rocsafe_mavlink.link.peer import Peer
+from rocsafe_mavlink.wire.authority import Authority
+from rocsafe_mavlink.wire.counters import Counters, Reason
+from rocsafe_mavlink.wire.dialect import Message, encode
+from rocsafe_mavlink.wire.framing import pack_frame
+from rocsafe_mavlink.wire.signing import SignatureGate, Signer
+
+Address = Hashable
+LARGEST_PEER_COUNT = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkIdentity:
+    """Who we are on the wire: a ground station, with a system number of its own."""
+
+    system: int = 255
+    component: int = 190
+
+    def __post_init__(self) -> None:
+        for name, value in (('system', self.system), ('component', self.component)):
+            if not 1 <= value <= 255:
+                raise ValueError(f'{name} = {value} must be within 1 and 255')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LinkRules:
+    """Whom to listen to.
+
+    Attributes
+    ----------
+    allowed: addresses that are listened to from the start.
+    called: those of them that are greeted before they were heard: we call, they answer.
+    is_discovering: whether any other address may become a peer; for loopback only.
+    is_stream: whether bytes come without borders.
+    """
+
+    allowed: frozenset[Address] = frozenset()
+    called: frozenset[Address] = frozenset()
+    is_discovering: bool = False
+    is_stream: bool = False
+
+
+class Link:
+    """Reads and writes MAVLink for any number of peers.
+
+    An address that is not allowed becomes a peer by a well-signed message, or while discovering
+    by any believable one.
+
+    Parameters
+    ----------
+    rules: whom to listen to.
+    identity: who we are.
+    gate, signer: signatures; both or none.
+    """
+
+    def __init__(
+        self,
+        rules: LinkRules,
+        identity: LinkIdentity | None = None,
+        gate: SignatureGate | None = None,
+        signer: Signer | None = None,
+    ) -> None:
+        if (gate is None) != (signer is None):
+            raise ValueError('a link reads and writes signatures, or neither')
+        self.counters = Counters()
+        self._rules = rules
+        self._identity = LinkIdentity() if identity is None else identity
+        self._gate = gate
+        self._signer = signer
+        self._authority = Authority()
+        self._peers: dict[Address, Peer] = {}
+        self._stranger = self._new_peer(is_stream=False)
+        self._sequence = 0
+
+    @property
+    def peers(self) -> tuple[Address, ...]:
+        """Addresses that were heard and believed, and those that we call."""
+        return tuple(dict.fromkeys((*self._peers, *self._rules.called)))
+
+    def receive(self, address: Address, data: bytes, now_s: float, time_s: float) -> list[Message]:
+        """Return the believable messages in `data` from `address`.
+
+        Parameters
+        ----------
+        now_s: steady time, seconds.
+        time_s: time of day, seconds since 1970.
+        """
+        peer = self._peers.get(address)
+        if peer is None and address in self._rules.allowed:
+            peer = self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
+        if peer is not None:
+            return peer.receive(data, now_s, time_s)
+        return self._hear_stranger(address, data, now_s, time_s)
+
+    def pack(self, message: Message, now_s: float, time_s: float) -> bytes:
+        """Return the frame of `message`, signed if the link has a key.
+
+        Raises
+        ------
+        NotAllowedError: if it may not be sent.
+        ValueError: if a value does not fit into its field.
+        """
+        self._authority.require(message, now_s)
+        number, payload = encode(message)
+        us = self._identity
+        frame = pack_frame(
+            number, payload, us.system, us.component, self._sequence, sign=self._signer is not None
+        )
+        self._sequence = (self._sequence + 1) % 256
+        self.counters.sent += 1
+        return frame if self._signer is None else frame + self._signer.signature(frame, time_s)
+
+    def _hear_stranger(
+        self, address: Address, data: bytes, now_s: float, time_s: float
+    ) -> list[Message]:
+        may_join = self._gate is not None or self._rules.is_discovering
+        if not may_join or len(self._peers) >= LARGEST_PEER_COUNT:
+            self.counters.drop(Reason.UNKNOWN_PEER)
+            return []
+        messages = self._stranger.receive(data, now_s, time_s)
+        # A modem's own word is unsigned and introduces nobody.
+        heard = [message for message in messages if message.name != 'RADIO_STATUS']
+        if heard:
+            self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
+        return heard
+
+    def _new_peer(self, *, is_stream: bool) -> Peer:
+        return Peer(self.counters, self._gate, is_stream=is_stream)

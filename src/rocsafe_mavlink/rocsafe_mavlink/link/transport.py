@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bytes in and out, without waiting: UDP, TCP and serial lines.
+
+A line that breaks is opened again at a later call; what was to be sent meanwhile is lost, as on a
+radio. Nothing here knows MAVLink.
+"""
+
+import contextlib
+import os
+import socket
+import termios
+import tty
+from collections.abc import Callable
+from typing import Protocol
+
+from rocsafe_mavlink.errors import EndpointError
+from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
+from rocsafe_mavlink.link.link import Address
+
+# One look takes at most this many pieces, so that a flood cannot hold its caller.
+LARGEST_TAKE = 256
+LARGEST_PIECE = 65_535
+RETRY_S = 1.0
+Piece = tuple[Address, bytes]
+
+
+class Transport(Protocol):
+    """What a link needs of the world."""
+
+    def take(self, now_s: float) -> list[Piece]:
+        """Return what has come since the last call: sender and bytes."""
+
+    def send(self, address: Address, data: bytes) -> bool:
+        """Send to a peer; return whether it went out."""
+
+    def close(self) -> None:
+        """Give the socket or device back."""
+
+
+class UdpTransport:
+    """Datagrams at one local port, or to and from one vehicle.
+
+    Raises
+    ------
+    EndpointError: if the port cannot be had.
+    """
+
+    def __init__(self, endpoint: Endpoint) -> None:
+        self._socket = socket.socket(_family(endpoint.host), socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        place = (endpoint.host, endpoint.port)
+        try:
+            if endpoint.kind is EndpointKind.UDP:
+                self._socket.bind(place)
+            else:
+                self._socket.connect(place)
+        except OSError as error:
+            self._socket.close()
+            raise EndpointError(f'udp {place[0]}:{place[1]}: {error.strerror}') from error
+        self._is_connected = endpoint.kind is EndpointKind.UDP_OUT
+
+    @property
+    def port(self) -> int:
+        """Local port."""
+        return int(self._socket.getsockname()[1])
+
+    def take(self, now_s: float) -> list[Piece]:  # noqa: ARG002 - nothing to open again
+        """Return the datagrams that wait."""
+        pieces: list[Piece] = []
+        for _ in range(LARGEST_TAKE):
+            try:
+                data, sender = self._socket.recvfrom(LARGEST_PIECE)
+            except BlockingIOError:
+                break
+            except OSError:
+                # An earlier datagram was refused at the other end: nobody is there yet.
+                continue
+            pieces.append((sender[:2], data))
+        return pieces
+
+    def send(self, address: Address, data: bytes) -> bool:
+        """Send one datagram; False if it could not even be handed to the system."""
+        try:
+            if self._is_connected:
+                self._socket.send(data)
+            else:
+                self._socket.sendto(data, address)  # type: ignore[call-overload]
+        except OSError:
+            return False
+        return True
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+class StreamTransport:
+    """Bytes of one line, opened again when it breaks.
+
+    Parameters
+    ----------
+    address: name under which its bytes are reported.
+    open_line: opens it and returns a descriptor that does not block; raises OSError if it cannot.
+    """
+
+    def __init__(self, address: Address, open_line: Callable[[], int]) -> None:
+        self._address = address
+        self._open_line = open_line
+        self._descriptor: int | None = None
+        self._retry_at_s = -RETRY_S
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the line is open."""
+        return self._descriptor is not None
+
+    def take(self, now_s: float) -> list[Piece]:
+        """Return the bytes that wait; open the line if it is not open."""
+        self._ensure_open(now_s)
+        pieces: list[Piece] = []
+        while self._descriptor is not None and len(pieces) < LARGEST_TAKE:
+            try:
+                data = os.read(self._descriptor, LARGEST_PIECE)
+            except BlockingIOError:
+                break
+            except OSError:
+                data = b''
+            if not data:
+                self.close()
+                break
+            pieces.append((self._address, data))
+        return pieces
+
+    def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a line has one end
+        """Send bytes; False if the line is closed or full."""
+        if self._descriptor is None:
+            return False
+        try:
+            # A frame cut in two is a damaged one to its reader, and counted there.
+            return os.write(self._descriptor, data) == len(data)
+        except BlockingIOError:
+            return False
+        except OSError:
+            self.close()
+            return False
+
+    def close(self) -> None:
+        """Close the line; the next look opens it again."""
+        if self._descriptor is not None:
+            with contextlib.suppress(OSError):
+                os.close(self._descriptor)
+        self._descriptor = None
+
+    def _ensure_open(self, now_s: float) -> None:
+        if self._descriptor is None and now_s >= self._retry_at_s:
+            self._retry_at_s = now_s + RETRY_S
+            with contextlib.suppress(OSError):
+                self._descriptor = self._open_line()
+
+
+def open_transport(endpoint: Endpoint) -> Transport:
+    """Return the transport of `endpoint`.
+
+    Raises
+    ------
+    EndpointError: if a port cannot be had or a baud rate is not one of the system's.
+    """
+    if endpoint.kind in (EndpointKind.UDP, EndpointKind.UDP_OUT):
+        return UdpTransport(endpoint)
+    if endpoint.kind is EndpointKind.TCP:
+        return StreamTransport(address_of(endpoint), lambda: _open_tcp(endpoint))
+    speed = getattr(termios, f'B{endpoint.baud}', None)
+    if speed is None:
+        raise EndpointError(f'{endpoint.device}: the system has no baud rate {endpoint.baud}')
+    return StreamTransport(endpoint.device, lambda: _open_serial(endpoint.device, speed))
+
+
+def address_of(endpoint: Endpoint) -> Address:
+    """Return the address under which the other end of a calling `endpoint` is heard."""
+    if endpoint.kind is EndpointKind.SERIAL:
+        return endpoint.device
+    return endpoint.host, endpoint.port
+
+
+def _open_tcp(endpoint: Endpoint) -> int:
+    line = socket.socket(_family(endpoint.host), socket.SOCK_STREAM)
+    line.setblocking(False)
+    line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    try:
+        line.connect((endpoint.host, endpoint.port))
+    except BlockingIOError:
+        # The call is under way; until it is answered, reading finds nothing.
+        pass
+    except OSError:
+        line.close()
+        raise
+    return line.detach()
+
+
+def _open_serial(device: str, speed: int) -> int:
+    descriptor = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        tty.setraw(descriptor)
+        settings = termios.tcgetattr(descriptor)
+        settings[4] = settings[5] = speed
+        termios.tcsetattr(descriptor, termios.TCSANOW, settings)
+    except termios.error as error:
+        os.close(descriptor)
+        raise OSError(*error.args) from error
+    return descriptor
+
+
+def _family(host: str) -> socket.AddressFamily:
+    return socket.AF_INET6 if ':' in host else socket.AF_INET

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sub-protocols of MAVLink: commands, missions, message rates."""

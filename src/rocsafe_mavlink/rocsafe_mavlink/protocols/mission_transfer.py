@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A mission is on the vehicle when what was read back is what was sent, and not before.
+
+An acknowledgement is no approval, and an upload that failed has overwritten the mission before it.
+So after an upload the mission is read back and compared; what differs is sent again; and when that
+does not help, the mission is cleared, so that nothing half-written can be flown.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
+from rocsafe_mavlink.protocols.mission_item import MissionItem, difference
+from rocsafe_mavlink.protocols.mission_results import ACCEPTED, result_text
+from rocsafe_mavlink.protocols.mission_upload import Upload, UploadStage
+from rocsafe_mavlink.wire.dialect import Message, addressed
+
+LARGEST_TRY_COUNT = 5
+CLEAR_AGAIN_S = 1.5
+LARGEST_CLEAR_COUNT = 5
+
+
+class TransferStage(Enum):
+    """How far a transfer is."""
+
+    UPLOADING = 'uploading'
+    READING_BACK = 'reading back'
+    CLEARING = 'clearing'
+    VERIFIED = 'verified'
+    FAILED = 'failed'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Transfer:
+    """State of one verified transfer.
+
+    Attributes
+    ----------
+    upload, download: the parts under way.
+    first_compared: items before it belong to the autopilot (1 where item 0 is home).
+    stage: how far it is.
+    tries: uploads begun.
+    error: why it failed, or why the try before this one did.
+    asked_s, clears: of the clearing.
+    is_cleared: whether the autopilot said, after a failure, that its mission is empty.
+    begins_again: whether it is offered anew once an autopilot that was stuck is cleared.
+    clears_after_failure: whether what may be half written is cleared; not while it is flown.
+    """
+
+    upload: Upload
+    download: Download
+    first_compared: int
+    stage: TransferStage = TransferStage.UPLOADING
+    tries: int = 0
+    error: str = ''
+    asked_s: float = 0.0
+    clears: int = 0
+    is_cleared: bool = False
+    begins_again: bool = True
+    clears_after_failure: bool = True
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more will happen."""
+        return self.stage in (TransferStage.VERIFIED, TransferStage.FAILED)
+
+    def begin(self, now_s: float) -> tuple['Transfer', list[Message]]:
+        """Start the upload."""
+        fresh = replace(
+            self.upload,
+            stage=UploadStage.OFFERED,
+            offers=0,
+            is_stuck=False,
+            highest=-1,
+            error='',
+            heard_s=now_s,
+        )
+        upload, sent = fresh.begin(now_s)
+        stage = TransferStage.UPLOADING
+        return replace(self, stage=stage, upload=upload, tries=self.tries + 1), sent
+
+    def on_message(self, message: Message, now_s: float) -> tuple['Transfer', list[Message]]:
+        """Take a message of the autopilot; those of others change nothing."""
+        if (message.system, message.component) != self.upload.target:
+            return self, []
+        if self.stage is TransferStage.UPLOADING:
+            upload, sent = self.upload.on_message(message, now_s)
+            return replace(self, upload=upload)._after_upload(now_s, sent)
+        if self.stage is TransferStage.READING_BACK:
+            download, sent = self.download.on_message(message, now_s)
+            return replace(self, download=download)._after_download(now_s, sent)
+        if self.stage is TransferStage.CLEARING and message.name == 'MISSION_ACK':
+            return self._on_cleared(int(message['type']), now_s)
+        return self, []
+
+    def on_tick(self, now_s: float) -> tuple['Transfer', list[Message]]:
+        """Let time pass."""
+        if self.stage is TransferStage.UPLOADING:
+            upload, sent = self.upload.on_tick(now_s)
+            return replace(self, upload=upload)._after_upload(now_s, sent)
+        if self.stage is TransferStage.READING_BACK:
+            download, sent = self.download.on_tick(now_s)
+            return replace(self, download=download)._after_download(now_s, sent)
+        if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= CLEAR_AGAIN_S:
+            return self._clear(now_s)
+        return self, []
+
+    def _after_upload(self, now_s: float, sent: list[Message]) -> tuple['Transfer', list[Message]]:
+        if self.upload.stage is UploadStage.FAILED:
+            return self._try_again(now_s, self.upload.error, is_passing=self.upload.is_passing)
+        if self.upload.stage is UploadStage.DONE:
+            fresh = Download(target=self.upload.target, mission_type=self.upload.mission_type)
+            download, asked = fresh.begin(now_s)
+            stage = TransferStage.READING_BACK
+            return replace(self, stage=stage, download=download), sent + asked
+        return self, sent
+
+    def _after_download(
+        self, now_s: float, sent: list[Message]
+    ) -> tuple['Transfer', list[Message]]:
+        if self.download.stage is DownloadStage.FAILED:
+            return self._try_again(now_s, self.download.error, is_passing=True)
+        if self.download.stage is not DownloadStage.DONE:
+            return self, sent
+        error = compare(self.upload.items, self.download.items, self.first_compared)
+        if not error:
+            return replace(self, stage=TransferStage.VERIFIED, error=''), sent
+        again, more = self._try_again(now_s, error, is_passing=True)
+        return again, sent + more
+
+    def _try_again(
+        self, now_s: float, error: str, *, is_passing: bool
+    ) -> tuple['Transfer', list[Message]]:
+        noted = replace(self, error=error)
+        if is_passing and self.tries < LARGEST_TRY_COUNT:
+            return noted.begin(now_s)
+        if not self.clears_after_failure:
+            return replace(noted, stage=TransferStage.FAILED), []
+        return replace(noted, stage=TransferStage.CLEARING)._clear(now_s)
+
+    def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
+        if self.clears >= LARGEST_CLEAR_COUNT:
+            return replace(self, stage=TransferStage.FAILED), []
+        asked, upload = replace(self, asked_s=now_s, clears=self.clears + 1), self.upload
+        clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)
+        return asked, [clear]
+
+    def _on_cleared(self, result: int, now_s: float) -> tuple['Transfer', list[Message]]:
+        if result == ACCEPTED and self.begins_again and self.upload.is_stuck:
+            return replace(self, begins_again=False, clears=0).begin(now_s)
+        if result == ACCEPTED:
+            return replace(self, stage=TransferStage.FAILED, is_cleared=True), []
+        error = f'{self.error}; clearing it: {result_text(result)}'
+        return replace(self, stage=TransferStage.FAILED, error=error), []
+
+
+def transfer(
+    items: Sequence[MissionItem],
+    target: tuple[int, int],
+    *,
+    first_compared: int,
+    mission_type: int = 0,
+    clears_after_failure: bool = True,
+) -> Transfer:
+    """Return a transfer that has not begun.
+
+    Parameters
+    ----------
+    items: as they shall lie on the autopilot, its own item 0 included where it has one.
+    target: (system, component) of the autopilot.
+    first_compared: 1 where item 0 is the autopilot's home, else 0.
+    """
+    return Transfer(
+        upload=Upload(items=tuple(items), target=target, mission_type=mission_type),
+        download=Download(target=target, mission_type=mission_type),
+        first_compared=first_compared,
+        clears_after_failure=clears_after_failure,
+    )
+
+
+def compare(sent: Sequence[MissionItem], back: Sequence[MissionItem], first_compared: int) -> str:
+    """Return how a mission that was read back differs from what was sent; empty if not at all."""
+    if len(sent) != len(back):
+        return f'the mission read back has {len(back)} items, sent were {len(sent)}'
+    for number in range(first_compared, len(sent)):
+        found = difference(sent[number], back[number])
+        if found:
+            return f'item {number} read back: {found}'
+    return ''

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sending a mission: ``(state, message or tick) -> (state, messages to send)``.
+
+The autopilot leads: it asks for each item, as often as it likes, and every question is answered at
+once, also one asked again. Autopilots ask by the old MISSION_REQUEST as well; the answer is
+MISSION_ITEM_INT all the same, since the older item rounds places to metres.
+"""
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_results import (
+    ACCEPTED,
+    INVALID_SEQUENCE,
+    PASSING,
+    result_text,
+)
+from rocsafe_mavlink.wire.dialect import Message, addressed
+
+REQUESTS = ('MISSION_REQUEST', 'MISSION_REQUEST_INT')
+OFFER_AGAIN_S = 1.5
+# With 40 % of all messages lost, one vehicle in a thousand misses so many.
+LARGEST_OFFER_COUNT = 15
+# A PX4 may think that another transfer is under way, and refuse every offer by its type.
+FEWEST_STUCK_OFFERS = 2
+# No autopilot asks again later than this.
+NO_REQUEST_S = 10.0
+# So long after the last item was sent, a lost acknowledgement is the likely reason for silence.
+NO_ACK_S = 3.5
+
+
+class UploadStage(Enum):
+    """How far an upload is."""
+
+    OFFERED = 'offered'
+    SENDING = 'sending'
+    DONE = 'done'
+    FAILED = 'failed'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Upload:
+    """State of one upload.
+
+    Attributes
+    ----------
+    items: what is sent.
+    target: (system, component) of the autopilot.
+    mission_type: mission, fence or rally points.
+    stage: how far it is.
+    heard_s: steady time of the last sign that it goes on.
+    offers: how often it was offered.
+    highest: highest item that was asked for; -1 if none.
+    error: why it failed.
+    is_passing: whether another try may go better.
+    is_stuck: whether offers are refused for a transfer of another type.
+    """
+
+    items: tuple[MissionItem, ...]
+    target: tuple[int, int]
+    mission_type: int = 0
+    stage: UploadStage = UploadStage.OFFERED
+    heard_s: float = 0.0
+    offers: int = 0
+    highest: int = -1
+    error: str = ''
+    is_passing: bool = False
+    is_stuck: bool = False
+
+    def begin(self, now_s: float) -> tuple['Upload', list[Message]]:
+        """Offer the mission."""
+        begun = replace(self, heard_s=now_s, offers=self.offers + 1)
+        return begun, [self._message('MISSION_COUNT', count=len(self.items))]
+
+    def on_message(self, message: Message, now_s: float) -> tuple['Upload', list[Message]]:
+        """Take a message of the autopilot."""
+        if self._is_over:
+            return self, []
+        if message.fields.get('mission_type', 0) != self.mission_type:
+            return self._on_other(message), []
+        if message.name in REQUESTS:
+            return self._on_request(int(message['seq']), now_s)
+        if message.name == 'MISSION_ACK':
+            return self._on_ack(int(message['type'])), []
+        return self, []
+
+    def on_tick(self, now_s: float) -> tuple['Upload', list[Message]]:
+        """Let time pass."""
+        silence_s = now_s - self.heard_s
+        if self.stage is UploadStage.OFFERED and silence_s >= OFFER_AGAIN_S:
+            if self.offers >= LARGEST_OFFER_COUNT:
+                return self._failed('no answer to the offer of a mission', is_passing=False), []
+            return self.begin(now_s)
+        if self.stage is UploadStage.SENDING:
+            if self._was_all_asked and silence_s >= NO_ACK_S:
+                # Only reading it back can tell now.
+                return replace(self, stage=UploadStage.DONE), []
+            if silence_s >= NO_REQUEST_S:
+                text = f'no request for item {self.highest + 1} within {NO_REQUEST_S:g} s'
+                return self._failed(text, is_passing=True), []
+        return self, []
+
+    @property
+    def _is_over(self) -> bool:
+        return self.stage in (UploadStage.DONE, UploadStage.FAILED)
+
+    @property
+    def _was_all_asked(self) -> bool:
+        return self.highest == len(self.items) - 1
+
+    def _on_request(self, number: int, now_s: float) -> tuple['Upload', list[Message]]:
+        if number >= len(self.items):
+            return self, []
+        going = replace(
+            self,
+            stage=UploadStage.SENDING,
+            heard_s=now_s,
+            # From its first item on it is another transfer: the offer was heard again.
+            highest=0 if number == 0 else max(self.highest, number),
+        )
+        return going, [self.items[number].message(number, self.target, self.mission_type)]
+
+    def _on_ack(self, result: int) -> 'Upload':
+        if result == ACCEPTED:
+            # Before the end it belongs to something older.
+            return replace(self, stage=UploadStage.DONE) if self._was_all_asked else self
+        if result == INVALID_SEQUENCE:
+            # An item arrived twice; the autopilot goes on.
+            return self
+        where = f' at item {self.highest}' if self.stage is UploadStage.SENDING else ''
+        return self._failed(f'{result_text(result)}{where}', is_passing=result in PASSING)
+
+    def _on_other(self, message: Message) -> 'Upload':
+        """Take a message about a transfer of another type."""
+        is_refusal = message.name == 'MISSION_ACK' and message['type'] in PASSING
+        is_answer = self.stage is UploadStage.OFFERED and self.offers >= FEWEST_STUCK_OFFERS
+        if not is_refusal or not is_answer:
+            return self
+        failed = self._failed(result_text(int(message['type'])), is_passing=False)
+        return replace(failed, is_stuck=True)
+
+    def _failed(self, error: str, *, is_passing: bool) -> 'Upload':
+        return replace(self, stage=UploadStage.FAILED, error=error, is_passing=is_passing)
+
+    def _message(self, name: str, **fields: int) -> Message:
+        return addressed(name, self.target, mission_type=self.mission_type, **fields)

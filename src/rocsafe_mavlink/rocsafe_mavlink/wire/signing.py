@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Signatures: who may be believed, and never twice.
+
+https://mavlink.io/en/guide/message_signing.html. A signature is compared, in constant time, before
+anything that a message says is remembered: the other order lets one forged message with a time
+far ahead silence a genuine sender for good. Signing is no secrecy: messages stay readable.
+"""
+
+import hashlib
+import hmac
+import struct
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from stat import S_IMODE
+
+from rocsafe_mavlink.errors import KeyFileError
+from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, Frame
+from rocsafe_mavlink.wire.timestamp_store import StreamKey, TimestampStore
+
+KEY_SIZE = 32
+# 2015-01-01 in seconds since 1970; time stamps count 10 microseconds since then.
+EPOCH_S = 1_420_070_400
+TICKS_PER_S = 100_000
+LARGEST_TICKS = 2**48 - 1
+# By this much the first message of a stream may lag behind our own time.
+NEW_STREAM_LAG_TICKS = 60 * TICKS_PER_S
+MAC_SIZE = 6
+
+
+class Verdict(Enum):
+    """What became of a signature."""
+
+    GOOD = 'good'
+    FORGED = 'bad signature'
+    REPLAYED = 'old time stamp'
+    TOO_OLD = 'new stream with an old time stamp'
+    TOO_MANY_STREAMS = 'too many streams'
+
+
+@dataclass(frozen=True, slots=True)
+class SigningKey:
+    """32 secret bytes that never show in a text."""
+
+    secret: bytes = field(repr=False)
+
+    def __post_init__(self) -> None:
+        if len(self.secret) != KEY_SIZE:
+            raise ValueError(f'a signing key has {KEY_SIZE} bytes, not {len(self.secret)}')
+
+    def mac(self, data: bytes) -> bytes:
+        """Return the 48 bits that sign `data`."""
+        return hashlib.sha256(self.secret + data).digest()[:MAC_SIZE]
+
+
+def read_key(path: Path) -> SigningKey:
+    """Return the key in a file that only its owner can read: 32 bytes or 64 hexadecimal digits.
+
+    Raises
+    ------
+    KeyFileError: naming the file and what is wrong with it, never what is in it.
+    """
+    try:
+        mode = S_IMODE(path.stat().st_mode)
+        content = path.read_bytes()
+    except OSError as error:
+        raise KeyFileError(f'signing key {path}: {error.strerror}') from error
+    if mode & 0o077:
+        raise KeyFileError(f'signing key {path} has mode {mode:04o}: must be 0600')
+    if len(content) != KEY_SIZE:
+        content = _from_hexadecimal(path, content)
+    return SigningKey(content)
+
+
+def ticks_at(time_s: float) -> int:
+    """Return the time stamp of `time_s` seconds since 1970."""
+    return min(max(0, int((time_s - EPOCH_S) * TICKS_PER_S)), LARGEST_TICKS)
+
+
+class Signer:
+    """Signs what we send, with time stamps that rise also across restarts."""
+
+    def __init__(self, key: SigningKey, link_id: int, store: TimestampStore) -> None:
+        self._key = key
+        self._link_id = link_id
+        self._store = store
+
+    def signature(self, frame: bytes, time_s: float) -> bytes:
+        """Return what to append to `frame`, a whole one up to its checksum."""
+        ticks = self._store.next_sent(ticks_at(time_s))
+        stamp = struct.pack('<BQ', self._link_id, ticks)[:7]
+        return stamp + self._key.mac(frame + stamp)
+
+
+class SignatureGate:
+    """Judges the signatures of received frames."""
+
+    def __init__(self, key: SigningKey, store: TimestampStore) -> None:
+        self._key = key
+        self._store = store
+
+    def judge(self, frame: Frame, time_s: float) -> Verdict:
+        """Return the verdict on a signed `frame`; only a good one is remembered."""
+        if not hmac.compare_digest(self._key.mac(frame.data[:-MAC_SIZE]), frame.data[-MAC_SIZE:]):
+            return Verdict.FORGED
+        trailer = frame.data[-SIGNATURE_SIZE:]
+        ticks = int.from_bytes(trailer[1:7], 'little')
+        stream: StreamKey = (trailer[0], frame.system, frame.component)
+        last = self._store.last_of(stream)
+        if last is not None and ticks <= last:
+            return Verdict.REPLAYED
+        if last is None and ticks + NEW_STREAM_LAG_TICKS < self._store.newest(ticks_at(time_s)):
+            return Verdict.TOO_OLD
+        if last is None and self._store.is_full:
+            return Verdict.TOO_MANY_STREAMS
+        self._store.accept(stream, ticks)
+        return Verdict.GOOD
+
+
+def _from_hexadecimal(path: Path, content: bytes) -> bytes:
+    try:
+        key = bytes.fromhex(content.decode('ascii').strip())
+    except ValueError:
+        key = b''
+    if len(key) != KEY_SIZE:
+        # Not chained: the cause would quote what is in the file.
+        raise KeyFileError(
+            f'signing key {path} must hold {KEY_SIZE} bytes or {2 * KEY_SIZE} hexadecimal digits'
+        ) from None
+    return key

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time stamps of signatures that outlive the process.
+
+A file keeps a limit that lies a little ahead of what was used: it is written, synchronously,
+only when a stamp passes it. After a crash everything up to the limit counts as used, so that
+nothing can be replayed; genuine messages are refused for at most that second.
+"""
+
+import json
+from pathlib import Path
+
+from rocsafe_geo.storage.durable import write_whole
+
+StreamKey = tuple[int, int, int]
+# How far a limit lies ahead, in ticks of 10 microseconds: one write a second and stream.
+RESERVE_TICKS = 100_000
+LARGEST_STREAM_COUNT = 16
+LARGEST_FILE = 16_384
+_SENT = 'sent'
+
+
+class TimestampStore:
+    """Highest time stamps: sent, and received by stream (link id, system, component).
+
+    Parameters
+    ----------
+    path: file that keeps them; None keeps them in memory only.
+
+    Raises
+    ------
+    ValueError: if the file does not hold what was written there.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._path = path
+        self._limits: dict[str, int] = _read(path)
+        self._used = dict(self._limits)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no further stream is remembered."""
+        return len(self._used.keys() - {_SENT}) >= LARGEST_STREAM_COUNT
+
+    def last_of(self, stream: StreamKey) -> int | None:
+        """Return the highest accepted time stamp of `stream`, None if it is new."""
+        return self._used.get(_name(stream))
+
+    def newest(self, now: int) -> int:
+        """Return our own time: that of the clock, or of what was sent or accepted after it."""
+        return max(now, *self._used.values()) if self._used else now
+
+    def accept(self, stream: StreamKey, ticks: int) -> None:
+        """Remember `ticks` as used by `stream`."""
+        self._use(_name(stream), ticks)
+
+    def next_sent(self, now: int) -> int:
+        """Return the next time stamp to send: our own time, or just above the last one.
+
+        A clock that runs behind an accepted sender follows it, or nobody would believe us.
+        """
+        ticks = max(self.newest(now), self._used.get(_SENT, 0) + 1)
+        self._use(_SENT, ticks)
+        return ticks
+
+    def _use(self, name: str, ticks: int) -> None:
+        self._used[name] = ticks
+        if ticks > self._limits.get(name, -1):
+            self._limits[name] = ticks + RESERVE_TICKS
+            self._write()
+
+    def _write(self) -> None:
+        if self._path is not None:
+            write_whole(self._path, json.dumps(self._limits).encode())
+
+
+def _name(stream: StreamKey) -> str:
+    return '/'.join(str(part) for part in stream)
+
+
+def _read(path: Path | None) -> dict[str, int]:
+    if path is None or not path.exists():
+        return {}
+    try:
+        with path.open('rb') as file:
+            limits = json.loads(file.read(LARGEST_FILE))
+        return {str(name): int(ticks) for name, ticks in limits.items()}
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f'time stamps in {path} are damaged: {error}') from error

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From an area and a camera to viewpoints: the waypoint generator of the ROCSAFE paper.
+
+A rectangle around the polygon is divided into tiles, one photograph each. The paper then drops
+every tile whose centre fails a ray-casting test, which leaves slivers of the area unseen; here
+every tile that touches the area is kept. A tile is no larger than a camera footprint, so the kept
+ones see the whole area.
+"""
+
+import contextlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_geo.limits import require_finite
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_planner.coverage.sight import Sight, sight
+from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+# A tile that reaches less far into the area sees no ground worth a photograph.
+_TOUCH_M = 1e-6
+_RIGHT = 0.5 * math.pi
+_SEARCH_STEP_RAD = math.radians(5.0)
+_SEARCHED_EDGES = 12
+
+SPACING_RULES: dict[str, Callable[[float], float]] = {
+    'iou': lambda overlap: (1.0 - overlap) / (1.0 + overlap),
+    'linear': lambda overlap: 1.0 - overlap,
+}
+"""Spacing as a fraction of the footprint, by name of the rule."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoverageSpec:
+    """What the grid depends on besides the area.
+
+    `footprint_m` and `spacing_m` are (across, along): across is the direction of the image's
+    width, along that of its height, in which the vehicle's nose points.
+    """
+
+    footprint_m: tuple[float, float]
+    spacing_m: tuple[float, float]
+    grid: str
+    max_viewpoints: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Coverage:
+    """Viewpoints in the plane of a local frame, and what their photographs see.
+
+    Attributes
+    ----------
+    centres
+        (east, north) below the cameras in metres, shape (n, 2): polygon after polygon, rows from
+        the south, each from the west (as seen in the grid's own axes).
+    yaw_rad
+        Of the vehicle at each viewpoint, shape (n,): 0 = east, anticlockwise.
+    footprints
+        Corners (east, north) of the ground seen from each, shape (n, 4, 2), anticlockwise.
+    polygon
+        Number of the polygon that each viewpoint was made for, shape (n,).
+    sight
+        What all photographs together show.
+    """
+
+    centres: FloatArray
+    yaw_rad: FloatArray
+    footprints: FloatArray
+    polygon: NDArray[np.intp]
+    sight: Sight
+
+
+def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:
+    """Return the distance between neighbouring viewpoints along one side of the footprint.
+
+    ``'iou'`` is the paper's w = 2h((1-y)/(1+y))tan(theta), theta half the field of view: two
+    neighbouring photographs share the fraction y of the ground that either sees. ``'linear'`` is
+    the surveyors' w = F(1-y): they share the fraction y of one. With F = 2h tan(theta), y = 0.2
+    means 33.3 % of the image side in the first and 20 % in the second.
+
+    Raises
+    ------
+    ValueError
+        If the rule is not known or the overlap is outside 0 to below 1.
+    """
+    if rule not in SPACING_RULES:
+        raise ValueError(f'spacing_rule is {rule!r}: must be one of {", ".join(SPACING_RULES)}')
+    overlap = require_finite('overlap_fraction', overlap_fraction)
+    if not 0.0 <= overlap < 1.0:
+        raise ValueError(f'overlap_fraction is {overlap:g}: must be from 0 to below 1')
+    return footprint_m * SPACING_RULES[rule](overlap)
+
+
+def coverage_spec(
+    camera: PinholeCamera,
+    height_m: float,
+    overlap_fractions: tuple[float, float],
+    rule: str,
+    grid: str,
+    max_viewpoints: int,
+) -> CoverageSpec:
+    """Return the grid's measures; overlaps (across, along) hold each with its own angle."""
+    across, along = camera.footprint_m(height_m)
+    return CoverageSpec(
+        footprint_m=(across, along),
+        spacing_m=(
+            spacing_m(across, overlap_fractions[0], rule),
+            spacing_m(along, overlap_fractions[1], rule),
+        ),
+        grid=grid,
+        max_viewpoints=max_viewpoints,
+    )
+
+
+def cover(
+    polygons: Sequence[shapely.Polygon],
+    spec: CoverageSpec,
+    may_stand: Callable[[FloatArray], BoolArray] | None = None,
+) -> Coverage:
+    """Return the viewpoints that photograph `polygons` (east, north; metres).
+
+    Each polygon has a grid of its own. Viewpoints for which `may_stand` says False are left out;
+    the ground that only they see is not covered.
+
+    Raises
+    ------
+    TooManyViewpointsError
+        If more than ``spec.max_viewpoints`` are needed; found out without making them.
+    NoWayError
+        If no viewpoint is left.
+    """
+    tilings = [_tiling(polygon, spec) for polygon in polygons]
+    _check_count(sum(len(centres) for centres, _ in tilings), spec)
+    centres = np.vstack([centres for centres, _ in tilings])
+    footprints = np.vstack([_footprints(*tiling, spec) for tiling in tilings])
+    counts = [len(centres) for centres, _ in tilings]
+    yaws = np.repeat([math.atan2(axes[1, 1], axes[0, 1]) for _, axes in tilings], counts)
+    kept = np.ones(len(centres), dtype=bool) if may_stand is None else may_stand(centres)
+    if not kept.any():
+        raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    return Coverage(
+        centres=centres[kept],
+        yaw_rad=yaws[kept],
+        footprints=footprints[kept],
+        polygon=np.repeat(np.arange(len(polygons)), counts)[kept],
+        sight=sight(polygons, footprints[kept]),
+    )
+
+
+def _tiling(polygon: shapely.Polygon, spec: CoverageSpec) -> tuple[FloatArray, FloatArray]:
+    """Return the viewpoints of one polygon, and the axes of its grid."""
+    axes = GRIDS[spec.grid](polygon, spec)
+    return _tile_centres(_turned(polygon, axes), spec) @ axes.T, axes
+
+
+def _turned(polygon: shapely.Polygon, axes: FloatArray) -> shapely.Polygon:
+    turned: shapely.Polygon = shapely.transform(polygon, lambda points: points @ axes)
+    return turned
+
+
+def _footprints(centres: FloatArray, axes: FloatArray, spec: CoverageSpec) -> FloatArray:
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    footprints: FloatArray = centres[:, None, :] + (0.5 * corners * spec.footprint_m) @ axes.T
+    return footprints
+
+
+def _axis_aligned(_polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:
+    """Return the axes of the paper's rectangle: east, north."""
+    return np.eye(2)
+
+
+def _rotated(polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:
+    """Return the axes of the smallest rectangle, the one nearest to east first; columns."""
+    corners = shapely.get_coordinates(polygon.minimum_rotated_rectangle)
+    side = corners[1] - corners[0]
+    angle = math.atan2(side[1], side[0])
+    return _axes(angle - round(angle / (math.pi / 2.0)) * (math.pi / 2.0))
+
+
+def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
+    """Return the axes that need fewest viewpoints: every 5 degrees and along every edge."""
+    ring = shapely.get_coordinates(polygon.exterior)
+    sides = np.diff(ring, axis=0)
+    longest = sides[np.argsort(-np.hypot(*sides.T), kind='stable')[:_SEARCHED_EDGES]]
+    along = np.arctan2(longest[:, 1], longest[:, 0])
+    angles = np.concatenate([np.arange(0.0, math.pi, _SEARCH_STEP_RAD), along, along + _RIGHT])
+    counts: list[tuple[int, float]] = []
+    for angle in np.unique(np.round(angles % math.pi, 9)).tolist():
+        with contextlib.suppress(TooManyViewpointsError):
+            counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
+    # Where no angle will do, the grid that is not turned says why.
+    return _axes(min(counts, default=(0, 0.0))[1])
+
+
+def _axes(angle_rad: float) -> FloatArray:
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+    return np.array([[cos, -sin], [sin, cos]])
+
+
+GRIDS: dict[str, Callable[[shapely.Polygon, CoverageSpec], FloatArray]] = {
+    'axis_aligned': _axis_aligned,
+    'rotated': _rotated,
+    'best': _best,
+}
+"""Axes of the circum-rectangle, as columns (across, along), by name."""
+
+
+def _tile_centres(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
+    """Return the centres of the tiles that touch the polygon, in the grid's axes, (n, 2)."""
+    (width, height), (west, south) = spec.spacing_m, polygon.bounds[:2]
+    east, north = polygon.bounds[2:]
+    columns = _tiles(east - west, width)
+    rows = _tiles(north - south, height)
+    # A connected area has a tile in every row and column.
+    _check_count(max(columns, rows, _tiles(polygon.area, width * height)), spec)
+    x0 = 0.5 * (west + east) - 0.5 * columns * width
+    y0 = 0.5 * (south + north) - 0.5 * rows * height
+    edges = y0 + height * np.arange(rows + 1)
+    bands = shapely.intersection(
+        polygon, shapely.box(west - 1.0, edges[:-1], east + 1.0, edges[1:])
+    )
+    centres: list[FloatArray] = []
+    for row, band in enumerate(bands):
+        touched = _touched_columns(band, x0, width, columns)
+        x = x0 + width * (touched + 0.5)
+        centres.append(np.column_stack([x, np.full_like(x, y0 + height * (row + 0.5))]))
+    _check_count(sum(len(row) for row in centres), spec)
+    return np.vstack(centres)
+
+
+def _tiles(extent: float, tile: float) -> int:
+    """Return how many tiles are needed; an extent of whole tiles is not rounded up."""
+    return max(1, math.ceil(extent / tile - 1e-9))
+
+
+def _touched_columns(band: shapely.Geometry, x0: float, width: float, columns: int) -> FloatArray:
+    """Return the numbers of the tiles of one row that the area touches, rising.
+
+    A connected part of a row's band touches exactly the columns that its x-interval meets.
+    """
+    parts = shapely.get_parts(shapely.get_parts(band))
+    touched = np.zeros(columns, dtype=bool)
+    for x_min, _, x_max, _ in shapely.bounds(parts[shapely.area(parts) > 0.0]):
+        first = math.floor((x_min + _TOUCH_M - x0) / width)
+        last = math.ceil((x_max - _TOUCH_M - x0) / width)
+        touched[max(first, 0) : max(last, first + 1)] = True
+    return np.flatnonzero(touched).astype(float)
+
+
+def _check_count(needed: int, spec: CoverageSpec) -> None:
+    if needed > spec.max_viewpoints:
+        across, along = spec.spacing_m
+        raise TooManyViewpointsError(
+            f'the region needs at least {needed} viewpoints {across:.2f} m by {along:.2f} m '
+            f'apart: max_viewpoints is {spec.max_viewpoints}'
+        )

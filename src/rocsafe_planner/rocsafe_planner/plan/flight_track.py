@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where a vehicle is at any time of its route, in the planner's time model."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
+
+FloatArray = NDArray[np.float64]
+
+# While two legs are flown at once, their speeds add up to a little more than either may have.
+_CORNER_HASTE = 1.5
+
+
+class FlightTrack:
+    """The motions of a vehicle's flights by one clock.
+
+    Attributes
+    ----------
+    windows
+        (begin, end) of the times in the air, shape (flights, 2), seconds since first take-off.
+    is_aloft
+        Whether it begins in the air.
+    top_speed_mps
+        That it never exceeds, climb and descent included.
+    low, high
+        Corners (east, north, up) of the box that it stays in.
+    """
+
+    def __init__(self, problem: FleetProblem, vehicle: int, flights: list[Order]) -> None:
+        spec = problem.vehicles[vehicle]
+        last = len(flights) - 1
+        self._motions = [
+            problem.motion(vehicle, order, is_first=number == 0, is_last=number == last)
+            for number, order in enumerate(flights)
+        ]
+        swap_s = spec.battery_swap_s or 0.0
+        durations = np.array([motion.duration_s for motion in self._motions])
+        ends = np.cumsum(durations + swap_s) - swap_s
+        self.windows: FloatArray = np.column_stack([ends - durations, ends]).reshape(-1, 2)
+        self.is_aloft = spec.aloft is not None
+        places = [place for motion in self._motions for place in motion.places_enu]
+        self.low, self.high = np.min(places, axis=0), np.max(places, axis=0)
+        flight = problem.flight(vehicle)
+        level = flight.fastest().cruise_speed_mps * (_CORNER_HASTE if flight.passes else 1.0)
+        self.top_speed_mps = float(
+            np.hypot(level, max(spec.climb_rate_mps, spec.descent_rate_mps))
+        )
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first take-off to the last touch-down."""
+        return float(self.windows[-1, 1])
+
+    def places(self, times_s: FloatArray) -> FloatArray:
+        """Return (east, north, up) at times in the air, shape (n, 3)."""
+        begins = self.windows[:, 0]
+        flight = np.clip(np.searchsorted(begins, times_s, side='right') - 1, 0, None)
+        places = np.empty((len(times_s), 3))
+        for number in np.unique(flight).tolist():
+            chosen = flight == number
+            places[chosen] = self._motions[number].positions(times_s[chosen] - begins[number])
+        return places

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lengths of straight legs, and times of a vehicle's legs, all of them kept once that pays."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_planner.problem.airspace import Air, Detours
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+
+MOST_KEPT = 16_000_000
+"""Times that all vehicles of a problem keep together at most: 128 MB."""
+# A call for few legs takes as long as one for so many.
+_LEAST_LEGS = 300
+# Each leg on its way takes some hundred bytes.
+_MOST_AT_ONCE = 200_000
+# Part of all legs that are reckoned one by one before all are.
+_SHARE = 0.25
+
+
+class LegTimes:
+    """How long a vehicle flies between sites, without hovering.
+
+    A leg's time depends on that leg alone, so that it does not matter which are asked for
+    together, nor whether all are kept.
+
+    Parameters
+    ----------
+    air
+        Where it passes sites, and how long its flights take.
+    detours
+        Shortest paths among the sites; None: legs are straight.
+    most
+        How many times there is room for: those of all legs, or none are kept.
+    """
+
+    def __init__(self, air: Air, detours: Detours | None, most: int) -> None:
+        self._air, self._detours = air, detours
+        self._may_keep = len(air.sites) ** 2 <= most
+        self._reckoned = 0
+        self._kept: FloatArray | None = None
+
+    def __call__(self, origins: IndexArray, targets: IndexArray) -> FloatArray:
+        """Return the times of legs between sites, broadcast."""
+        if self._kept is None and self._pays(np.broadcast(origins, targets).size):
+            every = np.arange(len(self._air.sites))
+            self._kept = self._flown(every[:, None], every[None, :])
+        if self._kept is None:
+            return self._flown(origins, targets)
+        times: FloatArray = self._kept[origins, targets]
+        return times
+
+    def _pays(self, legs: int) -> bool:
+        """Count legs that are asked for, and return whether all of them are to be kept."""
+        self._reckoned += max(legs, _LEAST_LEGS)
+        return self._may_keep and self._reckoned >= _SHARE * len(self._air.sites) ** 2
+
+    def _flown(self, origins: IndexArray, targets: IndexArray) -> FloatArray:
+        shape = np.broadcast_shapes(origins.shape, targets.shape)
+        rows = max(1, _MOST_AT_ONCE // max(shape[-1], 1))
+        if len(shape) < 2 or shape[0] <= rows:
+            return self._flown_at_once(origins, targets)
+        origins, targets = np.broadcast_to(origins, shape), np.broadcast_to(targets, shape)
+        parts = (slice(first, first + rows) for first in range(0, shape[0], rows))
+        times = np.empty(shape)
+        for part in parts:
+            times[part] = self._flown_at_once(origins[part], targets[part])
+        return times
+
+    def _flown_at_once(self, origins: IndexArray, targets: IndexArray) -> FloatArray:
+        air = self._air
+        if self._detours is not None:
+            return self._detours.duration_s(origins, targets, air)
+        return air.flight(air.sites[origins], air.sites[targets])
+
+
+def distances_m(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the plane distances of points (..., 2) that broadcast."""
+    difference = a - b
+    distance: FloatArray = np.hypot(difference[..., 0], difference[..., 1])
+    return distance

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What orders of points are worth once they are flown: battery changes and corners included."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.problem.fleet_problem import FleetProblem, IndexArray, Order
+from rocsafe_planner.routing.solver_problem import PEAK_OBJECTIVES
+from rocsafe_planner.routing.sorties import sorties
+
+
+def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
+    """Return when the last vehicle has landed, swaps included; infinite if that cannot be."""
+    return objective_value(problem, orders, 'longest_time')
+
+
+def objective_value(problem: FleetProblem, orders: list[Order], objective: str) -> float:
+    """Return the value of an objective, flights to change batteries included.
+
+    It is in seconds, metres or watt seconds; infinite if a battery is too weak.
+    """
+    try:
+        costs = [vehicle_value(problem, k, order, objective) for k, order in enumerate(orders)]
+    except BeyondEnduranceError:
+        return math.inf
+    return max(costs) if objective in PEAK_OBJECTIVES else sum(costs)
+
+
+def vehicle_value(problem: FleetProblem, vehicle: int, order: Order, objective: str) -> float:
+    """Return what a vehicle's flights cost."""
+    flights, spec = sorties(problem, vehicle, order), problem.vehicles[vehicle]
+    if objective.endswith('distance'):
+        return _length_m(problem, vehicle, flights)
+    swaps_s = max(0, len(flights) - 1) * (spec.battery_swap_s or 0.0)
+    time_s = _route_s(problem, vehicle, order, flights)
+    if objective == 'energy':
+        hover_s = len(order) * spec.hover_s
+        moving_s = time_s - swaps_s - hover_s
+        return moving_s * spec.cruise_power_w + hover_s * spec.hover_power_w
+    return time_s
+
+
+def _length_m(problem: FleetProblem, vehicle: int, flights: list[Order]) -> float:
+    legs = (problem.legs_m(stops[:-1], stops[1:]) for stops in _stops(problem, vehicle, flights))
+    return (problem.exit_m(vehicle) if flights else 0.0) + float(sum(leg.sum() for leg in legs))
+
+
+def _route_s(problem: FleetProblem, vehicle: int, order: Order, flights: list[Order]) -> float:
+    if len(flights) < 2:
+        return problem.duration_s(vehicle, order)
+    spec = problem.vehicles[vehicle]
+    total = (len(flights) - 1) * (spec.battery_swap_s or 0.0) + len(order) * spec.hover_s
+    total += problem.first_fixed_s(vehicle) + (len(flights) - 1) * problem.fixed_s(vehicle)
+    for stops in _stops(problem, vehicle, flights):
+        total += float(problem.legs_s(vehicle, stops[:-1], stops[1:]).sum())
+    return total
+
+
+def _stops(problem: FleetProblem, vehicle: int, flights: list[Order]) -> Iterator[IndexArray]:
+    """Yield the sites of each flight."""
+    home = problem.home_site(vehicle)
+    for number, flight in enumerate(flights):
+        start = problem.start_site(vehicle) if number == 0 else home
+        end = problem.end_site(vehicle) if number == len(flights) - 1 else home
+        yield np.array([start, *flight, *([] if end is None else [end])], dtype=np.intp)

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Viewpoints that a request names instead of a grid."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.coverage.sight import sight
+from rocsafe_planner.coverage.viewpoint_grid import Coverage
+from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.problem.viewpoint import Viewpoint
+from rocsafe_planner.site.request import SurveyRequest
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+def given_coverage(
+    request: SurveyRequest,
+    frame: LocalFrame,
+    polygons: Sequence[shapely.Polygon],
+    may_stand: Callable[[FloatArray], BoolArray] | None,
+) -> Coverage:
+    """Return the viewpoints that a request names, without those where nobody may stand.
+
+    `polygon` of the result is the number of the viewpoint in the request. Those visited before
+    count as seen.
+
+    Raises
+    ------
+    TooManyViewpointsError, NoWayError
+        If there are more than the request allows, or none is left.
+    """
+    views = request.viewpoints
+    if len(views) > request.max_viewpoints:
+        raise TooManyViewpointsError(
+            f'{len(views)} viewpoints are given: max_viewpoints is {request.max_viewpoints}'
+        )
+    centres = places_of(frame, [view.position for view in views])
+    kept = np.ones(len(views), dtype=bool) if may_stand is None else may_stand(centres)
+    if not kept.any():
+        raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    numbers = np.flatnonzero(kept)
+    footprints = footprints_of(frame, [views[number] for number in numbers])
+    seen = np.vstack([footprints, footprints_of(frame, request.visited)])
+    return Coverage(
+        centres=centres[kept],
+        yaw_rad=np.array([views[number].yaw_rad for number in numbers]),
+        footprints=footprints,
+        polygon=numbers,
+        sight=sight(polygons, seen),
+    )
+
+
+def places_of(frame: LocalFrame, positions: Sequence[GeoPosition]) -> FloatArray:
+    """Return (east, north) of positions, shape (n, 2)."""
+    return frame.to_enu(
+        [position.latitude_deg for position in positions],
+        [position.longitude_deg for position in positions],
+        np.nan,
+    )[:, :2]
+
+
+def footprints_of(frame: LocalFrame, views: Sequence[Viewpoint]) -> FloatArray:
+    """Return the corners (east, north) of what viewpoints show, shape (n, 4, 2)."""
+    if not views:
+        return np.zeros((0, 4, 2))
+    return places_of(frame, [c for view in views for c in view.footprint]).reshape(-1, 4, 2)

@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A request in the plane of a local frame: viewpoints, exclusions, and the routing problem."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain.terrain import LocalGround
+from rocsafe_planner.coverage.viewpoint_grid import Coverage, CoverageSpec, cover, coverage_spec
+from rocsafe_planner.errors import MissingSensorError, TooManyViewpointsError
+from rocsafe_planner.problem.airspace import Airspace
+from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.problem.viewpoint import Viewpoint
+from rocsafe_planner.site.given_viewpoints import given_coverage, places_of
+from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
+
+FloatArray = NDArray[np.float64]
+
+MAX_TERRAIN_SITES = 2500
+"""Around exclusions besides, where legs are known as a table only: 6 million of them take some
+seconds."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SurveySite:
+    """What a request means in the plane; `viewpoints` are those of the problem's points."""
+
+    request: SurveyRequest
+    frame: LocalFrame
+    spec: CoverageSpec
+    coverage: Coverage
+    polygons: tuple[shapely.Polygon, ...]
+    viewpoints: tuple[Viewpoint, ...]
+    problem: FleetProblem
+
+    def viewpoint(self, vehicle: int, point: int) -> Viewpoint:
+        """Return a viewpoint as a vehicle sees it: from its own layer."""
+        view, layer = self.viewpoints[point], self.problem.layer_m(vehicle)
+        if not layer:
+            return view
+        height = view.height_agl_m + layer
+        place = view.position
+        raised = GeoPosition(place.latitude_deg, place.longitude_deg, place.altitude_m + layer)
+        corners = (_scaled(place, c, height / view.height_agl_m) for c in view.footprint)
+        return dataclasses.replace(
+            view, position=raised, height_agl_m=height, footprint=tuple(corners)
+        )
+
+    def positions(self, places: FloatArray) -> tuple[GeoPosition, ...]:
+        """Return places (n, 3) of the problem; their altitude is NaN if the ground's is."""
+        if not len(places):
+            return ()
+        geodetic = _geodetic(self.request, self.frame, places)
+        return tuple(GeoPosition(*place) for place in geodetic.tolist())
+
+    def ground_altitude_m(self, vehicle: int) -> float:
+        """Return the ground's altitude at a vehicle's home, NaN if it is level."""
+        ground = self.problem.ground
+        if ground is None:
+            return math.nan
+        return float(ground.altitudes_m(self.problem.homes[vehicle : vehicle + 1])[0])
+
+    def landing_height_m(self, vehicle: int) -> float:
+        """Return the height above home of the flight over a vehicle's end, NaN if level."""
+        end, ground = self.problem.end_site(vehicle), self.problem.ground
+        if ground is None or end is None:
+            return math.nan
+        up = self.problem.ups_m[end] - ground.ups_m(self.problem.homes[vehicle : vehicle + 1])[0]
+        return float(up) + self.problem.layer_m(vehicle)
+
+
+def survey_site(request: SurveyRequest) -> SurveySite:
+    """Return the site of a request.
+
+    Raises
+    ------
+    ValueError
+        If a home or end lies too far away or in an exclusion.
+    PlannerError
+        If the request has no viewpoints within its limits, or no vehicle for one of them, or its
+        terrain lacks their ground.
+    """
+    check_distances(request)
+    frame = frame_of(request)
+    polygons = tuple(region.area.polygon(frame) for region in request.regions)
+    zones = [zone.polygon(frame) for zone in request.exclusions]
+    airspace = Airspace(zones, request.clearance_m) if zones else None
+    spec = _spec_of(request)
+    may_stand = airspace.holds if airspace else None
+    if request.viewpoints:
+        coverage = given_coverage(request, frame, polygons, may_stand)
+    else:
+        coverage = cover(polygons, spec, may_stand)
+    problem = _problem_of(request, coverage, frame, airspace)
+    return SurveySite(
+        request=request,
+        frame=frame,
+        spec=spec,
+        coverage=coverage,
+        polygons=polygons,
+        viewpoints=_viewpoints(request, coverage, frame, problem),
+        problem=problem,
+    )
+
+
+def frame_of(request: SurveyRequest) -> LocalFrame:
+    """Return the frame about the first region's centre; level ground as high as the homes."""
+    centre = request.regions[0].area.centroid()
+    ground = _ground_altitude_m(request)
+    altitude = 0.0 if math.isnan(ground) else ground
+    return LocalFrame(GeoPosition(centre.latitude_deg, centre.longitude_deg, altitude))
+
+
+def _references(request: SurveyRequest) -> list[GeoPosition]:
+    return list(request.ground_reference) or [vehicle.home for vehicle in request.vehicles]
+
+
+def _ground_altitude_m(request: SurveyRequest) -> float:
+    """Return the mean altitude of the homes whose altitude is known, NaN if none is."""
+    altitudes = [place.altitude_m for place in _references(request)]
+    known = [altitude for altitude in altitudes if not math.isnan(altitude)]
+    return sum(known) / len(known) if known else math.nan
+
+
+def _spec_of(request: SurveyRequest) -> CoverageSpec:
+    return coverage_spec(
+        request.camera,
+        request.height_agl_m,
+        (request.overlap_fraction, request.front_overlap),
+        request.spacing_rule,
+        request.grid,
+        request.max_viewpoints,
+    )
+
+
+def _problem_of(
+    request: SurveyRequest, coverage: Coverage, frame: LocalFrame, airspace: Airspace | None
+) -> FleetProblem:
+    vehicles = request.vehicles
+    starts = places_of(frame, [vehicle.start for vehicle in vehicles])
+    homes = places_of(frame, [vehicle.home for vehicle in vehicles])
+    ends = places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles])
+    sites = np.vstack([coverage.centres, starts, ends, homes])
+    start_ups = _start_ups_m(request, frame)
+    detours = insides = None
+    if airspace is not None:
+        check_stands(vehicles, airspace, (starts, homes, ends))
+        starts, insides = exits(vehicles, airspace, starts)
+        insides = np.column_stack([insides, start_ups])
+        # On their way out they come to the height of their legs.
+        start_ups = np.where(np.isnan(insides[:, 0]), start_ups, math.nan)
+        sites = np.vstack([coverage.centres, starts, ends, homes])
+        detours = airspace.detours(sites)
+    ground = relief = None
+    if request.terrain is not None:
+        if detours is not None and len(sites) > MAX_TERRAIN_SITES:
+            raise TooManyViewpointsError(
+                f'{len(sites)} viewpoints and homes are to be joined around exclusions and over a '
+                f'terrain: must be at most {MAX_TERRAIN_SITES}'
+            )
+        ground = LocalGround(request.terrain, frame, _references(request))
+        corners = sites if detours is None else np.vstack([sites, detours.corners])
+        relief = ground.relief(corners, request.terrain_clearance_m)
+        check_ups(vehicles, start_ups - ground.ups_m(starts), request.terrain_clearance_m)
+    return FleetProblem(
+        vehicles=vehicles,
+        homes=homes,
+        ends=ends,
+        starts=starts,
+        insides=insides,
+        start_ups_m=None if np.isnan(start_ups).all() else start_ups,
+        points=coverage.centres,
+        height_m=request.height_agl_m,
+        ground=ground,
+        relief=relief,
+        wind_mps=request.wind_mps,
+        detours=None if detours is None or detours.is_straight else detours,
+        may_visit=_may_visit(request, coverage),
+        grid_rad=float(coverage.yaw_rad[0]) - 0.5 * math.pi,
+        name_of=lambda point: _name(request, coverage, frame, point),
+    )
+
+
+def _name(request: SurveyRequest, coverage: Coverage, frame: LocalFrame, point: int) -> str:
+    """Return the id of a viewpoint and where it is, in words."""
+    place = coverage.centres[point : point + 1]
+    latitude, longitude = frame.to_geodetic(np.column_stack([place, [[0.0]]]))[0, :2].tolist()
+    return f'viewpoint {_id(request, coverage, point)} at {latitude:.6f}, {longitude:.6f}'
+
+
+def _id(request: SurveyRequest, coverage: Coverage, point: int) -> int:
+    """Return the id of the viewpoint of a point: as given, or its number."""
+    return request.viewpoints[coverage.polygon[point]].id if request.viewpoints else point
+
+
+def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
+    """Return how high vehicles in the air are above the frame's origin, NaN where unknown."""
+    if request.terrain is None and math.isnan(_ground_altitude_m(request)):
+        return np.full(len(request.vehicles), math.nan)
+    return np.array(
+        [
+            math.nan if v.aloft is None else v.aloft.position.altitude_m - frame.origin.altitude_m
+            for v in request.vehicles
+        ]
+    )
+
+
+def _may_visit(request: SurveyRequest, coverage: Coverage) -> NDArray[np.bool_] | None:
+    """Return which vehicle may visit which point; None if all may."""
+    needs = needed_sensors(request)
+    if not any(needs):
+        return None
+    carried = [set(vehicle.sensors) for vehicle in request.vehicles]
+    able: NDArray[np.bool_] = np.array(
+        [[set(sensors) <= carries for sensors in needs] for carries in carried]
+    )
+    for number in np.flatnonzero(~able.any(axis=0)):
+        raise MissingSensorError(
+            f'{_owner(request, int(number))} requires {", ".join(needs[number])}: no vehicle '
+            'carries all of them'
+        )
+    allowed: NDArray[np.bool_] = able[:, coverage.polygon]
+    return allowed
+
+
+def needed_sensors(request: SurveyRequest) -> list[tuple[str, ...]]:
+    """Return what must be carried, by region, or by viewpoint if those are given."""
+    if request.viewpoints:
+        return [view.sensors for view in request.viewpoints]
+    return [region.sensors for region in request.regions]
+
+
+def _owner(request: SurveyRequest, number: int) -> str:
+    if request.viewpoints:
+        return f'viewpoint {request.viewpoints[number].id}'
+    return f'region {request.regions[number].area.name!r}'
+
+
+def _viewpoints(
+    request: SurveyRequest, coverage: Coverage, frame: LocalFrame, problem: FleetProblem
+) -> tuple[Viewpoint, ...]:
+    """Return the viewpoint of every point."""
+    count = len(coverage.centres)
+    places = np.column_stack([coverage.centres, problem.ups_m[:count]])
+    geodetic = _geodetic(request, frame, places)
+    corners = coverage.footprints.reshape(-1, 2)
+    ground = frame.to_geodetic(np.column_stack([corners, np.full(len(corners), math.nan)]))
+    footprints = ground.reshape(count, 4, 3).tolist()
+    yaws, owners = coverage.yaw_rad.tolist(), coverage.polygon.tolist()
+    needs = needed_sensors(request)
+    return tuple(
+        Viewpoint(
+            id=_id(request, coverage, point),
+            position=GeoPosition(*place),
+            height_agl_m=request.height_agl_m,
+            yaw_rad=yaws[point],
+            footprint=tuple(GeoPosition(*corner) for corner in footprint),
+            sensors=needs[owners[point]],
+        )
+        for point, (place, footprint) in enumerate(zip(geodetic.tolist(), footprints, strict=True))
+    )
+
+
+def _geodetic(request: SurveyRequest, frame: LocalFrame, places: FloatArray) -> FloatArray:
+    """Return latitude, longitude and altitude of places (n, 3)."""
+    geodetic = frame.to_geodetic(places)
+    if request.terrain is not None:
+        # Heights over a terrain count from the ellipsoid, which is curved, not from the plane.
+        geodetic[:, 2] = frame.origin.altitude_m + places[:, 2]
+    elif math.isnan(_ground_altitude_m(request)):
+        geodetic[:, 2] = math.nan
+    return geodetic
+
+
+def _scaled(centre: GeoPosition, corner: GeoPosition, factor: float) -> GeoPosition:
+    """Return a corner so much further from the centre."""
+    return GeoPosition(
+        centre.latitude_deg + factor * (corner.latitude_deg - centre.latitude_deg),
+        centre.longitude_deg + factor * (corner.longitude_deg - centre.longitude_deg),
+        corner.altitude_m,
+    )

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nearest customers of each customer: where the search looks for better neighbours."""
+
+import numpy as np
+
+from rocsafe_planner.solver.model.compiled import inner, kernel
+from rocsafe_planner.solver.model.tables import Floats, Ints
+
+
+@inner
+def insert_sorted(near: Ints, apart: Floats, row: int, candidate: int, distance: float) -> None:
+    """Put a candidate into a row of nearest ones, kept in order of distance, then of number."""
+    k = near.shape[1] - 1
+    last = apart[row, k]
+    if distance > last or (distance == last and candidate > near[row, k]):
+        return
+    while k > 0 and (
+        distance < apart[row, k - 1]
+        or (distance == apart[row, k - 1] and candidate < near[row, k - 1])
+    ):
+        near[row, k] = near[row, k - 1]
+        apart[row, k] = apart[row, k - 1]
+        k -= 1
+    near[row, k] = candidate
+    apart[row, k] = distance
+
+
+@kernel
+def nearest_in_cells(
+    points: Floats,
+    cell_of: Ints,
+    start: Ints,
+    members: Ints,
+    columns: int,
+    size: float,
+    near: Ints,
+    apart: Floats,
+) -> None:
+    """Fill `near` from a grid of cells, ring by ring until no nearer point can follow."""
+    rows = (len(start) - 1) // columns
+    for i in range(len(near)):
+        row, column = cell_of[i] // columns, cell_of[i] % columns
+        for ring in range(max(rows, columns)):
+            if ring > 0 and apart[i, near.shape[1] - 1] <= ((ring - 1) * size) ** 2:
+                break
+            for r in range(max(0, row - ring), min(rows, row + ring + 1)):
+                edge = abs(r - row) == ring
+                step = 1 if edge else max(1, 2 * ring)
+                for c in range(column - ring, column + ring + 1, step):
+                    if c < 0 or c >= columns:
+                        continue
+                    for k in range(start[r * columns + c], start[r * columns + c + 1]):
+                        j = members[k]
+                        if j == i:
+                            continue
+                        dx = points[i, 0] - points[j, 0]
+                        dy = points[i, 1] - points[j, 1]
+                        dz = points[i, 2] - points[j, 2]
+                        insert_sorted(near, apart, i, j, dx * dx + dy * dy + dz * dz)
+
+
+def near_points(points: Floats, count: int) -> Ints:
+    """Return the `count` nearest other points of each of (n, 3) points, nearest first.
+
+    Ties go to the lower number, so that the answer is the same on every machine. Cells hold about
+    two points each; `count` must be below n.
+    """
+    n = len(points)
+    low = points[:, :2].min(axis=0)
+    extent = points[:, :2].max(axis=0) - low
+    size = float(max(np.sqrt(max(extent.prod(), 1e-12) * 2 / n), extent.max() / n, 1e-9))
+    columns = int(extent[0] // size) + 1
+    rows = int(extent[1] // size) + 1
+    at = ((points[:, :2] - low) // size).astype(np.int32)
+    cell_of = at[:, 1] * np.int32(columns) + at[:, 0]
+    members = np.argsort(cell_of, kind='stable').astype(np.int32)
+    start = np.searchsorted(cell_of[members], np.arange(rows * columns + 1)).astype(np.int32)
+    near = np.full((n, count), n, np.int32)
+    apart = np.full((n, count), np.inf)
+    nearest_in_cells(points, cell_of, start, members, columns, size, near, apart)
+    return near
+
+
+def near_rows(costs: Floats, count: int) -> Ints:
+    """Return the `count` cheapest other customers of each row of a square table of costs."""
+    table = costs.copy()
+    np.fill_diagonal(table, np.inf)
+    return np.ascontiguousarray(
+        np.argsort(table, axis=1, kind='stable')[:, :count].astype(np.int32)
+    )
+
+
+def near_all_round(costs: Floats, points: Floats, nearest: int, each: int) -> Ints:
+    """Return the cheapest other customers of each, and more of them on every side of it.
+
+    Where customers come in clusters, the nearest ones all belong to one's own: only those on
+    every side (Johnson and McGeoch's quadrant neighbours) lead out of it. Where a side has too
+    few, the cheapest of the rest fill up.
+
+    Parameters
+    ----------
+    costs
+        (n, n) table of legs.
+    points
+        (n, 2 or 3) customers, metres; sides are told by the first two columns.
+    nearest
+        How many come first, wherever they are.
+    each
+        How many come from each of the four quadrants besides; n > nearest + 4 * each.
+    """
+    order = near_rows(costs, len(costs) - 1)
+    apart = points[order, :2] - points[:, None, :2]
+    side = 2 * (apart[..., 0] >= 0) + (apart[..., 1] >= 0)
+    rest = side[:, nearest:]
+    rank = np.full(order.shape, 2)
+    rank[:, :nearest] = 0
+    for quadrant in range(4):
+        on = rest == quadrant
+        rank[:, nearest:][on & (np.cumsum(on, axis=1) <= each)] = 1
+    chosen = np.argsort(rank, axis=1, kind='stable')[:, : nearest + 4 * each]
+    return np.ascontiguousarray(np.take_along_axis(order, chosen, axis=1))

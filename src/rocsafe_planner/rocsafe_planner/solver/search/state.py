@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The routes under search: flat arrays that keep every partial cost ready."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rocsafe_planner.solver.model.compiled import Long, inlined, inner, kernel
+from rocsafe_planner.solver.model.tables import Floats, Ints, Tables, Words, leg
+
+ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
+
+
+class State(NamedTuple):
+    """Routes of a search; route r fills the slots r*stride .. r*stride + length[r] + 1.
+
+    The first and last slot of a route hold its ends. With C measures, the partial costs of measure
+    c lie `c * m * stride` further on.
+    """
+
+    node: Ints
+    """Site in each slot."""
+    length: Ints
+    """(m,) customers of each route."""
+    route: Ints
+    """(n,) route that serves each customer."""
+    place: Ints
+    """(n,) slot of each customer within its route, from 1."""
+    ahead: Floats
+    """Cost from the route's start to each slot, for every measure."""
+    back: Floats
+    """Cost from each slot back to the start, flown in reverse; `ahead` itself when symmetric."""
+    heads: Words
+    """Abilities that serve everybody up to a slot (restricted problems only)."""
+    tails: Words
+    """Abilities that serve everybody from a slot on (restricted problems only)."""
+    cost: Floats
+    """(m,) cost of each route as the objective sees it."""
+    load: Floats
+    """(m,) consumption of each route as its limit sees it."""
+    after: Ints
+    """(n + m,) what follows each customer, and each route's start n + r; n + r means its end."""
+    before: Ints
+    """(n + m,) what precedes each customer, and each route's end n + r; n + r means its start."""
+    trial: Floats
+    """(3, m) cost and load of routes on trial, and 1 for those that differ from the slots."""
+    spare: Ints
+    """Room for nodes on the move."""
+
+
+def empty_state(tables: Tables) -> State:
+    """Return a state of empty routes with room for every customer in any of them."""
+    n, m = len(tables.needs), len(tables.first)
+    stride, measures = n + 2, len(tables.stay)
+    ahead = np.zeros(measures * m * stride)
+    masks = m * stride if tables.restricted else 1
+    return State(
+        node=np.zeros(m * stride, np.int32),
+        length=np.zeros(m, np.int32),
+        route=np.zeros(n, np.int32),
+        place=np.zeros(n, np.int32),
+        ahead=ahead,
+        back=ahead if tables.symmetric else np.zeros_like(ahead),
+        heads=np.zeros(masks, np.uint64),
+        tails=np.zeros(masks, np.uint64),
+        cost=np.zeros(m),
+        load=np.zeros(m),
+        after=np.zeros(n + m, np.int32),
+        before=np.zeros(n + m, np.int32),
+        trial=np.zeros((3, m)),
+        spare=np.zeros(2 * stride, np.int32),
+    )
+
+
+@inlined
+def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
+    """Return the cost of a route from that of its legs."""
+    if customers == 0:
+        return tables.idle[route]
+    return tables.fixed[route] + path
+
+
+@inner
+def refill(tables: Tables, state: State, route: int, low: int, high: int) -> None:
+    """Bring slots low .. high (low >= 1) in line with `node`, and shift what is behind."""
+    stride = len(state.node) // len(state.length)
+    row = route * stride
+    end = state.length[route] + 1
+    anchor = len(state.route) + route
+    previous = anchor if low == 1 else Long(state.node[row + low - 1])
+    for k in range(low, min(high, end - 1) + 1):
+        customer = Long(state.node[row + k])
+        state.route[customer] = route
+        state.place[customer] = k
+        state.before[customer] = previous
+        state.after[previous] = customer
+        previous = customer
+    following = anchor if high >= end - 1 else Long(state.node[row + high + 1])
+    state.after[previous] = following
+    state.before[following] = previous
+    for c in range(tables.stay.shape[0]):
+        base = c * len(state.node) + row
+        before = state.ahead[base + high]
+        total = state.ahead[base + low - 1]
+        for k in range(low, high + 1):
+            total += leg(tables, c, Long(state.node[row + k - 1]), Long(state.node[row + k]))
+            state.ahead[base + k] = total
+        rise = total - before
+        for k in range(high + 1, end + 1):
+            state.ahead[base + k] += rise
+        if tables.symmetric:
+            continue
+        before = state.back[base + high]
+        total = state.back[base + low - 1]
+        for k in range(low, high + 1):
+            total += leg(tables, c, Long(state.node[row + k]), Long(state.node[row + k - 1]))
+            state.back[base + k] = total
+        rise = total - before
+        for k in range(high + 1, end + 1):
+            state.back[base + k] += rise
+
+
+@inner
+def slide(tables: Tables, state: State, route: int, low: int, by: int) -> None:
+    """Move slots low .. end of a route by `by` slots, with their partial costs, and its length."""
+    stride = len(state.node) // len(state.length)
+    row = route * stride
+    end = state.length[route] + 1
+    state.length[route] += by
+    step = -1 if by > 0 else 1
+    first, beyond = (end, low - 1) if by > 0 else (low, end + 1)
+    for k in range(first, beyond, step):
+        state.node[row + k + by] = state.node[row + k]
+    for k in range(low + by, end + by):
+        state.place[state.node[row + k]] = k
+    for base in range(row, len(state.ahead), len(state.node)):
+        for k in range(first, beyond, step):
+            state.ahead[base + k + by] = state.ahead[base + k]
+        if not tables.symmetric:
+            for k in range(first, beyond, step):
+                state.back[base + k + by] = state.back[base + k]
+
+
+@inner
+def remask(tables: Tables, state: State, route: int) -> None:
+    """Bring the ability masks of a whole route in line with `node`."""
+    stride = len(state.node) // len(state.length)
+    row = route * stride
+    end = state.length[route] + 1
+    mask = ALL
+    state.heads[row] = mask
+    for k in range(1, end):
+        mask &= tables.needs[state.node[row + k]]
+        state.heads[row + k] = mask
+    state.heads[row + end] = mask
+    mask = ALL
+    state.tails[row + end] = mask
+    for k in range(end - 1, 0, -1):
+        mask &= tables.needs[state.node[row + k]]
+        state.tails[row + k] = mask
+    state.tails[row] = mask
+
+
+@inlined
+def settle(tables: Tables, state: State, route: int) -> None:
+    """Take the cost and load of a route from its partial costs, after its slots were refilled."""
+    m = len(state.length)
+    stride = len(state.node) // m
+    last = route * stride + state.length[route] + 1
+    customers = Long(state.length[route])
+    path = state.ahead[Long(tables.measure[route]) * m * stride + last]
+    state.cost[route] = path_cost(tables, route, customers, path)
+    if tables.limited:
+        used = state.ahead[Long(tables.limit_measure[route]) * m * stride + last]
+        state.load[route] = used if customers else 0.0
+    if tables.restricted:
+        remask(tables, state, route)
+
+
+@kernel
+def load(tables: Tables, state: State, order: Ints, lengths: Ints) -> None:
+    """Set the routes: `order` lists the customers of route 0, then of route 1, and so on."""
+    m = len(state.length)
+    stride = len(state.node) // m
+    taken = 0
+    for r in range(m):
+        row = r * stride
+        size = Long(lengths[r])
+        state.length[r] = size
+        state.node[row] = Long(tables.first[r])
+        for k in range(size):
+            state.node[row + 1 + k] = order[taken + k]
+        state.node[row + size + 1] = Long(tables.last[r])
+        taken += size
+        refill(tables, state, r, Long(1), size + 1)
+        settle(tables, state, r)
+
+
+@inner
+def unload(state: State, order: Ints, lengths: Ints) -> None:
+    """Write the routes into `order` and `lengths`, as `load` reads them."""
+    m = len(state.length)
+    stride = len(state.node) // m
+    taken = 0
+    for r in range(m):
+        lengths[r] = state.length[r]
+        for k in range(state.length[r]):
+            order[taken + k] = state.node[r * stride + 1 + k]
+        taken += state.length[r]

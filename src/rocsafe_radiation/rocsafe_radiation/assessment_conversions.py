@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A picture -> messages: sources, dose map, cordons, beliefs, viewpoints wanted."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point
+from nav_msgs.msg import OccupancyGrid
+from numpy.typing import NDArray
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_interfaces.msg import HazardSource, HazardSourceArray
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_radiation.belief.belief_search import BeliefMap
+from rocsafe_radiation.decision.waypoint_choice import Waypoint
+from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.cordon import MEAN, Cordon
+from rocsafe_radiation.products.dose_map import DoseMap
+from rocsafe_radiation.products.level_colours import level_rgb
+from rocsafe_radiation.readings.ground import Ground
+from rocsafe_ros.conversions import point_of_position, stamp_of_ns
+
+# Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
+LOWEST_CELL_USVH, DECADES = 0.1, 6.0
+MAP_FRAME = 'map'
+# Lines in the ground could not be seen.
+LINE_HEIGHT_M = 0.1
+LINE_WIDTH_M = {True: 1.0, False: 0.4}
+
+
+def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) -> HazardSourceArray:
+    """Return what was found, with the stamp of the newest reading."""
+    found, rule = picture.found, picture.options.rule
+    kernel = picture.options.known.kernel
+    message = HazardSourceArray(
+        sources=[
+            _source_message(number, source, found, frame)
+            for number, source in enumerate(found.sources, 1)
+            if frame is not None
+        ],
+        source_count_probability=list(found.order_probabilities),
+        background_usvh=found.background_usvh,
+        background_std_usvh=found.background_std_usvh,
+        method=found.method,
+        model=AIR_MODEL if kernel.is_lossy else PAPER_MODEL,
+        is_enough=picture.verdict.is_enough,
+        false_alarm_probability=rule.false_alarm,
+        missed_probability=rule.missed,
+        verdict=picture.verdict.reason,
+        misfit_standard_deviations=found.dispersion,
+        doubts=list(found.doubts),
+    )
+    message.header.stamp = stamp_of_ns(time_ns)
+    message.header.frame_id = 'earth'
+    return message
+
+
+def _source_message(
+    number: int, source: SourceEstimate, found: Localization, frame: LocalFrame
+) -> HazardSource:
+    return HazardSource(
+        id=number,
+        kind=HazardSource.GAMMA,
+        position=point_of_position(frame.position_of(source.position_enu_m)),
+        position_covariance=source.covariance_m2.ravel().tolist(),
+        dose_rate_at_1m_usvh=source.dose_rate_at_1m_usvh,
+        dose_rate_at_1m_std_usvh=source.dose_rate_at_1m_std_usvh,
+        detection_log_likelihood_ratio=source.detection_llr,
+        reading_count=found.reading_count,
+    )
+
+
+def dose_map_message(found: DoseMap, time_ns: int) -> OccupancyGrid:
+    """Return the mean of `found`, log-scaled: 0 at 0.1 uSv/h and below, 100 at 1e5 and above."""
+    decades = np.log10(np.maximum(found.mean_usvh, LOWEST_CELL_USVH) / LOWEST_CELL_USVH)
+    return _grid_message(100.0 * decades / DECADES, found.corner_m, found.cell_m, time_ns)
+
+
+def belief_message(found: BeliefMap, time_ns: int) -> OccupancyGrid:
+    """Return the probability of a source in each cell, percent."""
+    return _grid_message(100.0 * found.probabilities, found.corner_m, found.cell_m, time_ns)
+
+
+def _grid_message(
+    percent: NDArray[np.float64], corner_m: tuple[float, float], cell_m: float, time_ns: int
+) -> OccupancyGrid:
+    """Return values of 0 to 100 at nodes as cells about them, in the frame of the mission."""
+    rows, columns = percent.shape
+    cells = np.clip(np.round(percent), 0, 100).astype(np.int8)
+    message = OccupancyGrid(data=cells.ravel().tolist())
+    message.header.stamp = stamp_of_ns(time_ns)
+    message.header.frame_id = MAP_FRAME
+    message.info.resolution = float(cell_m)
+    message.info.width, message.info.height = columns, rows
+    # The origin is the corner of a cell, a node its middle.
+    message.info.origin.position.x = corner_m[0] - cell_m / 2.0
+    message.info.origin.position.y = corner_m[1] - cell_m / 2.0
+    message.info.origin.orientation.w = 1.0
+    return message
+
+
+def cordon_markers(found: Sequence[Cordon], ground: Ground, time_ns: int) -> MarkerArray:
+    """Return each cordon as lines on the ground, thick by the mean, thin by the upper 95 %.
+
+    The first marker takes away those of the message before.
+    """
+    stamp = stamp_of_ns(time_ns)
+    clear = Marker(action=Marker.DELETEALL)
+    clear.header.stamp, clear.header.frame_id = stamp, MAP_FRAME
+    markers = [clear]
+    for cordon in found:
+        for part in cordon.area.geoms:
+            for ring in (part.exterior, *part.interiors):
+                corners = np.array(ring.coords)[:, :2]
+                corners = np.column_stack([corners, ground.ups_at(corners) + LINE_HEIGHT_M])
+                markers.append(_ring_marker(cordon, corners, len(markers), stamp))
+    return MarkerArray(markers=markers)
+
+
+def _ring_marker(cordon: Cordon, corners: NDArray[np.float64], number: int, stamp: Time) -> Marker:
+    marker = Marker(type=Marker.LINE_STRIP, action=Marker.ADD, id=number)
+    marker.header.stamp, marker.header.frame_id = stamp, MAP_FRAME
+    marker.ns = f'{cordon.level_usvh:g} uSv/h {cordon.confidence}'
+    marker.scale.x = LINE_WIDTH_M[cordon.confidence == MEAN]
+    red, green, blue = level_rgb(cordon.level_usvh)
+    marker.color = ColorRGBA(r=red / 255.0, g=green / 255.0, b=blue / 255.0, a=1.0)
+    marker.pose.orientation.w = 1.0
+    marker.points = [Point(x=x, y=y, z=z) for x, y, z in corners.tolist()]
+    return marker
+
+
+def fill_suggestion(
+    response: SuggestViewpoints.Response,
+    picture: Picture,
+    waypoints: Sequence[Waypoint],
+    frame: LocalFrame,
+) -> SuggestViewpoints.Response:
+    """Return `response` with what to measure next and why."""
+    response.status = SuggestViewpoints.Response.OK
+    response.is_enough = picture.verdict.is_enough
+    response.reason = picture.verdict.reason
+    response.viewpoints = [
+        point_of_position(frame.position_of(np.array(one.position_enu_m))) for one in waypoints
+    ]
+    response.expected_gain = [one.gain if math.isfinite(one.gain) else 0.0 for one in waypoints]
+    return response

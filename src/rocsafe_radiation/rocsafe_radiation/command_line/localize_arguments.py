@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arguments of the command `localize`."""
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization.localize import METHODS, ML_METHOD
+from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide_names
+
+AUTO = 'auto'
+COLUMNS = """\
+columns of the file, comma separated, with a row of names; others do not matter:
+  latitude_deg, longitude_deg, altitude_m   WGS84, metres above any one datum
+  or east_m, north_m, up_m                  metres in any local frame, up above the ground
+  dose_rate_usvh                            microsievert per hour; or _nsvh, _msvh, _svh (per
+                                            hour) or _usvps (microsievert per second)
+  or counts, live_time_s                    with --sensitivity; or both, which is best
+  dose_rate_std_usvh, time_ns, vehicle      if there are any
+  saturated                                 1 where the detector was: left out
+  reference_counts                          of a window of the spectrum above the lines of the
+                                            source: they foretell the background of counts
+Rows without a valid place and value are left out and counted.
+"""
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    found = argparse.ArgumentParser(
+        prog='rocsafe localize',
+        description='Find gamma sources in a file of readings, and say how sure that is.',
+        epilog=COLUMNS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    found.add_argument('file', type=Path, metavar='READINGS.csv')
+    _add_physics(found.add_argument_group('what is known before'))
+    _add_ground(found.add_argument_group('how high the ground is'))
+    _add_method(found.add_argument_group('how to search'))
+    _add_output(found.add_argument_group('what to tell'))
+    return found
+
+
+def _add_physics(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        '--model',
+        choices=(AUTO, PAPER_MODEL, AIR_MODEL),
+        default=AUTO,
+        help='law of the dose rate (default: what the file says, else air)',
+    )
+    group.add_argument(
+        '--nuclide',
+        choices=nuclide_names(),
+        default=DEFAULT_NUCLIDE,
+        metavar='NAME',
+        help=f'whose photons air attenuates (default: {DEFAULT_NUCLIDE})',
+    )
+    group.add_argument(
+        '--sensitivity',
+        type=_number('sensitivity', 1e-6, 1e7),
+        default=0.0,
+        metavar='CPS',
+        help='counts a second for 1 uSv/h (default: from counts and dose rate)',
+    )
+    group.add_argument(
+        '--height',
+        type=_number('height', 0.0, 1e4),
+        default=math.nan,
+        metavar='M',
+        help='metres above the ground, of a file without altitudes',
+    )
+
+
+def _add_ground(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        '--ground',
+        type=_number('ground', -1e3, 1e4),
+        default=math.nan,
+        metavar='M',
+        help='altitude of level ground, in the datum of the file (default: the lowest reading)',
+    )
+    group.add_argument(
+        '--terrain',
+        default='',
+        metavar='TIF',
+        help='GeoTIFF of the heights of ground that is not level, for a file of degrees',
+    )
+    group.add_argument(
+        '--terrain-at',
+        type=_number('terrain-at', -180.0, 1e4),
+        nargs=3,
+        action='append',
+        default=[],
+        metavar=('LAT', 'LON', 'ALT'),
+        help='a place on the ground with its altitude in the datum of the file: the heights of '
+        '--terrain are shifted to agree; may be given several times (default: same datum)',
+    )
+    group.add_argument(
+        '--terrain-provider',
+        default='',
+        metavar='MODULE:FUNCTION',
+        help='who reads the file of --terrain, for instance a scene, if it is no GeoTIFF',
+    )
+    group.add_argument(
+        '--terrain-seed',
+        type=int,
+        default=0,
+        metavar='N',
+        help='seed of a scene (default: 0)',
+    )
+
+
+def _add_method(group: argparse._ArgumentGroup) -> None:
+    rule = StoppingRule()
+    group.add_argument(
+        '--method',
+        choices=METHODS,
+        default=ML_METHOD,
+        help='poisson-ml: by likelihood, exact; belief-grid: by readings that say yes or no, '
+        f'rough (default: {ML_METHOD})',
+    )
+    group.add_argument(
+        '--errors',
+        type=_number('errors', 1e-6, 0.49),
+        default=rule.false_alarm,
+        metavar='P',
+        help='probability of a wrong decision, either way, at which the evidence is enough '
+        f'(default: {rule.false_alarm:g})',
+    )
+    group.add_argument(
+        '--ellipse',
+        type=_number('ellipse', 1e-3, 1e4),
+        default=rule.ellipse_95_m,
+        metavar='M',
+        help='longest half axis of a 95 %% ellipse that is enough, metres '
+        f'(default: {rule.ellipse_95_m:g})',
+    )
+    group.add_argument(
+        '--smallest',
+        type=_number('smallest', 1e-3, 1e9),
+        default=rule.smallest_usvh,
+        metavar='USVH',
+        help='dose rate at 1 m of the weakest source that matters, uSv/h '
+        f'(default: {rule.smallest_usvh:g}, 1 GBq of Cs-137)',
+    )
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        '--levels',
+        type=_number('level', 1e-3, 1e9),
+        nargs='+',
+        metavar='USVH',
+        help='dose rates of cordons, uSv/h at 1 m (default: 2.5 25 100 1000 100000)',
+    )
+    group.add_argument(
+        '--next',
+        type=int,
+        choices=range(101),
+        default=0,
+        metavar='N',
+        help='also say at which N places to measure next to know more',
+    )
+    group.add_argument('--json', action='store_true', help='print JSON instead of a table')
+    group.add_argument(
+        '--out',
+        type=Path,
+        metavar='DIR',
+        help='also write sources.json and, of places in degrees, sources.geojson, '
+        'cordons.geojson, cordons.kml, dose_map.tif and dose_map.png',
+    )
+
+
+def _number(name: str, low: float, high: float) -> Callable[[str], float]:
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(
+                f'{name} = {text}: must be within {low:g} to {high:g}'
+            )
+        return value
+
+    return parse

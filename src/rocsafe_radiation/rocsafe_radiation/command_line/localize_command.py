@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`localize`: sources from a survey file, without ROS."""
+
+import argparse
+import dataclasses
+import json
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
+from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.decision.waypoint_choice import Waypoint
+from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
+from rocsafe_radiation.localization.localize import Localization, LocalizationOptions
+from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.products.assessment import (
+    Picture,
+    PictureOptions,
+    picture_of,
+    suggested_waypoints,
+)
+from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
+from rocsafe_radiation.products.dose_map import LARGEST_CELLS
+from rocsafe_radiation.products.files import write_products
+from rocsafe_radiation.products.source_document import picture_document, place_of, source_document
+from rocsafe_radiation.readings.ground import LEVEL, Ground, GroundError, ground_over
+from rocsafe_radiation.readings.readings_file import ReadingsFile, read_readings
+from rocsafe_radiation.readings.spectral_window import background_shape
+from rocsafe_radiation.readings.survey import Survey, survey_of
+
+EXIT_OK, EXIT_REFUSED = 0, 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Read, localise, print, and return the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        readings = read_readings(options.file, options.height, options.ground)
+        survey = _survey(readings, options)
+        picture = picture_of(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
+        if options.out is not None:
+            write_products(options.out, picture, readings.frame)
+    except (RadiationError, OSError) as error:
+        sys.stderr.write(f'error: {error}\n')
+        return EXIT_REFUSED
+    places = suggested_waypoints(picture, options.next)
+    if options.json:
+        document = picture_document(picture, readings.frame)
+        document['next_places'] = [
+            place_of(np.array(one.position_enu_m), readings.frame) for one in places
+        ]
+        sys.stdout.write(json.dumps(document, indent=1) + '\n')
+    else:
+        lines = [*_notes(readings, options), *_lines(picture.found, readings)]
+        lines += _advice(picture, places, readings)
+        sys.stdout.write('\n'.join(lines) + '\n')
+    return EXIT_OK
+
+
+def _options(options: argparse.Namespace, readings: ReadingsFile) -> PictureOptions:
+    model = options.model
+    if model == AUTO:
+        model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
+    kernel = Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide)
+    return PictureOptions(
+        known=LocalizationOptions(kernel=kernel),
+        method=options.method,
+        rule=StoppingRule(
+            false_alarm=options.errors,
+            missed=options.errors,
+            ellipse_95_m=options.ellipse,
+            smallest_usvh=options.smallest,
+        ),
+        levels_usvh=tuple(options.levels or DEFAULT_LEVELS_USVH),
+    )
+
+
+def _survey(readings: ReadingsFile, options: argparse.Namespace) -> Survey:
+    survey = survey_of(readings.observations, options.sensitivity)
+    if survey.size and options.terrain:
+        survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
+        _require_above_ground(survey)
+    reference = np.array(readings.reference_counts, np.float64)
+    if not reference.sum() > 0.0:
+        return survey
+    shape = background_shape(survey.positions_enu_m, reference)
+    return dataclasses.replace(survey, background_shape=shape)
+
+
+def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace) -> Ground:
+    """Return the ground of ``--terrain``.
+
+    Raises
+    ------
+    GroundError: in one line, why there is none.
+    """
+    if readings.frame is None:
+        raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
+    places = options.terrain_at
+    terrain = TerrainOptions(
+        terrain_file=options.terrain,
+        terrain_provider=options.terrain_provider,
+        terrain_seed=options.terrain_seed,
+        terrain_latitudes_deg=tuple(place[0] for place in places),
+        terrain_longitudes_deg=tuple(place[1] for place in places),
+        terrain_altitudes_m=tuple(place[2] for place in places),
+    )
+    try:
+        heights = terrain.heights()
+    except ValueError as error:
+        raise GroundError(str(error)) from error
+    if heights is None:
+        return LEVEL
+    return ground_over(heights, readings.frame, survey.positions_enu_m[:, :2])
+
+
+def _require_above_ground(survey: Survey) -> None:
+    height_m = float(np.median(survey.heights_m))
+    if height_m <= 0.0:
+        raise GroundError(
+            f'the readings are {-height_m:.1f} m below the terrain: must be above; give a place '
+            'of known altitude by --terrain-at if the datums differ'
+        )
+
+
+def _advice(picture: Picture, places: Sequence[Waypoint], readings: ReadingsFile) -> list[str]:
+    rule = picture.options.rule
+    limits = f'errors {rule.false_alarm:.2g}, ellipses within {rule.ellipse_95_m:g} m'
+    enough = 'enough' if picture.verdict.is_enough else 'not enough yet'
+    lines = [f'the evidence is {enough}: {picture.verdict.reason} ({limits})']
+    for place in places:
+        named = place_of(np.array(place.position_enu_m), readings.frame)
+        where = ', '.join(f'{name} {value}' for name, value in named.items())
+        lines.append(f'measure next at {where}')
+    return lines
+
+
+def _notes(readings: ReadingsFile, options: argparse.Namespace) -> list[str]:
+    notes = [f'{count} rows left out: {reason}' for reason, count in readings.dropped.items()]
+    if readings.backward_steps:
+        notes.append(f'the clock went backwards {readings.backward_steps} times; rows kept')
+    if readings.is_ground_guessed and not options.terrain:
+        lowest = readings.frame.origin.altitude_m if readings.frame else 0.0
+        notes.append(
+            f'the lowest reading, at {lowest:.1f} m, is taken for the ground: '
+            '--ground or --terrain may know better'
+        )
+    return notes
+
+
+def _lines(found: Localization, readings: ReadingsFile) -> list[str]:
+    chances = ', '.join(f'{k}: {p:.3f}' for k, p in enumerate(found.order_probabilities))
+    lines = [
+        f'{found.reading_count} readings, background {found.background_usvh:.3g} uSv/h'
+        + (' (uneven)' if found.is_structured else ''),
+        f'probability of the number of sources: {chances}',
+    ]
+    document = source_document(found, readings.frame)
+    for number, source in enumerate(document['sources'], 1):
+        low, high = source['dose_rate_at_1m_95_usvh']
+        place = source['place']
+        where = ', '.join(f'{name} {value}' for name, value in place.items())
+        lines.append(
+            f'source {number}: {where}; within {source["ellipse_95_m"][0]:.2f} x '
+            f'{source["ellipse_95_m"][1]:.2f} m (95 %); '
+            f'{source["dose_rate_at_1m_usvh"]:.4g} uSv/h at 1 m ({low:.4g} to {high:.4g})'
+        )
+    lines += [f'not as assumed: {doubt}' for doubt in found.doubts]
+    return lines if found.sources else [*lines, 'no source found']
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

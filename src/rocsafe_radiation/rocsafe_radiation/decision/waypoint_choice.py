@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where to measure next: the places from which a reading says most about the sources found.
+
+The information of a reading about the parameters is known before it is taken: w/m times the outer
+product of the slopes of its expected counts. The next place is the one that most shrinks the
+volume of the sources' joint ellipse (D-optimal, the gain log det(1 + s' C s)); taken one after the
+other, each with the information of those before.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.localization.localize import Localization
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.readings.survey import Survey
+
+Array = NDArray[np.float64]
+LARGEST_GRID = 5000
+PITCH_STEP_M = 0.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    """A place to measure at, and by how much the logarithm of the ellipse's volume falls there."""
+
+    position_enu_m: tuple[float, float, float]
+    gain: float
+
+
+def next_waypoints(
+    found: Localization, candidates_enu_m: Array, exposure: float, kernel: Kernel, count: int
+) -> tuple[Waypoint, ...]:
+    """Return up to `count` of the `candidates_enu_m`, shape (n, 3), the most telling first.
+
+    Parameters
+    ----------
+    found: what is known so far; without sources there is nothing to sharpen.
+    candidates_enu_m: places that a vehicle could go to.
+    exposure: counts that a reading there has for 1 uSv/h.
+    kernel: law of the dose rate.
+    count: places wanted; a place may be worth a second visit.
+    """
+    if not found.sources or count < 1:
+        return ()
+    covariance: Array = np.zeros((4 * len(found.sources),) * 2)
+    for index, source in enumerate(found.sources):
+        block = slice(4 * index, 4 * index + 4)
+        covariance[block, block] = source.joint_covariance
+    slopes = _scaled_slopes(found, candidates_enu_m, exposure, kernel)
+    chosen = []
+    for _ in range(count):
+        spread = slopes @ covariance
+        gains = np.log1p(np.einsum('np,np->n', spread, slopes))
+        best = int(np.argmax(gains))
+        east, north, up = candidates_enu_m[best].tolist()
+        chosen.append(Waypoint(position_enu_m=(east, north, up), gain=float(gains[best])))
+        along = spread[best]
+        covariance = covariance - np.outer(along, along) / (1.0 + float(along @ slopes[best]))
+    return tuple(chosen)
+
+
+def candidate_places(survey: Survey, source_height_m: float) -> Array:
+    """Return places at the height of a survey above its ground, half a height apart, (n, 3)."""
+    height = survey.height_m(source_height_m)
+    low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)
+    pitch = max(height / 2.0, math.sqrt(float(np.prod(high[:2] - low[:2]) / LARGEST_GRID)))
+    # One reading more or less changes nothing.
+    pitch = PITCH_STEP_M * math.ceil(pitch / PITCH_STEP_M)
+    axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low[:2], high[:2], strict=True))
+    east, north = (part.ravel() for part in np.meshgrid(*axes))
+    ups = survey.ground.ups_at(np.stack([east, north], axis=1)) + source_height_m + round(height)
+    return np.stack([east, north, ups], axis=1)
+
+
+def log_volume(found: Localization) -> float:
+    """Return the logarithm of the volume of the ellipses of all positions, east and north."""
+    return 0.5 * math.fsum(
+        float(np.linalg.slogdet(source.covariance_m2[:2, :2])[1]) for source in found.sources
+    )
+
+
+def _scaled_slopes(found: Localization, places: Array, exposure: float, kernel: Kernel) -> Array:
+    """Return the slopes of expected counts over their standard deviation, shape (n, 4 K)."""
+    rates: Array = np.full(len(places), found.background_usvh)
+    parts = []
+    for source in found.sources:
+        offsets = places - source.position_enu_m
+        values, by_square = kernel.values_and_slopes((offsets**2).sum(axis=1))
+        strength = source.dose_rate_at_1m_usvh
+        parts.append((-2.0 * strength * by_square)[:, None] * offsets)
+        parts.append((strength * values)[:, None])
+        rates = rates + strength * values
+    # Readings scatter beyond their counts where positions or gains are not exact.
+    excess = exposure * (rates - found.background_usvh)
+    counts = np.maximum(exposure * rates, 1e-9)
+    deviations = np.sqrt(counts + (found.rho * excess) ** 2)
+    return np.asarray(np.concatenate(parts, axis=1) * (exposure / deviations)[:, None])

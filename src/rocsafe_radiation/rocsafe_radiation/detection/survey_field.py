@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a detector meets in the field: sources, each by its nuclide, and background."""
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rocsafe_radiation.detection.counting import NS_PER_S, Sample
+from rocsafe_radiation.detection.detector import DETECTORS, IDEAL, DetectorModel
+from rocsafe_radiation.physics.background import Background
+from rocsafe_radiation.physics.field import RadiationField
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SurveyField:
+    """The dose rate of sources and background, and what of it a kind of detector counts.
+
+    Attributes
+    ----------
+    field: of the sources.
+    background: of nature, to which every detector responds as to Cs-137.
+    detector: name of a kind, or ``ideal``, which reads the dose rate itself.
+    """
+
+    field: RadiationField
+    background: Background
+    detector: str = IDEAL
+    _responses: Array = dataclasses.field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.detector != IDEAL and self.detector not in DETECTORS:
+            names = ', '.join((IDEAL, *DETECTORS))
+            raise ValueError(f'detector = {self.detector!r} must be one of: {names}')
+        kind = self.kind
+        nuclides = [source.nuclide for source in self.field.sources]
+        responses = [1.0 if kind is None else kind.relative_response(name) for name in nuclides]
+        object.__setattr__(self, '_responses', np.array(responses))
+
+    @property
+    def kind(self) -> DetectorModel | None:
+        """The kind of detector, None for the ideal one."""
+        return DETECTORS.get(self.detector)
+
+    def dose_rates_usvh(
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
+    ) -> Array:
+        """Return the dose rate at n points, microsievert per hour, shape (n,).
+
+        Raises
+        ------
+        UnknownPointError: if a point is not finite or out of range, naming it.
+        """
+        by_source = self.field.source_dose_rates_usvh(
+            latitudes_deg, longitudes_deg, altitudes_m, time_s
+        )
+        return by_source.sum(axis=0) + self._natural(latitudes_deg, longitudes_deg, altitudes_m)
+
+    def counted_dose_rates_usvh(
+        self,
+        latitudes_deg: ArrayLike,
+        longitudes_deg: ArrayLike,
+        altitudes_m: ArrayLike,
+        time_s: float = 0.0,
+    ) -> Array:
+        """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
+
+        Raises
+        ------
+        UnknownPointError: if a point is not finite or out of range, naming it.
+        """
+        by_source = self.field.source_dose_rates_usvh(
+            latitudes_deg, longitudes_deg, altitudes_m, time_s
+        )
+        counted = self._responses @ by_source
+        return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
+
+    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> Array:
+        """Return the same for each sample of a flight, shape (n,).
+
+        Parameters
+        ----------
+        start_ns: start of the mission, nanoseconds since 1970.
+        samples: at places that are some.
+        """
+        if self.field.is_still:
+            places = np.array([sample.place for sample in samples])
+            return self.counted_dose_rates_usvh(*places.T)
+        return np.concatenate(
+            [
+                self.counted_dose_rates_usvh(*one.place, (one.time_ns - start_ns) / NS_PER_S)
+                for one in samples
+            ]
+        )
+
+    def _natural(self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike) -> Array:
+        """Return the background, or zero where there is none."""
+        if self.background == Background():
+            return np.zeros(1)
+        places = (np.asarray(part, np.float64) for part in (latitudes, longitudes, altitudes))
+        return self.background.dose_rates_usvh(*places)

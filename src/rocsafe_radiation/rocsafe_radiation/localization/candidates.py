@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where one more source would explain the readings best."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.likelihood import SMALLEST_COUNTS, Likelihood
+from rocsafe_radiation.readings.survey import Survey
+
+Array = NDArray[np.float64]
+# A coarser grid than half the height misses sources between its points.
+PITCH_HEIGHTS = 0.4
+MARGIN_HEIGHTS = 1.0
+LARGEST_GRID = 6000
+SMALLEST_STRENGTH_USVH = 1e-3
+
+
+def candidate_grid(survey: Survey, source_height_m: float) -> Array:
+    """Return places to try, east and north, shape (m, 2): a grid over the readings and around."""
+    height = survey.height_m(source_height_m)
+    low = survey.positions_enu_m[:, :2].min(axis=0) - MARGIN_HEIGHTS * height
+    high = survey.positions_enu_m[:, :2].max(axis=0) + MARGIN_HEIGHTS * height
+    area = float(np.prod(high - low))
+    pitch = max(PITCH_HEIGHTS * height, math.sqrt(area / LARGEST_GRID))
+    axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low, high, strict=True))
+    east, north = np.meshgrid(*axes)
+    return np.stack([east.ravel(), north.ravel()], axis=1)
+
+
+def grid_kernel(survey: Survey, setting: Setting, grid: Array) -> Array:
+    """Return counts of each reading for 1 uSv/h at 1 m at each place of `grid`, shape (m, n)."""
+    ups = survey.ground.ups_at(grid) + setting.source_up_m
+    squares = np.subtract.outer(ups, survey.positions_enu_m[:, 2]) ** 2
+    for axis in range(2):
+        offsets = np.subtract.outer(grid[:, axis], survey.positions_enu_m[:, axis])
+        squares += offsets * offsets
+    return setting.kernel.values(squares) * survey.exposures
+
+
+def score_candidates(
+    likelihood: Likelihood, parameters: Array, kernel: Array
+) -> tuple[Array, Array]:
+    """Return the gain of likelihood of one more source at each place, and its strength.
+
+    The score test: the first step of Newton's method from no source at all, with the level of the
+    background free; both of shape (m,).
+    """
+    survey, weights = likelihood.survey, likelihood.weights
+    expected = np.maximum(likelihood.expected(parameters), SMALLEST_COUNTS)
+    background = likelihood.background_usvh(parameters) * survey.exposures
+    scores = kernel @ (weights * (survey.counts / expected - 1.0))
+    precision = weights / expected
+    variances = (kernel * kernel) @ precision
+    shared = kernel @ (precision * background)
+    level = float(precision @ (background * background))
+    variances = np.maximum(variances - shared * shared / max(level, 1e-30), 1e-30)
+    strengths = np.maximum(scores / variances, SMALLEST_STRENGTH_USVH)
+    return np.where(scores > 0.0, scores * scores / (2.0 * variances), 0.0), strengths
+
+
+def best_separated(grid: Array, gains: Array, count: int, distance_m: float) -> list[int]:
+    """Return the indices of the best `count` places that lie `distance_m` apart."""
+    left = gains.copy()
+    chosen: list[int] = []
+    for _ in range(count):
+        best = int(np.argmax(left))
+        if left[best] <= 0.0:
+            break
+        chosen.append(best)
+        left[((grid - grid[best]) ** 2).sum(axis=1) < distance_m * distance_m] = 0.0
+    return chosen

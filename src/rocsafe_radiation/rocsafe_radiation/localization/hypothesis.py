@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fits of rising order to one survey, each in a nuisance setting: where sources begin."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.localization.background_basis import smooth_basis
+from rocsafe_radiation.localization.candidates import (
+    best_separated,
+    candidate_grid,
+    grid_kernel,
+    score_candidates,
+)
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.hypothesis_values import OrderSearch
+from rocsafe_radiation.localization.likelihood import (
+    HEIGHT_MEAN,
+    LEVEL_PARAMETERS,
+    SOURCE_PARAMETERS,
+    Fit,
+    Likelihood,
+)
+from rocsafe_radiation.localization.mirror_image import mirror_images
+from rocsafe_radiation.localization.reading_weights import background_level_usvh
+from rocsafe_radiation.localization.wall_shadow import LINE
+from rocsafe_radiation.readings.survey import Survey
+
+Array = NDArray[np.float64]
+# What is changed of a setting.
+Nuisance = dict[str, Any]
+# Chi-square of two degrees of freedom at 0.95.
+ELLIPSE_95 = 5.991
+# Half axes longer than this share of the diagonal of the survey: it could be anywhere.
+LARGEST_ELLIPSE_SHARE = 0.25
+# East, north and strength; the height is known before.
+FREE_PARAMETERS = 3
+TRIED_CANDIDATES = 5
+REFINED_CANDIDATES = 3
+ROUGH_ITERATIONS = 8
+SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
+# Of a source before any reading: sources are rare, and ground and detectors never quite as
+# assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
+LOG_PRIOR_ODDS_FIRST = -3.0
+# Hills of the ground as narrow as a source shows are no more common than sources.
+LOG_PRIOR_ODDS_NARROW = -3.0
+# Readings from which a wall takes their part draw a source away from it: by so many heights.
+WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
+WALL_LINE, WALL_SHIFTS_HEIGHTS = 3.5, (0.0, 0.3)
+EDGE_FACTORS = (0.7, 0.85, 1.0, 1.2, 1.45)
+
+
+class Trial:
+    """Searches of one survey in different nuisance settings."""
+
+    def __init__(self, survey: Survey, setting: Setting) -> None:
+        self._survey = survey
+        self._setting = setting
+        self._bases: dict[float, Array] = {}
+        self._grid = candidate_grid(survey, setting.source_up_m)
+        self._kernel = grid_kernel(survey, setting, self._grid)
+
+    def orders(
+        self, nuisance: Nuisance, largest_order: int, hints: OrderSearch | None = None
+    ) -> OrderSearch:
+        """Return the best fit of each order, until one more source is worse.
+
+        The sources of `hints` are tried as starts, too: a smooth background that has taken the
+        shape of a source does not easily give way to it.
+        """
+        likelihood = self._likelihood(nuisance)
+        start = np.zeros(likelihood.head_size)
+        start[0], start[1] = math.log(background_level_usvh(self._survey)), HEIGHT_MEAN
+        fits = [likelihood.fit(start)]
+        scores = [_score(likelihood, fits[0])]
+        # One more may be worse where two more win; splitting tries pairs, so no further is gone.
+        while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
+            known = _hinted(likelihood, hints, len(fits))
+            fit = _with_one_more(likelihood, fits[-1], known, self._grid, self._kernel)
+            if fit is None or not is_placed(likelihood, fit):
+                break
+            fits.append(fit)
+            scores.append(_score(likelihood, fit))
+        return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
+
+    def glance(self, nuisance: Nuisance, hints: OrderSearch, largest_order: int) -> float:
+        """Return about the best score that `orders` would find, in a tenth of the time.
+
+        No places are tried but those of the sources of `hints`.
+        """
+        likelihood = self._likelihood(nuisance)
+        most = min(largest_order, len(hints.fits) - 1)
+        starts = [
+            start for order in range(most + 1) for start in _hinted(likelihood, hints, order)
+        ]
+        fits = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+        return max(_score(likelihood, fit) for fit in fits)
+
+    def _likelihood(self, nuisance: Nuisance) -> Likelihood:
+        setting = replace(self._setting, **nuisance)
+        spacing = setting.background_spacing_heights
+        if spacing not in self._bases:
+            height = self._survey.height_m(setting.source_up_m)
+            self._bases[spacing] = smooth_basis(self._survey.positions_enu_m, height, spacing)
+        return Likelihood(self._survey, setting, self._bases[spacing])
+
+
+def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[Array]:
+    """Return starts with the sources of `hints` on even ground, and its wall or any."""
+    if hints is None or order >= len(hints.fits):
+        return []
+    fit = hints.fits[order]
+    background = np.zeros(likelihood.head_size)
+    background[:LEVEL_PARAMETERS] = fit.parameters[:LEVEL_PARAMETERS]
+    sources = hints.likelihood.sources(fit.parameters)
+    if hints.likelihood.setting.has_shield:
+        background[likelihood.law] = fit.parameters[hints.likelihood.law]
+        return list(_moved_edges(likelihood, background, sources))
+    if likelihood.setting.has_shield:
+        return list(_walled(likelihood, background, sources))
+    return [np.concatenate([background, sources.ravel()])]
+
+
+def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterator[Array]:
+    """Yield starts with a wall on each side of the sources, and these drawn towards it."""
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
+        towards = np.array([math.cos(angle), math.sin(angle)])
+        head, moved = background.copy(), sources.copy()
+        head[likelihood.law][LINE] = WALL_LINE * towards
+        moved[:, :2] += shift * height * towards
+        yield np.concatenate([head, moved.ravel()])
+
+
+def _moved_edges(likelihood: Likelihood, head: Array, sources: Array) -> Iterator[Array]:
+    """Yield starts with the shadow of the wall beginning nearer and farther."""
+    for factor in EDGE_FACTORS:
+        moved = head.copy()
+        moved[likelihood.law][LINE] *= factor
+        yield np.concatenate([moved, sources.ravel()])
+
+
+def _with_one_more(
+    likelihood: Likelihood, fit: Fit, hints: list[Array], grid: Array, kernel: Array
+) -> Fit | None:
+    """Return the best fit found with one more source, None without any start."""
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    is_known = bool(hints) and likelihood.setting.has_shield
+    added = [] if is_known else _added(likelihood, fit.parameters, grid, kernel, height)
+    starts = [
+        *hints,
+        *added,
+        *_split(likelihood, fit.parameters, 0.4 * height),
+    ]
+    if not starts:
+        return None
+    rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+    ranked = sorted(rough, key=_evidence, reverse=True)
+    best = max(
+        (likelihood.fit(one.parameters) for one in ranked[:REFINED_CANDIDATES]), key=_evidence
+    )
+    images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
+    return max((best, *images), key=_evidence)
+
+
+def _evidence(fit: Fit) -> float:
+    return fit.log_likelihood
+
+
+def _added(
+    likelihood: Likelihood, parameters: Array, grid: Array, kernel: Array, height: float
+) -> list[Array]:
+    gains, strengths = score_candidates(likelihood, parameters, kernel)
+    up = likelihood.setting.source_up_m
+    return [
+        np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
+        for index in best_separated(grid, gains, TRIED_CANDIDATES, height)
+    ]
+
+
+def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list[Array]:
+    """Return starts with one source replaced by a pair of half its strength."""
+    sources = likelihood.sources(parameters)
+    starts = []
+    for index, angle in itertools.product(range(len(sources)), SPLIT_ANGLES_RAD):
+        offset = distance_m * np.array([math.cos(angle), math.sin(angle)])
+        pair = np.stack([sources[index], sources[index]])
+        pair[:, :2] += np.stack([offset, -offset])
+        pair[:, 3] -= math.log(2.0)
+        others = np.delete(sources, index, axis=0)
+        background = parameters[: likelihood.head_size]
+        starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
+    return starts
+
+
+def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
+    """Return whether each source is known to be somewhere about the survey.
+
+    What could be anywhere raises all readings alike: it is background, not a source.
+    """
+    places = likelihood.survey.positions_enu_m[:, :2]
+    longest_m = LARGEST_ELLIPSE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0)))
+    covariance = np.linalg.inv(fit.information)
+    starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
+    blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
+    variances = [float(np.linalg.eigvalsh(block)[-1]) for block in blocks]
+    return all(ELLIPSE_95 * variance < longest_m**2 for variance in variances)
+
+
+def _score(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
+    order = likelihood.source_count(fit.parameters)
+    penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
+    if order > 0:
+        penalty -= LOG_PRIOR_ODDS_FIRST
+    if likelihood.has_narrow_hills:
+        penalty -= LOG_PRIOR_ODDS_NARROW
+    for part in (likelihood.bumps, likelihood.law):
+        stds = likelihood.nuisance_stds[
+            part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS
+        ]
+        _, volume = np.linalg.slogdet(fit.information[part, part] * np.outer(stds, stds))
+        penalty += 0.5 * float(volume)
+    return fit.log_likelihood - penalty

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which side of a line: readings along a straight way say how far a source is, not where.
+
+The place of a source and its mirror image about the line of the nearest readings explain these
+alike; only readings farther away can tell. So each source is tried on the other side, too, and
+where both remain likely, its covariance is that of both.
+"""
+
+import math
+
+import numpy as np
+
+from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Array, Fit, Likelihood
+
+# Readings within so many distances of the source from its nearest reading make the line.
+REACH_DISTANCES = 3.0
+FEWEST_READINGS = 4
+# Across a line readings scatter less than this share of what they do along it.
+LARGEST_WIDTH_SHARE = 0.25
+# Images nearer than this share of the height are the same place.
+NEAREST_HEIGHTS = 0.2
+# An image less likely by this in the logarithm is out of the question.
+LARGEST_LOG_DEFICIT = 6.0
+
+
+def mirror_images(likelihood: Likelihood, parameters: Array) -> list[Array]:
+    """Return `parameters` with one source each on the other side of its nearest readings' line."""
+    images = []
+    for index, source in enumerate(likelihood.sources(parameters)):
+        place = _image(likelihood, source[:2])
+        if place is not None:
+            image = parameters.copy()
+            start = likelihood.head_size + SOURCE_PARAMETERS * index
+            image[start : start + 2] = place
+            images.append(image)
+    return images
+
+
+def covariance_with_images(likelihood: Likelihood, fit: Fit) -> Array:
+    """Return the covariance of the parameters of `fit`, likely mirror images included.
+
+    Each image that explains the readings nearly as well adds, by its probability, the square of
+    its distance: the second moment of both about the place stated.
+    """
+    covariance = np.asarray(np.linalg.inv(fit.information), np.float64)
+    for start in mirror_images(likelihood, fit.parameters):
+        image = likelihood.fit(start)
+        deficit = fit.log_likelihood - image.log_likelihood
+        if deficit > LARGEST_LOG_DEFICIT:
+            continue
+        weight = 1.0 / (1.0 + math.exp(max(deficit, 0.0)))
+        way = image.parameters - fit.parameters
+        covariance = covariance + weight * np.outer(way, way)
+    return covariance
+
+
+def _image(likelihood: Likelihood, place: Array) -> Array | None:
+    """Return the mirror image of `place`, None if the nearest readings are on no line."""
+    places = likelihood.survey.positions_enu_m[:, :2]
+    distances = np.hypot(*(places - place).T)
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    nearest = float(distances.min())
+    near = places[distances <= REACH_DISTANCES * max(nearest, NEAREST_HEIGHTS * height)]
+    if len(near) < FEWEST_READINGS:
+        return None
+    middle = near.mean(axis=0)
+    variances, axes = np.linalg.eigh(np.cov((near - middle).T))
+    if variances[0] > LARGEST_WIDTH_SHARE**2 * variances[1]:
+        return None
+    across = float((place - middle) @ axes[:, 0])
+    if abs(across) < NEAREST_HEIGHTS * height:
+        return None
+    return np.asarray(place - 2.0 * across * axes[:, 0])

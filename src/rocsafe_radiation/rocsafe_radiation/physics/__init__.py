@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photons, nuclides, transmission, sources and their dose rate."""

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dose rate of a source of unit strength, and how it changes with distance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE
+from rocsafe_radiation.physics.transmission import air_transmission, air_transmission_and_slope
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kernel:
+    """What a source with 1 uSv/h at 1 m gives at a distance.
+
+    Attributes
+    ----------
+    is_lossy: air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
+    nuclide: whose lines air attenuates.
+    source_radius_m: distance below which the dose rate grows no further.
+    """
+
+    is_lossy: bool = True
+    nuclide: str = DEFAULT_NUCLIDE
+    source_radius_m: float = 0.1
+
+    def values(self, squares_m2: Array) -> Array:
+        """Return the dose rate at each squared distance, uSv/h."""
+        squares = np.maximum(squares_m2, self.source_radius_m**2)
+        if not self.is_lossy:
+            return np.asarray(1.0 / squares)
+        values = air_transmission(self.nuclide, np.sqrt(squares))
+        values /= squares
+        return values
+
+    def values_and_slopes(self, squares_m2: Array) -> tuple[Array, Array]:
+        """Return the same, and its derivative by the squared distance."""
+        squares = np.maximum(squares_m2, self.source_radius_m**2)
+        if not self.is_lossy:
+            values = 1.0 / squares
+            return values, -values / squares
+        distances = np.sqrt(squares)
+        kept, slopes = air_transmission_and_slope(self.nuclide, distances)
+        values = kept / squares
+        return values, (slopes / (2.0 * distances) - values) / squares

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole picture that readings give: sources, dose rates, cordons, and whether it is enough."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import Polygon
+
+from rocsafe_radiation.belief.belief_search import BeliefMap, believe
+from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
+from rocsafe_radiation.decision.stopping import StoppingRule, Verdict
+from rocsafe_radiation.decision.waypoint_choice import Waypoint, candidate_places, next_waypoints
+from rocsafe_radiation.localization.candidates import best_separated
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.localize import (
+    BELIEF_METHOD,
+    METHODS,
+    ML_METHOD,
+    Localization,
+    LocalizationOptions,
+    localize,
+)
+from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordons
+from rocsafe_radiation.products.dose_map import DoseMap, dose_map
+from rocsafe_radiation.readings.survey import Survey
+
+Array = NDArray[np.float64]
+# As many bytes of a message; files hold finer maps.
+LARGEST_CELLS = 40_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureOptions:
+    """How a picture is made.
+
+    Attributes
+    ----------
+    known: before the readings.
+    method: name of the way sources are found, one of `METHODS`.
+    rule: when it is enough.
+    levels_usvh: of cordons.
+    """
+
+    known: LocalizationOptions = field(default_factory=LocalizationOptions)
+    method: str = ML_METHOD
+    rule: StoppingRule = field(default_factory=StoppingRule)
+    levels_usvh: tuple[float, ...] = DEFAULT_LEVELS_USVH
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise ValueError(f'method = {self.method!r} must be one of: {", ".join(METHODS)}')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """What the readings so far say; `belief` is that of the method ``belief-grid`` alone."""
+
+    options: PictureOptions
+    survey: Survey
+    found: Localization
+    evidence: SequentialEvidence
+    verdict: Verdict
+    dose: DoseMap
+    cordons: tuple[Cordon, ...]
+    belief: BeliefMap | None = None
+
+
+Found = tuple[Localization, BeliefMap | None]
+
+
+def _by_likelihood(survey: Survey, options: PictureOptions, _agents: Sequence[str]) -> Found:
+    return localize(survey, options.known), None
+
+
+def _by_belief(survey: Survey, options: PictureOptions, agents: Sequence[str]) -> Found:
+    return believe(survey, options.known, agents, options.rule.smallest_usvh)
+
+
+FINDERS: dict[str, Callable[[Survey, PictureOptions, Sequence[str]], Found]] = {
+    ML_METHOD: _by_likelihood,
+    BELIEF_METHOD: _by_belief,
+}
+
+
+def picture_of(
+    survey: Survey,
+    options: PictureOptions,
+    agents: Sequence[str] = (),
+    largest_cells: int = LARGEST_CELLS,
+) -> Picture:
+    """Return the picture of `survey`.
+
+    Parameters
+    ----------
+    survey: readings.
+    options: how.
+    agents: who took each reading, for the method ``belief-grid``.
+    largest_cells: about as many cells has the map of dose rates.
+
+    Raises
+    ------
+    TooFewReadingsError: if there are too few readings.
+    """
+    known = options.known
+    found, belief = FINDERS[options.method](survey, options, agents)
+    setting = Setting(kernel=known.kernel, source_up_m=known.source_up_m, rho=found.rho)
+    cell_m = 0.25 * survey.height_m(known.source_up_m)
+    evidence = sequential_evidence(survey.merged(cell_m), setting, options.rule.smallest_usvh)
+    lowest = min(options.levels_usvh)
+    dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
+    return Picture(
+        options=options,
+        survey=survey,
+        found=found,
+        evidence=evidence,
+        verdict=options.rule.verdict(found, evidence),
+        dose=dose,
+        cordons=tuple(cordons(dose, options.levels_usvh)),
+        belief=belief,
+    )
+
+
+def suggested_waypoints(
+    picture: Picture, count: int, area: Polygon | None = None
+) -> tuple[Waypoint, ...]:
+    """Return up to `count` places to measure at next, the most telling first.
+
+    With sources they are those that sharpen them most; without, those over the ground on which a
+    source is least excluded. All lie within `area`, east and north, if it is given.
+    """
+    if count < 1:
+        return ()
+    known = picture.options.known
+    candidates = candidate_places(picture.survey, known.source_up_m)
+    candidates = candidates[_are_within(candidates, area)]
+    if not len(candidates):
+        return ()
+    if picture.found.sources:
+        exposure = float(np.median(picture.survey.exposures))
+        return next_waypoints(picture.found, candidates, exposure, known.kernel, count)
+    return _doubtful(picture, count, area)
+
+
+def _doubtful(picture: Picture, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
+    """Return places over the ground on which a source of the smallest strength may still be."""
+    evidence, survey = picture.evidence, picture.survey
+    inside = _are_within(evidence.places_m, area)
+    places, doubts = evidence.places_m[inside], evidence.doubts[inside]
+    if not len(places):
+        return ()
+    above = picture.options.known.source_up_m
+    height = survey.height_m(above)
+    # Above 0 for `best_separated`, in the same order.
+    ranks = doubts - doubts.min() + 1.0
+    chosen = best_separated(places, ranks, count, height)
+    ups = survey.ground.ups_at(places[chosen]) + above + height
+    return tuple(
+        Waypoint(
+            position_enu_m=(float(places[k, 0]), float(places[k, 1]), float(up)),
+            gain=float(np.exp(min(doubts[k], 0.0))),
+        )
+        for k, up in zip(chosen, ups, strict=True)
+    )
+
+
+def _are_within(places: Array, area: Polygon | None) -> NDArray[np.bool_]:
+    if area is None:
+        return np.ones(len(places), dtype=bool)
+    return np.asarray(shapely.contains_xy(area, places[:, 0], places[:, 1]), dtype=bool)

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Anyone's survey file: a table of readings with the units in the names of its columns."""
+
+import csv
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.readings.survey import Observation
+
+Row = Mapping[str, str]
+# Columns of dose rates and how many microsievert per hour one is.
+DOSE_RATE_COLUMNS = {
+    'dose_rate_usvh': 1.0,
+    'dose_rate_nsvh': 1e-3,
+    'dose_rate_msvh': 1e3,
+    'dose_rate_svh': 1e6,
+    'dose_rate_usvps': 3600.0,
+}
+STD_COLUMN = 'dose_rate_std_usvh'
+REFERENCE_COLUMN = 'reference_counts'
+GEODETIC_COLUMNS = ('latitude_deg', 'longitude_deg')
+LOCAL_COLUMNS = ('east_m', 'north_m')
+NUMBER, PLACE, NEGATIVE, SATURATED, REPEATED = (
+    'not a number where one is needed',
+    'a place out of range',
+    'a negative value',
+    'saturated: the dose rate is only a lower limit',
+    'the same stamp of the same vehicle again',
+)
+
+
+class ReadingsFileError(RadiationError):
+    """A file is no table of readings."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadingsFile:
+    """What a file holds.
+
+    Attributes
+    ----------
+    observations: valid readings, places in the frame below.
+    frame: of their places; None if the file itself is in metres.
+    dropped: number of rows left out, by reason.
+    backward_steps: how often the clock of a vehicle went backwards; such rows are kept.
+    models: names of field models that the rows state.
+    reference_counts: of each observation, in a window above the lines of the source; empty if
+        the file has none.
+    is_ground_guessed: the lowest altitude is taken for that of the ground.
+    """
+
+    observations: tuple[Observation, ...]
+    frame: LocalFrame | None
+    dropped: Mapping[str, int]
+    backward_steps: int
+    models: frozenset[str]
+    reference_counts: tuple[float, ...] = ()
+    is_ground_guessed: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Columns:
+    """Which columns a file has."""
+
+    place: tuple[str, str]
+    up: str
+    dose_rate: str
+    has_counts: bool
+    has_reference: bool
+
+
+def read_readings(
+    path: Path, height_m: float = math.nan, ground_altitude_m: float = math.nan
+) -> ReadingsFile:
+    """Read a CSV file with a row of column names.
+
+    Columns: ``latitude_deg``, ``longitude_deg``, ``altitude_m`` or ``east_m``, ``north_m``,
+    ``up_m``; one of ``dose_rate_usvh``, ``_nsvh``, ``_msvh``, ``_svh``, ``_usvps``, or ``counts``
+    and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
+    ``model``, ``saturated`` (1: only a lower limit, left out), and ``reference_counts`` of a
+    window of the spectrum above the lines of the source, which foretell the background. Others do
+    not matter. Rows without a valid place and value are
+    left out and counted.
+
+    Parameters
+    ----------
+    path: the file.
+    height_m: above the ground, of all readings of a file without altitudes, metres.
+    ground_altitude_m: of the ground, in the datum of the file's altitudes; NaN: the lowest of
+        these.
+
+    Raises
+    ------
+    ReadingsFileError: in one line, what is missing or double.
+    """
+    try:
+        with path.open(encoding='utf-8-sig', newline='') as stream:
+            table = csv.DictReader(stream)
+            columns = _columns(path, table.fieldnames or (), height_m)
+            return _read(table, columns, height_m, ground_altitude_m)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
+
+
+def _columns(path: Path, names: Iterable[str], height_m: float) -> _Columns:
+    known = {(name or '').strip() for name in names}
+    place = next(
+        (pair for pair in (GEODETIC_COLUMNS, LOCAL_COLUMNS) if known.issuperset(pair)), None
+    )
+    if place is None:
+        raise ReadingsFileError(
+            f'{path}: has no columns latitude_deg and longitude_deg, nor east_m and north_m'
+        )
+    up = 'altitude_m' if place == GEODETIC_COLUMNS else 'up_m'
+    if up not in known and not math.isfinite(height_m):
+        raise ReadingsFileError(f'{path}: has no column {up}; give the height of the readings')
+    rates = sorted(known.intersection(DOSE_RATE_COLUMNS))
+    if len(rates) > 1:
+        raise ReadingsFileError(
+            f'{path}: has dose rates in several units, {" and ".join(rates)}: keep one'
+        )
+    has_counts = {'counts', 'live_time_s'} <= known
+    if not rates and not has_counts:
+        raise ReadingsFileError(
+            f'{path}: has no column dose_rate_usvh, nor counts and live_time_s'
+        )
+    return _Columns(
+        place=place,
+        up=up if up in known else '',
+        dose_rate=rates[0] if rates else '',
+        has_counts=has_counts,
+        has_reference=REFERENCE_COLUMN in known,
+    )
+
+
+def _read(
+    table: Iterable[Row], columns: _Columns, height_m: float, ground_altitude_m: float
+) -> ReadingsFile:
+    dropped: Counter[str] = Counter()
+    kept: list[tuple[float, ...]] = []
+    models: set[str] = set()
+    latest: dict[str, float] = {}
+    seen: set[tuple[str, str]] = set()
+    backward = 0
+    for row in table:
+        stamp, vehicle = (row.get('time_ns') or '').strip(), (row.get('vehicle') or '').strip()
+        values = _values(row, columns, height_m)
+        reason = values if isinstance(values, str) else ''
+        if not reason and stamp and (vehicle, stamp) in seen:
+            reason = REPEATED
+        if not reason and _number(row.get('saturated')) > 0.0:
+            reason = SATURATED
+        if isinstance(values, str) or reason:
+            dropped[reason] += 1
+            continue
+        seen.add((vehicle, stamp))
+        time = _number(stamp)
+        backward += time < latest.get(vehicle, -math.inf)
+        latest[vehicle] = time if math.isfinite(time) else latest.get(vehicle, -math.inf)
+        models.add((row.get('model') or '').strip())
+        kept.append(values)
+    array = np.array(kept, np.float64).reshape(len(kept), 8)
+    if not columns.up:
+        ground_altitude_m = 0.0
+    frame = None
+    if columns.place == GEODETIC_COLUMNS and kept:
+        frame = _frame(array, ground_altitude_m)
+    return ReadingsFile(
+        observations=_observations(array, frame),
+        frame=frame,
+        dropped=dict(dropped),
+        backward_steps=backward,
+        models=frozenset(models - {''}),
+        reference_counts=tuple(array[:, 7].tolist()) if columns.has_reference else (),
+        is_ground_guessed=frame is not None and not math.isfinite(ground_altitude_m),
+    )
+
+
+def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] | str:
+    """Return place, dose rate, its deviation, counts and live time, or what is wrong."""
+    first, second = (_number(row.get(name)) for name in columns.place)
+    up = _number(row.get(columns.up)) if columns.up else height_m
+    rate = _number(row.get(columns.dose_rate)) * DOSE_RATE_COLUMNS.get(columns.dose_rate, 1.0)
+    std = _number(row.get(STD_COLUMN))
+    counts = _number(row.get('counts')) if columns.has_counts else math.nan
+    live_s = _number(row.get('live_time_s')) if columns.has_counts else math.nan
+    reference = _number(row.get(REFERENCE_COLUMN)) if columns.has_reference else 0.0
+    counted = math.isfinite(counts) and math.isfinite(live_s)
+    if not all(map(math.isfinite, (first, second, up, reference))) or not (
+        math.isfinite(rate) or counted
+    ):
+        return NUMBER
+    if columns.place == GEODETIC_COLUMNS and (abs(first) > 90.0 or abs(second) > 180.0):
+        return PLACE
+    if (counted and (counts < 0.0 or live_s <= 0.0)) or any(
+        v < 0.0 for v in (rate, std, reference)
+    ):
+        return NEGATIVE
+    return first, second, up, rate, std, counts if counted else 0.0, live_s, reference
+
+
+def _number(text: str | None) -> float:
+    try:
+        value = float(text or 'nan')
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
+def _frame(array: NDArray[np.float64], ground_altitude_m: float) -> LocalFrame:
+    """Return a frame about the middle of all readings, at the ground or the lowest of them."""
+    is_known = math.isfinite(ground_altitude_m)
+    return LocalFrame(
+        GeoPosition(
+            latitude_deg=float(np.median(array[:, 0])),
+            longitude_deg=float(np.median(array[:, 1])),
+            altitude_m=ground_altitude_m if is_known else float(array[:, 2].min()),
+        )
+    )
+
+
+def _observations(array: NDArray[np.float64], frame: LocalFrame | None) -> tuple[Observation, ...]:
+    places = frame.to_enu(*array[:, :3].T) if frame else array[:, :3]
+    return tuple(
+        Observation(
+            position_enu_m=(float(east), float(north), float(up)),
+            dose_rate_usvh=row[3],
+            dose_rate_std_usvh=row[4],
+            counts=row[5],
+            live_time_s=row[6],
+        )
+        for (east, north, up), row in zip(places, array.tolist(), strict=True)
+    )

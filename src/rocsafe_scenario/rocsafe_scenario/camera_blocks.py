@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The blocks of a scenario's cameras, each with its keys, units, limits and defaults."""
+
+import json
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from rocsafe_scenario.scenario_blocks import Block
+
+CameraName = Annotated[str, Field(pattern=r'^[A-Za-z][A-Za-z0-9_]*$', max_length=32)]
+# Of the survey's camera, whose topics are /rav1/camera/...
+FIRST_CAMERA = 'camera'
+
+
+class EffectsBlock(Block):
+    """Lens, shutter and sensor: what each makes of a picture; 0 is nothing."""
+
+    distortion: tuple[float, ...] = Field(default=(), max_length=5)
+    exposure_ev: float = Field(default=0.0, ge=-10.0, le=10.0)
+    vignetting: float = Field(default=0.0, ge=0.0, le=1.0)
+    full_well_e: float = Field(default=0.0, ge=0.0, le=1e6)
+    read_noise_e: float = Field(default=0.0, ge=0.0, le=1e4)
+    shutter_s: float = Field(default=0.0, ge=0.0, le=1.0)
+    readout_s: float = Field(default=0.0, ge=0.0, le=1.0)
+
+
+class MountBlock(Block):
+    """How a camera hangs, what its stream is and what its lens does."""
+
+    gimbal: bool = False
+    gimbal_rate_dps: float = Field(default=60.0, gt=0.0, le=3600.0)
+    gimbal_lowest_deg: float = Field(default=-90.0, ge=-90.0, le=90.0)
+    gimbal_highest_deg: float = Field(default=30.0, ge=-90.0, le=90.0)
+    stream_rate_hz: float = Field(default=0.0, ge=0.0, le=1000.0)
+    effects: EffectsBlock = EffectsBlock()
+
+
+class CameraBlock(MountBlock):
+    """The camera of every vehicle for the survey: it looks straight down.
+
+    `backend` flat photographs `ground` with the scene painted on it; engine looks into the scene
+    of `scene_file`, by default ``../scenes/<scene>.yaml`` from the scenario's file.
+    """
+
+    backend: Literal['flat', 'engine'] = 'flat'
+    scene_file: str = ''
+    oversampling: int = Field(default=2, ge=1, le=4)
+    horizontal_fov_deg: float = Field(default=60.0, ge=5.0, le=150.0)
+    image_width_px: int = Field(default=640, ge=16, le=8192)
+    image_height_px: int = Field(default=480, ge=16, le=8192)
+    jpeg_quality: int = Field(default=90, ge=1, le=100)
+    ground: str = 'procedural'
+
+
+class OtherCameraBlock(MountBlock):
+    """A further camera of every vehicle; what is left out is as of the survey's.
+
+    `pitch_deg` of the view above the horizon, `yaw_deg` from the nose anticlockwise.
+    """
+
+    name: CameraName
+    pitch_deg: float = Field(default=-45.0, ge=-90.0, le=90.0)
+    yaw_deg: float = Field(default=0.0, ge=-360.0, le=360.0)
+    at_viewpoints: bool = True
+    oversampling: int | None = Field(default=None, ge=1, le=4)
+    horizontal_fov_deg: float | None = Field(default=None, ge=5.0, le=150.0)
+    image_width_px: int | None = Field(default=None, ge=16, le=8192)
+    image_height_px: int | None = Field(default=None, ge=16, le=8192)
+    jpeg_quality: int | None = Field(default=None, ge=1, le=100)
+
+
+def camera_parameters(camera: CameraBlock, others: tuple[OtherCameraBlock, ...]) -> dict[str, Any]:
+    """Return the parameters of the cameras of a simulated vehicle."""
+    mount = set(MountBlock.model_fields)
+    first = camera.model_dump(include=mount, exclude_defaults=True)
+    further = [other.model_dump(exclude_none=True) for other in others]
+    texts = [json.dumps(each) for each in (first, *further)] if first or further else []
+    plain = camera.model_dump(exclude=mount)
+    return {**{f'{_prefix(key)}{key}': value for key, value in plain.items()}, 'cameras': texts}
+
+
+def _prefix(key: str) -> str:
+    return 'camera_' if key in ('backend', 'horizontal_fov_deg', 'oversampling') else ''

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario: what one mission surveys, with which vehicles, over which ground and sources."""
+
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import Field
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_scenario.camera_blocks import CameraBlock, OtherCameraBlock
+from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
+from rocsafe_scenario.radiation_blocks import RadiationBlock
+from rocsafe_scenario.scenario_blocks import (
+    Block,
+    ClockBlock,
+    LatLon,
+    OriginBlock,
+    RegionBlock,
+    SimulationBlock,
+    SurveyBlock,
+    VehicleBlock,
+)
+
+
+class Scenario(Block):
+    """The content of a scenario file."""
+
+    name: Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]
+    description: str = ''
+    seed: int = Field(default=0, ge=0, le=LARGEST_SEED)
+    clock: ClockBlock = ClockBlock()
+    origin: OriginBlock = OriginBlock()
+    region: RegionBlock
+    other_regions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
+    exclusions: tuple[RegionBlock, ...] = Field(default=(), max_length=1000)
+    survey: SurveyBlock
+    camera: CameraBlock = CameraBlock()
+    other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
+    scene: str = 'none'
+    simulation: SimulationBlock = SimulationBlock()
+    replan: Literal['never', 'on_loss'] = 'never'
+    vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
+    radiation: RadiationBlock = RadiationBlock()
+
+    @property
+    def vehicle_names(self) -> tuple[str, ...]:
+        """Names of all vehicles, in the order of the file."""
+        return tuple(vehicle.name for vehicle in self.vehicles)
+
+    @property
+    def simulated(self) -> tuple[VehicleBlock, ...]:
+        """Vehicles that are simulated."""
+        return tuple(vehicle for vehicle in self.vehicles if not vehicle.link)
+
+    @property
+    def linked(self) -> tuple[VehicleBlock, ...]:
+        """Real vehicles."""
+        return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
+
+    @property
+    def with_simulated_detector(self) -> tuple[VehicleBlock, ...]:
+        """Vehicles whose readings are those of the simulated field."""
+        return tuple(v for v in self.vehicles if not v.link or v.drone.detector == 'simulated')
+
+    def area(self) -> SurveyArea:
+        """Return the region.
+
+        Raises
+        ------
+        ValueError: saying what is wrong with the polygon.
+        """
+        return SurveyArea(
+            boundary=_ring(self.region.polygon or ()),
+            holes=tuple(map(_ring, self.region.holes)),
+            name=self.name,
+        )
+
+    def exclusion_areas(self) -> tuple[SurveyArea, ...]:
+        """Return the zones that are not flown over.
+
+        Raises
+        ------
+        ValueError: naming the key, and saying what is wrong with its polygon.
+        """
+        return _areas('exclusions', self.exclusions)
+
+    def other_areas(self) -> tuple[SurveyArea, ...]:
+        """Return the regions to survey besides the first.
+
+        Raises
+        ------
+        ValueError: naming the key, and saying what is wrong with its polygon.
+        """
+        return _areas('other_regions', self.other_regions)
+
+    def origin_position(self) -> GeoPosition:
+        """Return the origin of the local frame, on the ground."""
+        altitude = self.origin.ground_altitude_m
+        if self.origin.latitude_deg is None or self.origin.longitude_deg is None:
+            centroid = self.area().centroid()
+            return GeoPosition(
+                latitude_deg=centroid.latitude_deg,
+                longitude_deg=centroid.longitude_deg,
+                altitude_m=altitude,
+            )
+        return GeoPosition(
+            latitude_deg=self.origin.latitude_deg,
+            longitude_deg=self.origin.longitude_deg,
+            altitude_m=altitude,
+        )
+
+    def ground_position(self, place: LatLon, height_m: float = 0.0) -> GeoPosition:
+        """Return `place`, `height_m` above the flat ground."""
+        return GeoPosition(
+            latitude_deg=place[0],
+            longitude_deg=place[1],
+            altitude_m=self.origin.ground_altitude_m + height_m,
+        )
+
+    def to_yaml(self) -> str:
+        """Return the scenario as a file that `read_scenario` reads, defaults written out."""
+        content = self.model_dump(exclude_none=True)
+        return yaml.safe_dump(_plain(content), sort_keys=False, default_flow_style=False)
+
+
+def _areas(key: str, blocks: tuple[RegionBlock, ...]) -> tuple[SurveyArea, ...]:
+    return tuple(_area(f'{key}[{index}]', block) for index, block in enumerate(blocks))
+
+
+def _area(key: str, block: RegionBlock) -> SurveyArea:
+    try:
+        return SurveyArea(
+            boundary=_ring(block.polygon or ()), holes=tuple(map(_ring, block.holes))
+        )
+    except ValueError as error:
+        raise ValueError(f'{key}.polygon: {error}') from error
+
+
+def _ring(places: tuple[LatLon, ...]) -> tuple[GeoPosition, ...]:
+    return tuple(GeoPosition(latitude_deg=lat, longitude_deg=lon) for lat, lon in places)
+
+
+def _plain(value: Any) -> Any:
+    """Return `value` with lists for tuples, as YAML writes them."""
+    if isinstance(value, dict):
+        return {key: _plain(element) for key, element in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(element) for element in value]
+    return value

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The blocks of a scenario file, each with its keys, units, limits and defaults.
+
+Values are taken as written: a text is no number, an unknown key is refused.
+"""
+
+from collections.abc import Callable
+from datetime import datetime, timezone
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
+
+DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
+# Names of ROS nodes and namespaces, which a vehicle may not take.
+RESERVED_NAMES = frozenset(
+    {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
+     'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
+)  # fmt: skip
+
+# What the planner needs to know of a vehicle, and the simulation does not.
+PLANNING_KEYS = (
+    'battery_swap_s', 'end', 'is_open', 'sensors', 'cruise_power_w', 'hover_power_w',
+)  # fmt: skip
+
+
+def _within(name: str, low: float, high: float) -> Callable[[float], float]:
+    def check(value: float) -> float:
+        if not low <= value <= high:
+            raise ValueError(f'{name} must be within {low:g} to {high:g}')
+        return value
+
+    return check
+
+
+def _vehicle_name(name: str) -> str:
+    if not name or not name[0].isalpha() or not name.replace('_', 'a').isalnum():
+        raise ValueError('a vehicle name is a ROS namespace: a letter, then letters, digits or _')
+    if not name.isascii() or '__' in name or name.endswith('_'):
+        raise ValueError('a vehicle name is a ROS namespace: ASCII, no __ and no _ at its end')
+    if name in RESERVED_NAMES:
+        raise ValueError('is the name of a ROCSAFE node or topic; choose another')
+    return name
+
+
+def in_utc(start: datetime) -> datetime:
+    """Return a time in UTC; ValueError if it does not say its zone."""
+    if start.tzinfo is None:
+        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
+    return start.astimezone(timezone.utc)
+
+
+Latitude = Annotated[float, AfterValidator(_within('latitude', -90.0, 90.0))]
+Longitude = Annotated[float, AfterValidator(_within('longitude', -180.0, 180.0))]
+LatLon = tuple[Latitude, Longitude]
+SensorName = Annotated[str, Field(pattern=r'^[A-Za-z][A-Za-z0-9_]*$', max_length=64)]
+VehicleName = Annotated[str, Field(max_length=32), AfterValidator(_vehicle_name)]
+
+
+class Block(BaseModel):
+    """Settings of every block: unknown keys refused, nothing converted, no infinity, frozen."""
+
+    model_config = ConfigDict(extra='forbid', strict=True, frozen=True, allow_inf_nan=False)
+
+
+class ClockBlock(Block):
+    """Simulated time: `speed` simulated seconds a second, 0 = as fast as the machine can."""
+
+    speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
+    step_s: float = Field(default=0.1, ge=0.001, le=1.0)
+    start: Annotated[datetime, AfterValidator(in_utc)] = DEFAULT_START
+
+
+class OriginBlock(Block):
+    """Origin of the local frame; without a position it is the centroid of the region.
+
+    `ground_altitude_m` is that of the flat ground, above the WGS84 ellipsoid.
+    """
+
+    latitude_deg: Latitude | None = None
+    longitude_deg: Longitude | None = None
+    ground_altitude_m: float = Field(default=0.0, ge=-500.0, le=9000.0)
+
+
+class RegionBlock(Block):
+    """A polygon with holes, written here or in a GeoJSON or KML file.
+
+    Only vehicles that carry all `sensors` survey it.
+    """
+
+    polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=10_000)
+    holes: tuple[Annotated[tuple[LatLon, ...], Field(min_length=3)], ...] = ()
+    file: str | None = None
+    sensors: tuple[SensorName, ...] = ()
+
+
+class SurveyBlock(Block):
+    """How the region is photographed, and how hard the planner may try."""
+
+    height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
+    spacing_rule: Literal['iou', 'linear'] = 'iou'
+    overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
+    front_overlap_fraction: float | None = Field(default=None, ge=0.0, le=0.95)
+    grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
+    method: str = ''
+    objective: Literal[
+        'longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy'
+    ] = 'longest_time'
+    clearance_m: float = Field(default=2.0, ge=0.0, le=1000.0)
+    wind_mps: tuple[float, float] = (0.0, 0.0)
+    separation_m: float = Field(default=0.0, ge=0.0, le=10_000.0)
+    separation_by: Literal['delay', 'layers'] = 'delay'
+    terrain_file: str = ''
+    terrain_clearance_m: float = Field(default=10.0, gt=0.0, le=LARGEST_HEIGHT_M)
+    budget_s: float = Field(default=0.0, ge=0.0, le=LARGEST_BUDGET_S)
+    max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
+
+
+class SimulationBlock(Block):
+    """How vehicles are simulated: one process each or all in one, and their sensors' noise."""
+
+    processes: Literal['per_vehicle', 'fleet'] = 'per_vehicle'
+    fix_rate_hz: float = Field(default=5.0, gt=0.0, le=100.0)
+    gps_horizontal_std_m: float = Field(default=0.02, ge=0.0, le=100.0)
+    gps_vertical_std_m: float = Field(default=0.04, ge=0.0, le=100.0)
+    tilt_std_deg: float = Field(default=0.5, ge=0.0, le=20.0)
+    attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
+    collision_radius_m: float = Field(default=0.4, ge=0.0, le=10.0)
+
+
+# Of a real vehicle whose home the scenario leaves out: it is told by the vehicle.
+HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
+# Keys of a vehicle that say where it is found, not what it can do.
+LINK_KEYS = frozenset({'link', 'drone'})
+
+
+class DroneBlock(Block):
+    """More of a real vehicle: its MAVLink numbers, its camera's folder, its signing key.
+
+    `detector`: ``simulated``, which reads the simulated field at the vehicle's fix, or ``own``,
+    whose driver publishes ``radiation`` in the namespace of the vehicle.
+    `geoid_separation_m`: of the geoid above the ellipsoid, where the vehicle does not tell.
+    """
+
+    system: int = Field(default=1, ge=1, le=255)
+    component: int = Field(default=1, ge=1, le=255)
+    image_folder: str = ''
+    signing_key_file: str = ''
+    geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
+    detector: Literal['simulated', 'own'] = 'simulated'
+
+
+class AutopilotBlock(Block):
+    """How a vehicle speeds up, turns, climbs and lands; the defaults are ArduCopter's.
+
+    See the message Autopilot. `waypoint_radius_m` counts where viewpoints are passed without a
+    stop: with `hover_s: 0`.
+    """
+
+    jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
+    smoothing_s: float = Field(default=0.3, ge=0.0, le=10.0)
+    vertical_acceleration_mps2: float = Field(default=1.0, gt=0.0, le=1e9)
+    vertical_jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
+    waypoint_radius_m: float = Field(default=2.0, ge=0.0, le=100.0)
+    lean_angle_deg: float = Field(default=30.0, ge=1.0, le=80.0)
+    drag_per_m: float = Field(default=0.054, ge=1e-6, le=100.0)
+    landing_speed_mps: float = Field(default=0.5, gt=0.0, le=100.0)
+    landing_height_m: float = Field(default=10.0, ge=0.0, le=1000.0)
+    take_off_delay_s: float = Field(default=2.5, ge=0.0, le=600.0)
+    home_wait_s: float = Field(default=5.0, ge=0.0, le=600.0)
+    landed_delay_s: float = Field(default=2.0, ge=0.0, le=600.0)
+
+
+class VehicleBlock(Block):
+    """A vehicle: its name, which is its ROS namespace, its home and what it can do.
+
+    One with a `link` is real, and may leave its home to be told by the vehicle.
+    """
+
+    name: VehicleName
+    home: LatLon = HOME_OF_VEHICLE
+    cruise_speed_mps: float = Field(default=5.0, gt=0.0, le=100.0)
+    acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0)
+    climb_rate_mps: float = Field(default=2.5, gt=0.0, le=50.0)
+    descent_rate_mps: float = Field(default=1.5, gt=0.0, le=50.0)
+    hover_s: float = Field(default=1.0, ge=0.0, le=600.0)
+    endurance_s: float = Field(default=1500.0, gt=0.0, le=604_800.0)
+    reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
+    battery_swap_s: float | None = Field(default=None, ge=0.0, le=86_400.0)
+    end: LatLon | None = None
+    is_open: bool = False
+    fails_after_s: float = Field(default=0.0, ge=0.0, le=1e6)
+    sensors: tuple[SensorName, ...] = ()
+    cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
+    hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
+    autopilot: AutopilotBlock = AutopilotBlock()
+    link: str = ''
+    drone: DroneBlock = DroneBlock()
+
+    @property
+    def has_home(self) -> bool:
+        """Whether its home is known."""
+        return self.home != HOME_OF_VEHICLE
+
+    @property
+    def usable_endurance_s(self) -> float:
+        """Flight time that a plan may use: the reserve is kept."""
+        return self.endurance_s * (1.0 - self.reserve_fraction)

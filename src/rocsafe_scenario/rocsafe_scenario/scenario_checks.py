@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a scenario's blocks say together: polygons, names, distances, size of the survey."""
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import pairwise
+
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.motion.performance import Performance
+from rocsafe_geo.position import distance_m
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_scenario.camera_blocks import FIRST_CAMERA
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import PLANNING_KEYS
+from rocsafe_scenario.survey_size import fewest_viewpoints
+
+# The local frame is flat: beyond this its error grows above the noise of a GPS fix.
+LARGEST_DISTANCE_M = 20_000.0
+# On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
+MOST_VEHICLE_PROCESSES = 20
+
+
+def mistakes(scenario: Scenario) -> list[str]:
+    """Return one line for each mistake of `scenario`, naming key path, value and limit."""
+    lines = [
+        *_double_names(scenario),
+        *_double_cameras(scenario),
+        *_unequal_fleet(scenario),
+        *_missing_homes(scenario),
+        *_unreal_time(scenario),
+        *_too_many_processes(scenario),
+        *_half_origin(scenario),
+        *_unclear_strengths(scenario),
+        *_two_ends(scenario),
+        *_too_much_wind(scenario),
+        *_missing_sensors(scenario),
+        *_unclear_places(scenario),
+        *_unused_shields(scenario),
+    ]
+    try:
+        area = scenario.area()
+    except ValueError as error:
+        return [*lines, f'region.polygon: {error}']
+    for areas in (scenario.exclusion_areas, scenario.other_areas):
+        try:
+            areas()
+        except ValueError as error:
+            lines.append(str(error))
+    return [*lines, *_far_places(scenario, area), *_too_large(scenario, area)]
+
+
+def _double_names(scenario: Scenario) -> Iterator[str]:
+    for block, names in (
+        ('vehicles', scenario.vehicle_names),
+        ('radiation.sources', tuple(source.name for source in scenario.radiation.sources)),
+    ):
+        for name, count in Counter(names).items():
+            if count > 1:
+                index = [i for i, other in enumerate(names) if other == name][1]
+                yield f'{block}[{index}].name = {name!r}: is given {count} times, must be unique'
+
+
+def _double_cameras(scenario: Scenario) -> Iterator[str]:
+    taken = [FIRST_CAMERA]
+    for index, camera in enumerate(scenario.other_cameras):
+        if camera.name in taken:
+            yield f'other_cameras[{index}].name = {camera.name!r}: is taken, must be unique'
+        taken.append(camera.name)
+
+
+def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
+    """One process simulates vehicles of one kind."""
+    if scenario.simulation.processes != 'fleet':
+        return
+    simulated = [i for i, vehicle in enumerate(scenario.vehicles) if not vehicle.link]
+    for index in simulated:
+        first, vehicle = scenario.vehicles[simulated[0]], scenario.vehicles[index]
+        for key in type(vehicle).model_fields:
+            is_own = key in ('name', 'home', *PLANNING_KEYS)
+            if not is_own and getattr(vehicle, key) != getattr(first, key):
+                value, limit = getattr(vehicle, key), getattr(first, key)
+                yield (
+                    f'vehicles[{index}].{key} = {value}: must be {limit}, as of vehicles[0], '
+                    'with simulation.processes = fleet'
+                )
+
+
+def _missing_homes(scenario: Scenario) -> Iterator[str]:
+    for index, vehicle in enumerate(scenario.vehicles):
+        if not vehicle.has_home and not vehicle.link:
+            yield f'vehicles[{index}].home: must be given, or a link to a vehicle that tells it'
+
+
+def _unreal_time(scenario: Scenario) -> Iterator[str]:
+    speed = scenario.clock.speed
+    if scenario.linked and speed not in (0.0, 1.0):
+        name = scenario.linked[0].name
+        yield f'clock.speed = {speed:g}: must be 1, {name} is real (it has a link)'
+
+
+def _too_many_processes(scenario: Scenario) -> Iterator[str]:
+    count = len(scenario.simulated)
+    if scenario.simulation.processes == 'per_vehicle' and count > MOST_VEHICLE_PROCESSES:
+        yield (
+            f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
+            'simulation.processes = per_vehicle; fleet flies more in one process'
+        )
+
+
+def _two_ends(scenario: Scenario) -> Iterator[str]:
+    for index, vehicle in enumerate(scenario.vehicles):
+        if vehicle.is_open and vehicle.end is not None:
+            yield f'vehicles[{index}]: has an end and is_open, must have one of them at most'
+
+
+def _too_much_wind(scenario: Scenario) -> Iterator[str]:
+    rates = ('cruise_speed_mps', 'acceleration_mps2', 'climb_rate_mps', 'descent_rate_mps')
+    for index, vehicle in enumerate(scenario.vehicles):
+        try:
+            Performance(
+                **vehicle.model_dump(include=set(rates)),
+                autopilot=Autopilot(**vehicle.autopilot.model_dump()),
+                wind_mps=scenario.survey.wind_mps,
+            )
+        except ValueError as error:
+            yield f'vehicles[{index}] in survey.wind_mps: {error}'
+
+
+def _missing_sensors(scenario: Scenario) -> Iterator[str]:
+    blocks = {'region': scenario.region}
+    blocks |= {f'other_regions[{i}]': block for i, block in enumerate(scenario.other_regions)}
+    for key, block in blocks.items():
+        if not any(set(block.sensors) <= set(v.sensors) for v in scenario.vehicles):
+            yield f'{key}.sensors = {list(block.sensors)}: no vehicle carries all of them'
+
+
+def _half_origin(scenario: Scenario) -> Iterator[str]:
+    origin = scenario.origin
+    if (origin.latitude_deg is None) != (origin.longitude_deg is None):
+        yield 'origin: must have both latitude_deg and longitude_deg, or neither'
+
+
+def _unclear_strengths(scenario: Scenario) -> Iterator[str]:
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        if (source.sigma_usvps is None) == (source.activity_gbq is None):
+            yield f'{key}: must have sigma_usvps or activity_gbq, one of them'
+        elif source.activity_gbq is not None and source.nuclide is None:
+            yield f'{key}.nuclide: must be given with activity_gbq'
+
+
+def _unclear_places(scenario: Scenario) -> Iterator[str]:
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        if len(source.shapes) != 1:
+            yield f'{key}: must have one of position, line, area, track'
+        elif 0 < len(source.line) < 2 or 0 < len(source.area) < 3:
+            shape = source.shapes[0]
+            fewest = 2 if shape == 'line' else 3
+            yield f'{key}.{shape}: has {len(source.corners)} corners, must have at least {fewest}'
+        times = [stop.time_s for stop in source.track]
+        if any(later <= earlier for earlier, later in pairwise(times)):
+            yield f'{key}.track: time_s = {times} must rise from stop to stop'
+
+
+def _unused_shields(scenario: Scenario) -> Iterator[str]:
+    radiation = scenario.radiation
+    if radiation.shields and radiation.model != 'shielded':
+        yield (
+            f'radiation.model = {radiation.model!r}: must be shielded where there are '
+            'radiation.shields'
+        )
+    if radiation.scene_file and radiation.model != 'shielded':
+        yield (
+            f'radiation.model = {radiation.model!r}: must be shielded where there is a '
+            'radiation.scene_file'
+        )
+    for index, shield in enumerate(radiation.shields):
+        thinnest_m = min(shield.length_m, shield.width_m, shield.height_m)
+        if shield.wall_m >= thinnest_m / 2.0:
+            yield (
+                f'radiation.shields[{index}].wall_m = {shield.wall_m:g}: must be less than half '
+                f'the shortest side, {thinnest_m / 2.0:g}'
+            )
+
+
+def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
+    """Catch swapped coordinates, and missions for which the flat frame is wrong."""
+    centroid = area.centroid()
+    places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles) if v.has_home}
+    for index, source in enumerate(scenario.radiation.sources):
+        key = f'radiation.sources[{index}]'
+        places.update({f'{key}.{shape}': source.place for shape in source.shapes[:1]})
+        if len(source.shapes) == 1 and source.corners:
+            far = max(
+                source.corners,
+                key=lambda corner: distance_m(centroid, scenario.ground_position(corner)),
+            )
+            places[f'{key}.{source.shapes[0]}'] = far
+    for index, shield in enumerate(scenario.radiation.shields):
+        places[f'radiation.shields[{index}].position'] = shield.position
+    if scenario.origin.latitude_deg is not None and scenario.origin.longitude_deg is not None:
+        places['origin'] = (scenario.origin.latitude_deg, scenario.origin.longitude_deg)
+    corners = enumerate(scenario.region.polygon or ())
+    index, corner = max(
+        corners, key=lambda item: distance_m(centroid, scenario.ground_position(item[1]))
+    )
+    places[f'region.polygon[{index}]'] = corner
+    for key, place in places.items():
+        distance = distance_m(centroid, scenario.ground_position(place))
+        if distance > LARGEST_DISTANCE_M:
+            yield (
+                f'{key} = {list(place)}: is {distance / 1000:.1f} km from the centre of the '
+                f'region, must be at most {LARGEST_DISTANCE_M / 1000:.0f} km'
+            )
+
+
+def _too_large(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
+    points = fewest_viewpoints(area, scenario.survey, scenario.camera)
+    limit = scenario.survey.max_viewpoints
+    if points > limit:
+        yield (
+            f'region.polygon: needs at least {points} viewpoints at survey.height_agl_m = '
+            f'{scenario.survey.height_agl_m:g}, must be at most survey.max_viewpoints = {limit}'
+        )
+
+
+def flight_mistakes(scenario: Scenario) -> list[str]:
+    """Return one line for each thing that can be planned, but that real vehicles do not fly."""
+    lines = []
+    for index, vehicle in enumerate(scenario.vehicles):
+        for key in ('battery_swap_s', 'end', 'is_open', 'fails_after_s') if vehicle.link else ():
+            value = getattr(vehicle, key)
+            if value is not None and value is not False and value != 0.0:
+                lines.append(
+                    f'vehicles[{index}].{key} = {value}: is for plans and simulated vehicles; '
+                    f'{vehicle.name} is real and flies once, from home to home'
+                )
+    if scenario.replan != 'never' and scenario.linked:
+        lines.append(
+            f'replan = {scenario.replan}: must be never where a vehicle is real (has a link), as '
+            f'{scenario.linked[0].name}'
+        )
+    if scenario.survey.separation_m > 0.0 and scenario.linked:
+        lines.append(
+            f'survey.separation_m = {scenario.survey.separation_m:g}: is for plans and simulated '
+            f'vehicles; {scenario.linked[0].name} is real and takes off when it is ready'
+        )
+    return lines

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A pinhole camera over flat ground."""
+
+import struct
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
+from rocsafe_scene.cameras.camera import Truth
+from rocsafe_scene.errors import GroundError
+from rocsafe_scene.ground.picture import Ground, GroundBounds
+from rocsafe_scene.scenery.canvas import Image
+
+# Interpolation reads one texel beyond; one more for rounding.
+_MARGIN_TEXELS = 2.0
+_COMMENT = b'\xff\xfe'
+
+
+@dataclass(frozen=True, slots=True)
+class GroundCamera:
+    """Sees `ground`, the plane up = 0, through `lens`."""
+
+    lens: PinholeCamera
+    ground: Ground
+
+    @property
+    def truth(self) -> Truth | None:
+        """Nothing: a flat picture has neither depth nor labels."""
+        return None
+
+    @property
+    def remark(self) -> str:
+        """Nothing."""
+        return ''
+
+    def label_table(self) -> str:
+        """Return nothing: there are no labels."""
+        return ''
+
+    def photograph(
+        self,
+        position_enu: Enu,
+        rotation_enu_from_optical: NDArray[np.float64],
+        time_ns: int = 0,  # noqa: ARG002 - nothing moves in a picture
+        *,
+        is_quick: bool = False,  # noqa: ARG002 - it always is
+    ) -> Image:
+        """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
+
+        The ground is sampled at most as coarse as the picture's own pixels below the camera, so
+        that neither detail is lost nor fine texture aliased.
+
+        Raises
+        ------
+        GroundError: if the horizon would be seen, or the ground has no picture there.
+        """
+        try:
+            corners = ground_corners(self.lens, position_enu, rotation_enu_from_optical)
+        except ValueError as error:
+            raise GroundError(f'camera at {position_enu}: {error}') from error
+        resolution_m = position_enu[2] / self.lens.focal_px
+        patch = self.ground.patch(_around(corners, resolution_m), resolution_m)
+        homography = ground_homography(self.lens, position_enu, rotation_enu_from_optical)
+        size = (self.lens.image_width_px, self.lens.image_height_px)
+        return cv2.warpPerspective(
+            patch.image,
+            homography @ np.linalg.inv(patch.pixel_from_ground),
+            size,
+            flags=cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+
+
+def _around(corners: NDArray[np.float64], resolution_m: float) -> GroundBounds:
+    margin = _MARGIN_TEXELS * resolution_m
+    west, south = (corners.min(axis=0) - margin).tolist()
+    east, north = (corners.max(axis=0) + margin).tolist()
+    return GroundBounds(west_m=west, south_m=south, east_m=east, north_m=north)
+
+
+def jpeg_of(image: Image, quality: int, remark: str = '') -> bytes:
+    """Return `image` (blue, green, red) as a JPEG file of `quality` 1 to 100.
+
+    A `remark` becomes a comment in the file, which the image store keeps.
+    """
+    is_done, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not is_done:
+        raise GroundError(f'no JPEG of an image of shape {image.shape}')
+    jpeg: bytes = data.tobytes()
+    if not remark:
+        return jpeg
+    text = remark.encode()
+    return jpeg[:2] + _COMMENT + struct.pack('>H', len(text) + 2) + text + jpeg[2:]

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws a scene from any pose: picture, depth, labels and normals in one pass."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from panda3d import core
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_scene.engine.lens import node_matrix, pinhole_lens
+from rocsafe_scene.engine.outputs import Frame
+from rocsafe_scene.engine.pipe import Pipe, open_pipe
+from rocsafe_scene.engine.shade import Shade
+from rocsafe_scene.engine.smoothing import smoothed
+from rocsafe_scene.engine.stage import EYE, FOCAL_PX, Stage
+from rocsafe_scene.engine.target import OneThread, make_buffer, pixels_of
+from rocsafe_scene.engine.thrift import trim
+from rocsafe_scene.mesh.mesh import Floats
+from rocsafe_scene.scene.environment import Environment, SceneObject
+from rocsafe_scene.scene.sunlight import Lighting
+
+_PLANES = (
+    core.GraphicsOutput.RTPColor,
+    core.GraphicsOutput.RTPAuxRgba0,
+    core.GraphicsOutput.RTPAuxRgba1,
+    core.GraphicsOutput.RTPAuxRgba2,
+)
+# The class is the highest byte of a label, the instance the others.
+_CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
+# Of the distances at which simpler meshes take over.
+_FINEST, _COARSEST = 0.55, 2.0
+
+
+class Renderer:
+    """One scene on one pipe; all its calls must come from the thread that made it.
+
+    Parameters
+    ----------
+    environment : what there is.
+    lighting : its light.
+    weather : of the sky.
+    """
+
+    def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
+        self.thread = OneThread()
+        self.pipe: Pipe = open_pipe()
+        self.stage = Stage(environment, weather, self.pipe)
+        self.stage.light(lighting)
+        self.stage.move(0.0)
+        trim()
+        self._shade = Shade(self.pipe, self.stage, lighting)
+        trim()
+        self._time_s = 0.0
+
+    def set_time(self, time_s: float) -> None:
+        """Put what moves where it is at a time, seconds after the start; shadows follow."""
+        self.thread.require()
+        if time_s != self._time_s and self.stage.has_motion:
+            self.stage.move(time_s)
+            self._shade.follow()
+        self._time_s = time_s
+
+    def restage(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
+        """Put things elsewhere, leave some out, and change the light.
+
+        `objects` are those of the environment, some in other places; what is missing is not drawn.
+        """
+        self.thread.require()
+        self.stage.arrange(objects)
+        self.stage.light(lighting, weather)
+        self._shade.relight(lighting)
+
+    def camera(self, lens: PinholeCamera) -> 'Eye':
+        """Return a camera of this scene."""
+        self.thread.require()
+        return Eye(self, lens)
+
+
+class Eye:
+    """A camera with its buffer; make it once and use it again."""
+
+    def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
+        self.lens = lens
+        self._renderer = renderer
+        engine = renderer.pipe.engine
+        self._textures = [core.Texture(f'plane {number}') for number in range(len(_PLANES))]
+        self._buffer = self._make_buffer(renderer.pipe)
+        self._camera = core.Camera('eye', pinhole_lens(lens))
+        self._camera.setScene(renderer.stage.root)
+        self._camera.setCameraMask(EYE)
+        self.resolve(lens.focal_px)
+        self._node = renderer.stage.root.attachNewNode(self._camera)
+        self._buffer.makeDisplayRegion().setCamera(self._node)
+        self._buffer.setActive(False)
+        self._engine = engine
+
+    def _make_buffer(self, pipe: Pipe) -> Any:
+        buffer = make_buffer(pipe, self.lens, 'eye', aux_count=len(_PLANES) - 1)
+        for texture, plane in zip(self._textures, _PLANES, strict=True):
+            buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
+            buffer.setClearActive(plane, True)
+            buffer.setClearValue(plane, core.LVecBase4f(0.0))
+        return buffer
+
+    def resolve(self, focal_px: float) -> None:
+        """Draw things in the detail that a camera of another focal length resolves."""
+        scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
+        self._camera.setLodScale(scale)
+
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+        """Return what is seen from a pose.
+
+        Parameters
+        ----------
+        position_enu : of the camera, metres, (3,).
+        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        """
+        self._renderer.thread.require()
+        self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
+        self._renderer.stage.sky.setPos(*(float(value) for value in position_enu))
+        self._buffer.setActive(True)
+        self._engine.renderFrame()
+        self._buffer.setActive(False)
+        return self._frame()
+
+    def close(self) -> None:
+        """Give the buffer back."""
+        self._engine.removeWindow(self._buffer)
+        self._node.removeNode()
+
+    def _plane(self, number: int) -> NDArray[np.uint8]:
+        return pixels_of(self._textures[number], self.lens)
+
+    def _frame(self) -> Frame:
+        labels = self._plane(2)
+        numbers = np.bitwise_and(labels.view(np.uint32)[::-1, :, 0], np.uint32(_NUMBER_MASK))
+        normals = cv2.flip(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB), 0)
+        image = np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0))
+        return Frame(
+            image=smoothed(image, numbers, normals),
+            depth_m=np.ascontiguousarray(self._plane(1).view(np.float32)[::-1, :, 0]),
+            numbers=numbers,
+            classes=np.asarray(cv2.flip(cv2.extractChannel(labels, _CLASS_BYTE), 0)),
+            normals=np.asarray(normals),
+        )

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hills and hollows, and what people did to them: embankments, cuttings, beds, level places."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_scene.ground.terrain import GridFrame, HeightFunction
+from rocsafe_scene.mesh.lines import nearest_on, resampled, run_of
+from rocsafe_scene.mesh.mesh import Floats
+from rocsafe_scene.scenery.noise import CM_PER_M, Window, fractal_at
+
+# Share of the relief by octave, of spacing 2^k cm: from bumps of a metre to rises of 80 m.
+_LOCAL = {7: 0.012, 8: 0.03, 9: 0.07, 10: 0.14, 11: 0.25, 12: 0.5, 13: 0.75}
+_HILLS = {14: 0.25, 15: 0.6, 16: 1.0}
+# Hills rise between these distances from the origin.
+_PLAIN_M, _HILLY_M = 190.0, 1400.0
+# A course over the ground is levelled over this length.
+_LEVELLED_M = 120.0
+_COURSE_STEP_M = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Course:
+    """A built line: the ground is levelled along it, lifted, and brought back beside it.
+
+    Attributes
+    ----------
+    line : its course, (k, 2), metres.
+    half_width_m : of its level top or bed.
+    lift_m : of the top above the levelled ground; below 0 a cutting or a stream's bed.
+    slope_m : width of each flank.
+    """
+
+    line: Floats
+    half_width_m: float
+    lift_m: float
+    slope_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pad:
+    """A level place, such as under a house."""
+
+    east_m: float
+    north_m: float
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Relief:
+    """The numbers of a landscape.
+
+    Attributes
+    ----------
+    seed : of its noise.
+    local_m : height of rises near the origin.
+    hills_m : height of hills far from it.
+    courses : built lines, in order of building.
+    pads : level places, made last.
+    measured : heights in place of noise; None: there are none.
+    """
+
+    seed: int
+    local_m: float
+    hills_m: float
+    courses: Sequence[Course] = ()
+    pads: Sequence[Pad] = ()
+    measured: HeightFunction | None = None
+
+    def heights(self, frame: GridFrame) -> Floats:
+        """Return the heights of the points of `frame`, (rows * columns,)."""
+        places = frame.places()
+        ground = self._natural(frame).ravel()
+        for course in self.courses:
+            _build(ground, places, course, self._along(course))
+        for pad in self.pads:
+            self._level(ground, places, pad)
+        return ground
+
+    def _natural(self, frame: GridFrame) -> Floats:
+        if self.measured is not None:
+            return self.measured(frame).reshape(frame.rows, frame.columns)
+        octave = round(np.log2(frame.cell_m * CM_PER_M))
+        x0, y0 = round(frame.west_m / frame.cell_m), round(frame.south_m / frame.cell_m)
+        window = Window(x0, y0, x0 + frame.columns, y0 + frame.rows)
+        local = fractal_at(self.seed + 71, _LOCAL, octave, window).astype(float)
+        hills = fractal_at(self.seed + 72, _HILLS, octave, window).astype(float)
+        east = frame.west_m + frame.cell_m * np.arange(frame.columns)[None]
+        north = frame.south_m + frame.cell_m * np.arange(frame.rows)[:, None]
+        rise = _smooth((np.hypot(east, north) - _PLAIN_M) / (_HILLY_M - _PLAIN_M))
+        return np.asarray(self.local_m * local + self.hills_m * rise * (0.45 + 0.8 * hills))
+
+    def _natural_at(self, places: Floats) -> Floats:
+        """Return natural heights anywhere, from a grid of 5.12 m around the places."""
+        cell = 5.12
+        low = np.floor(places.min(axis=0) / cell) - 2
+        high = np.ceil(places.max(axis=0) / cell) + 2
+        columns, rows = (high - low).astype(int) + 1
+        frame = GridFrame(
+            west_m=float(low[0] * cell), south_m=float(low[1] * cell), cell_m=cell,
+            columns=int(columns), rows=int(rows),
+        )  # fmt: skip
+        grid = self._natural(frame)
+        x, y = (places[:, 0] - frame.west_m) / cell, (places[:, 1] - frame.south_m) / cell
+        column, row = x.astype(int), y.astype(int)
+        u, v = x - column, y - row
+        lower = grid[row, column] * (1 - u) + grid[row, column + 1] * u
+        upper = grid[row + 1, column] * (1 - u) + grid[row + 1, column + 1] * u
+        return np.asarray(lower * (1 - v) + upper * v)
+
+    def _along(self, course: Course) -> tuple[Floats, Floats]:
+        """Return places along a course and its levelled heights there."""
+        line = resampled(course.line, _COURSE_STEP_M)
+        heights = self._natural_at(line)
+        reach = round(0.5 * _LEVELLED_M / _COURSE_STEP_M)
+        padded = np.pad(heights, reach, mode='edge')
+        window = np.hanning(2 * reach + 3)[1:-1]
+        return line, np.convolve(padded, window / window.sum(), 'valid') + course.lift_m
+
+    def _level(self, ground: Floats, places: Floats, pad: Pad) -> None:
+        middle = np.array([[pad.east_m, pad.north_m]])
+        distance = np.linalg.norm(places - middle, axis=1)
+        share = 1.0 - _smooth((distance - pad.radius_m) / (0.6 * pad.radius_m))
+        height = float(self._natural_at(middle)[0])
+        ground += share * (height - ground)
+
+
+def _build(ground: Floats, places: Floats, course: Course, profile: tuple[Floats, Floats]) -> None:
+    line, heights = profile
+    reach = course.half_width_m + course.slope_m
+    low, high = line.min(axis=0) - reach, line.max(axis=0) + reach
+    is_near = np.all((places >= low) & (places <= high), axis=1)
+    found = nearest_on(line, places[is_near])
+    top = np.interp(found.along_m, run_of(line), heights)
+    share = 1.0 - _smooth((found.distance_m - course.half_width_m) / course.slope_m)
+    ground[is_near] += share * (top - ground[is_near])
+
+
+def _smooth(share: Floats) -> Floats:
+    """Return 0 below 0, 1 above 1 and a smooth step between."""
+    t = np.clip(share, 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))

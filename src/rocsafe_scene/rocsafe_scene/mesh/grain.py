@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tiles: the dirt and wear that lies on all things, and the leaves on the skin of crowns."""
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_scene.mesh.mesh import Floats
+
+TILE_PX = 1024
+# Of the leaves: texels, and their width, metres.
+LEAVES_PX, LEAF_TEXEL_M = 1024, 0.03
+# Widths of sprays of leaves, clumps of them, gaps and boughs, metres.
+_SPRAY_M, _CLUMP_M, _GAP_M, _BOUGH_M = 0.13, 0.32, 0.45, 1.1
+
+
+@lru_cache(maxsize=1)
+def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
+    """Return noise without seams, (1024, 1024, 4): of centimetres, of hands, in streaks, in spots.
+
+    Each is shaped from white noise by its spectrum, and spread evenly over 0 to 255.
+    """
+    rng = np.random.default_rng(seed)
+    across, along = (f(TILE_PX, 1.0 / TILE_PX) for f in (np.fft.rfftfreq, np.fft.fftfreq))
+    fx, fy = np.meshgrid(across, along)
+    radius = np.hypot(fx, fy) + 1e-9
+    fine = _shaped(rng, radius**-0.55 * (radius > 12.0))
+    blotches = _shaped(rng, np.exp(-((radius / 60.0) ** 2)) * radius**-1.0 * (radius > 1.5))
+    stretched = np.hypot(fx, 7.0 * fy) + 1e-9
+    streaks = _shaped(rng, stretched**-0.9 * (stretched > 6.0))
+    coarse = _shaped(rng, radius**-1.25 * (radius > 2.5))
+    layers = [_levelled(fine), _levelled(blotches), _levelled(streaks), _levelled(coarse)]
+    return np.stack(layers, axis=-1)
+
+
+@lru_cache(maxsize=1)
+def leaf_tile(seed: int = 8) -> NDArray[np.uint8]:
+    """Return how bright the leaves of a dense crown are, (1024, 1024).
+
+    Sprays and clumps of leaves, each of its own tone and dark at its rim, and gaps between them
+    in which one sees dark. 31 m wide, and as much again mirrored. The gaps make photographs
+    from two places match: noise of the same contrast is found again half as often.
+    """
+    rng = np.random.default_rng(seed)
+    spray, spray_tone, _ = _cells(rng, _SPRAY_M)
+    clump, clump_tone, _ = _cells(rng, _CLUMP_M)
+    gap, _, chance = _cells(rng, _GAP_M)
+    _, bough_tone, _ = _cells(rng, _BOUGH_M)
+    sprays = 0.6 * spray_tone - 1.2 * (spray - 0.5)
+    clumps = 0.7 * clump_tone - 2.0 * (clump - 0.5)
+    boughs = 0.5 * cv2.GaussianBlur(bough_tone, (0, 0), 8.0)
+    # Most gaps are small; their rims follow the leaves.
+    width = 0.06 + 0.26 * chance**2
+    edge = _GAP_M * gap + 0.06 * sprays + 0.08 * clumps
+    gaps = np.clip(2.0 * (width - edge) / width, 0.0, 1.0)
+    light = 1.2 * (0.45 * sprays + 0.5 * clumps + boughs) - 1.9 * gaps
+    return _levelled(cv2.GaussianBlur(light, (0, 0), 0.8))
+
+
+def _cells(rng: np.random.Generator, width_m: float) -> tuple[Floats, Floats, Floats]:
+    """Return cells around random places, `width_m` wide on the whole, as pictures.
+
+    Namely the distance from the middle in widths, and for each cell a normal and a uniform
+    random number.
+    """
+    places = rng.integers(0, LEAVES_PX, (2, round((LEAVES_PX * LEAF_TEXEL_M / width_m) ** 2)))
+    is_off = np.ones((LEAVES_PX, LEAVES_PX), np.uint8)
+    is_off[tuple(places)] = 0
+    distance, cell = cv2.distanceTransformWithLabels(
+        is_off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    count = int(cell.max()) + 1
+    tone = rng.standard_normal(count).astype(np.float32)
+    chance = rng.uniform(0.0, 1.0, count).astype(np.float32)
+    return distance * np.float32(LEAF_TEXEL_M / width_m), tone[cell], chance[cell]
+
+
+def _shaped(rng: np.random.Generator, spectrum: Floats) -> Floats:
+    noise = np.fft.rfft2(rng.standard_normal((TILE_PX, TILE_PX)))
+    return np.asarray(np.fft.irfft2(noise * spectrum))
+
+
+def _levelled(values: Floats) -> NDArray[np.uint8]:
+    scaled = (values - values.mean()) / values.std()
+    return np.clip(127.5 + 48.0 * scaled, 0.0, 255.0).astype(np.uint8)

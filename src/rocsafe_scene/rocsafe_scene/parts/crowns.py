@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The skin of crowns: what a tree shows of itself from a vehicle's height.
+
+From 32 m a pixel is 6 cm wide and leaves run together: a crown is a dense, lumpy surface. Here it
+is one closed surface around lobes that melt together, dented by noise. Photographs from two places
+see the same surface with the same picture on it, as of ground, where single leaves would show
+others of them.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from rocsafe_scene.mesh.mesh import Colour, Floats, Mesh, unit
+from rocsafe_scene.mesh.surfaces import Surface
+
+# Length of a skin triangle's side, metres.
+_SIDE_M = 0.23
+_FEWEST, _MOST = 5, 26
+# Steps in which a ray from outside looks for the skin, and how softly lobes melt together.
+_STEPS, _SOFTNESS = 26, 5.0
+# Above this share of half its height a crown flattens, to this share of the slope at its top.
+_FLAT_FROM, _FLATTENED = 0.2, 0.4
+# Dents: wavelength and depth, metres.
+_DENTS = ((1.6, 0.12), (0.8, 0.07), (0.45, 0.035))
+_WAVES = 14
+# Leaves shade each other: a crown is darker than a leaf.
+_SHADED, _SHADED_SIDE = 0.72, 0.64
+# Leaves on the top of a crown, as a share of those on its sides.
+_ON_TOP = 0.15
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Blob:
+    """A lobe of a crown.
+
+    Attributes
+    ----------
+    centre : metres, (3,).
+    radii : along the axes, metres, (3,).
+    """
+
+    centre: Floats
+    radii: Floats
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crown:
+    """What a skin goes round.
+
+    Attributes
+    ----------
+    lobes : that it encloses.
+    middle : a place within, from which all of the skin is seen, (3,).
+    size : half its width, width and height, metres, (3,).
+    leaf : red, green, blue in the light.
+    variety : how much lobes differ in brightness, 0 to 1.
+    """
+
+    lobes: list[Blob]
+    middle: Floats
+    size: Floats
+    leaf: Colour
+    variety: float
+
+
+def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
+    """Return the closed surface of a crown; `density` scales the number of its triangles.
+
+    Its `places` are (east, north) unrolled from the top, so that what is painted on it is
+    stretched little.
+    """
+    side = _SIDE_M / math.sqrt(density)
+    frequency = round(1.05 * float(crown.size.mean()) / side)
+    sphere, triangles = _sphere(min(max(frequency, _FEWEST), _MOST))
+    direction = unit(sphere * crown.size)
+    reach = _reach(crown, direction)
+    points = crown.middle + reach[:, None] * direction
+    # Calm on top, where vehicles look at it, ragged on the sides.
+    dents = _dents(points, rng) * (0.1 + 1.4 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
+    points = points + dents[:, None] * direction
+    tint = _colours(crown, points, dents, rng)
+    points = _flattened(crown, points)
+    # Stereographic: finer on the sides, stretched nowhere.
+    unrolled = 2.0 / np.maximum(1.0 + sphere[:, 2:], 0.4)
+    normals = smooth_normals(points, triangles)
+    colours = np.full((len(points), 4), Surface.CROWN, np.uint8)
+    colours[:, :3] = np.clip(_shaded(normals) * tint, 6.0, 250.0)
+    return Mesh(
+        points=points,
+        normals=normals,
+        places=points[:, :2] * unrolled,
+        colours=colours,
+        triangles=triangles,
+    )
+
+
+def _flattened(crown: Crown, points: Floats) -> Floats:
+    """Return a crown's points (n, 3) with its dome pressed from below: in a wood crowns end level.
+
+    Its top stays where it is.
+    """
+    above = np.maximum((points[:, 2] - crown.middle[2]) / crown.size[2] - _FLAT_FROM, 0.0)
+    most = 1.0 - _FLAT_FROM
+    raised = points.copy()
+    raised[:, 2] += crown.size[2] * (1.0 - _FLATTENED) * (most**2 - above**2) / (2.0 * most)
+    return raised
+
+
+def smooth_normals(points: Floats, triangles: Floats) -> Floats:
+    """Return unit normals (n, 3): of the triangles around each point by their areas."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    corners = triangles.T.ravel()
+    summed = [np.bincount(corners, np.tile(across[:, k], 3), len(points)) for k in range(3)]
+    return unit(np.stack(summed, axis=1))
+
+
+def scattered(
+    mesh: Mesh, density: float, rng: np.random.Generator
+) -> tuple[Floats, Floats, Floats]:
+    """Return places on a skin, more on its sides than on top, with their normals and colours.
+
+    There are `density` on a square metre of a side.
+    """
+    a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    normal = unit(mesh.normals[mesh.triangles].mean(axis=1))
+    weight = 0.5 * area * (1.0 - (1.0 - _ON_TOP) * _upness(normal))
+    count = int(density * weight.sum())
+    chosen = np.searchsorted(np.cumsum(weight) / weight.sum(), rng.uniform(0.0, 1.0, count))
+    chosen = np.minimum(chosen, len(weight) - 1)
+    u, v = rng.uniform(0.0, 1.0, (2, count, 1))
+    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
+    places = a[chosen] + u * (b - a)[chosen] + v * (c - a)[chosen]
+    tint = mesh.colours[mesh.triangles[chosen, 0], :3] / _shaded(normal[chosen])
+    return places, normal[chosen], _SHADED * tint
+
+
+def _upness(normals: Floats) -> Floats:
+    """Return 1 where a skin looks up, 0 on its sides and below, (n,)."""
+    share = np.clip((normals[:, 2] - 0.25) / 0.5, 0.0, 1.0)
+    return np.asarray(share * share * (3.0 - 2.0 * share))
+
+
+def _shaded(normals: Floats) -> Floats:
+    """Return how bright a skin is by how it looks up, (n, 1)."""
+    return np.asarray(_SHADED_SIDE + (_SHADED - _SHADED_SIDE) * _upness(normals))[:, None]
+
+
+def _reach(crown: Crown, direction: Floats) -> Floats:
+    """Return how far the skin is from the middle in each direction (n, 3), seen from outside."""
+    farthest = 1.35 * float(np.linalg.norm(crown.size))
+    reach = np.linspace(farthest, 0.0, _STEPS)
+    inside = np.stack([_inside(crown, crown.middle + t * direction) for t in reach])
+    inside[-1] = np.maximum(inside[-1], 1e-6)
+    first = np.maximum(np.argmax(inside > 0.0, axis=0), 1)
+    column = np.arange(len(direction))
+    before, after = inside[first - 1, column], inside[first, column]
+    share = np.clip(before / np.minimum(before - after, -1e-9), 0.0, 1.0)
+    return np.asarray(reach[first - 1] + share * (reach[first] - reach[first - 1]))
+
+
+def _inside(crown: Crown, places: Floats) -> Floats:
+    """Return a number above 0 within the lobes, which melt together: after Blinn (1982)."""
+    total = np.zeros(len(places))
+    for lobe in crown.lobes:
+        total += np.exp(_SOFTNESS * (1.0 - np.sum(((places - lobe.centre) / lobe.radii) ** 2, 1)))
+    return np.log(np.maximum(total, 1e-30))
+
+
+def _dents(places: Floats, rng: np.random.Generator) -> Floats:
+    """Return noise at places (n, 3), metres: sums of waves in all directions."""
+    total = np.zeros(len(places))
+    for wavelength, depth in _DENTS:
+        way = unit(rng.normal(0.0, 1.0, (_WAVES, 3))) * rng.uniform(0.75, 1.35, (_WAVES, 1))
+        phase = rng.uniform(0.0, 2.0 * math.pi, _WAVES)
+        waves = np.sin(places @ way.T * (2.0 * math.pi / wavelength) + phase)
+        total += depth * waves.sum(axis=1) * math.sqrt(2.0 / _WAVES)
+    return total
+
+
+def _colours(crown: Crown, points: Floats, dents: Floats, rng: np.random.Generator) -> Floats:
+    """Return red, green, blue: a tone for each lobe, darker in dents and low down."""
+    centres = np.array([lobe.centre for lobe in crown.lobes])
+    sizes = np.array([lobe.radii.mean() for lobe in crown.lobes])
+    spread = crown.variety * 0.5
+    tones = 1.0 + rng.uniform(-spread, spread, (len(sizes), 1))
+    tones = tones + rng.normal(0.0, 0.05, (len(sizes), 3))
+    apart = np.linalg.norm(points[:, None] - centres, axis=2) / sizes
+    weight = np.exp(-5.0 * (apart - apart.min(axis=1, keepdims=True)))
+    tone = weight @ tones / weight.sum(axis=1, keepdims=True)
+    up = (points[:, 2] - crown.middle[2]) / crown.size[2]
+    deep = np.clip(1.0 + 1.9 * dents, 0.55, 1.25) * np.clip(0.92 + 0.14 * up, 0.7, 1.0)
+    return np.asarray(np.array(crown.leaf) * tone * deep[:, None])
+
+
+@lru_cache(maxsize=32)
+def _sphere(frequency: int) -> tuple[Floats, Floats]:
+    """Return an icosahedron whose edges are cut in `frequency` parts, blown up to a unit sphere.
+
+    Triangles run anticlockwise from outside, the highest first: from above, what is behind is
+    hidden before it is drawn.
+    """
+    corners, faces = _icosahedron()
+    grid = [(i, j) for i in range(frequency + 1) for j in range(frequency + 1 - i)]
+    share = np.array([(frequency - i - j, i, j) for i, j in grid]) / frequency
+    number = {place: k for k, place in enumerate(grid)}
+    cells = [(number[i, j], number[i + 1, j], number[i, j + 1])
+             for i, j in grid if i + j < frequency]  # fmt: skip
+    cells += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1])
+              for i, j in grid if i + j < frequency - 1]  # fmt: skip
+    points = (share @ corners[faces]).reshape(-1, 3)
+    triangles = (np.array(cells) + len(grid) * np.arange(len(faces))[:, None, None]).reshape(-1, 3)
+    _, first, place = np.unique(np.rint(points * 1e7), axis=0, return_index=True,
+                                return_inverse=True)  # fmt: skip
+    sphere = unit(points[first])
+    triangles = place.reshape(-1)[triangles]
+    order = np.argsort(-sphere[triangles][..., 2].sum(axis=1), kind='stable')
+    return sphere, np.ascontiguousarray(triangles[order].astype(np.int32))
+
+
+def _icosahedron() -> tuple[Floats, Floats]:
+    golden = 0.5 * (1.0 + math.sqrt(5.0))
+    ring = [(a, b * golden) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
+    corners = np.array([np.roll((0.0, a, b), shift) for shift in range(3) for a, b in ring])
+    apart = np.linalg.norm(corners[:, None] - corners, axis=2)
+    faces = []
+    for a, b, c in combinations(range(12), 3):
+        if max(apart[a, b], apart[b, c], apart[a, c]) < 2.1:
+            is_outward = np.linalg.det(corners[[a, b, c]]) > 0.0
+            faces.append((a, b, c) if is_outward else (a, c, b))
+    return corners, np.array(faces)

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a scene file says."""
+
+from datetime import datetime, timezone
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from rocsafe_scene.mesh.classes import class_number
+
+DEFAULT_TIME = datetime(2025, 6, 1, 14, 0, tzinfo=timezone.utc)
+Weather = Literal['clear', 'overcast', 'wet', 'fog', 'dusk']
+Point = tuple[float, float]
+Byte = Annotated[int, Field(ge=0, le=255)]
+Rgb = tuple[Byte, Byte, Byte]
+
+
+def _in_utc(time: datetime) -> datetime:
+    if time.tzinfo is None:
+        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
+    return time.astimezone(timezone.utc)
+
+
+def _known_class(name: str) -> str:
+    class_number(name)
+    return name
+
+
+class Block(BaseModel):
+    """Settings of every block: unknown keys refused, nothing converted, no infinity, frozen."""
+
+    model_config = ConfigDict(extra='forbid', strict=True, frozen=True, allow_inf_nan=False)
+
+
+class PlaceBlock(Block):
+    """Where the scene lies when no mission says it."""
+
+    latitude_deg: float = Field(default=0.0, ge=-89.0, le=89.0)
+    longitude_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    altitude_m: float = Field(default=0.0, ge=-500.0, le=9000.0)
+
+
+class LightBlock(Block):
+    """Time of the sun, and the weather."""
+
+    time: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_TIME
+    weather: Weather = 'clear'
+
+
+class TerrainBlock(Block):
+    """The landscape: relief about the site and beyond it, and how much stands on it.
+
+    `dem` and `orthophoto` are GeoTIFFs of a real place, in place of relief and painted ground.
+    """
+
+    local_m: float = Field(default=1.2, ge=0.0, le=50.0)
+    hills_m: float = Field(default=40.0, ge=0.0, le=1000.0)
+    tufts: float = Field(default=1.0, ge=0.0, le=4.0)
+    dem: str | None = None
+    orthophoto: str | None = None
+
+
+class GroundBlock(Block):
+    """Something painted on, and cut into, the ground; `with` holds what only its kind knows."""
+
+    name: Annotated[str, Field(min_length=1, max_length=64)]
+    kind: str
+    outline: tuple[Point, ...] | None = Field(default=None, min_length=3)
+    line: tuple[Point, ...] | None = Field(default=None, min_length=2)
+    options: dict[str, Any] = Field(default={}, alias='with')
+
+
+class ScatterBlock(Block):
+    """Many of one kind: `count` in an outline, or around a place, by the scene's seed."""
+
+    count: int = Field(ge=1, le=5000)
+    outline: tuple[Point, ...] | None = Field(default=None, min_length=3)
+    around: tuple[float, float] | None = None
+    spread_m: tuple[float, float] = (5.0, 5.0)
+
+
+class WaypointBlock(Block):
+    """Where a moving thing is at a time, seconds after the start of the mission."""
+
+    time_s: float = Field(ge=0.0)
+    at: Point
+
+
+class ObjectBlock(Block):
+    """A thing: what it is made by, where it stands, what it is to rays and labels."""
+
+    name: Annotated[str, Field(min_length=1, max_length=64)]
+    make: str | None = None
+    mesh: str | None = None
+    label: Annotated[str, AfterValidator(_known_class)] | None = Field(default=None, alias='class')
+    at: Point | None = None
+    position: Point | None = None
+    line: tuple[Point, ...] | None = Field(default=None, min_length=2)
+    scatter: ScatterBlock | None = None
+    height_m: float = Field(default=0.0, ge=-100.0, le=1000.0)
+    yaw_deg: float = 0.0
+    pitch_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    roll_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
+    scale: float = Field(default=1.0, gt=0.0, le=1000.0)
+    material: str = ''
+    fill: float = Field(default=1.0, gt=0.0, le=1.0)
+    temperature_c: float = Field(default=15.0, ge=-90.0, le=2000.0)
+    path: tuple[WaypointBlock, ...] = ()
+    options: dict[str, Any] = Field(default={}, alias='with')
+
+
+class SceneDescription(Block):
+    """The content of a scene file; coordinates `at` and in lines are in its own frame.
+
+    The frame's origin is the mission's; its x axis is turned by `yaw_deg` from east.
+    """
+
+    name: Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]
+    description: str = ''
+    seed: int = Field(default=1, ge=0, le=2**31 - 1)
+    yaw_deg: float = 0.0
+    place: PlaceBlock = PlaceBlock()
+    light: LightBlock = LightBlock()
+    terrain: TerrainBlock = TerrainBlock()
+    ground: tuple[GroundBlock, ...] = ()
+    objects: tuple[ObjectBlock, ...] = ()

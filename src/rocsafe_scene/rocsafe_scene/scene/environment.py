@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene as built: terrain, ground pictures, objects with their labels."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.terrain import Terrain
+from rocsafe_scene.mesh.lines import run_of
+from rocsafe_scene.mesh.mesh import Floats, Mesh
+from rocsafe_scene.scene.description import SceneDescription
+
+SKY_NUMBER, GROUND_NUMBER, FIRST_OBJECT_NUMBER = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Piece:
+    """A mesh in its place; several pieces may share one mesh.
+
+    Attributes
+    ----------
+    mesh : in its own coordinates.
+    rotation : own axes to east, north, up; may also stretch all alike, (3, 3).
+    offset : of its origin, metres, (3,).
+    """
+
+    mesh: Mesh
+    rotation: Floats
+    offset: Floats
+
+    def points(self) -> Floats:
+        """Return its corners in east, north, up, (n, 3)."""
+        return np.asarray(self.mesh.points @ self.rotation.T + self.offset)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MovingPath:
+    """Where a thing is at which time: `places` (k, 3) at `times_s` (k,)."""
+
+    times_s: Floats
+    places: Floats
+
+    def shift_at(self, time_s: float) -> tuple[Floats, float]:
+        """Return the place at a time, (3,), and the yaw of its motion there, rad."""
+        times = self.times_s
+        at = min(max(int(times.searchsorted(time_s)), 1), len(times) - 1)
+        start, step = self.places[at - 1], self.places[at] - self.places[at - 1]
+        span_s = float(times[at] - times[at - 1])
+        share = min(max((time_s - float(times[at - 1])) / span_s, 0.0), 1.0) if span_s else 1.0
+        return start + share * step, math.atan2(step[1], step[0])
+
+    @property
+    def length_m(self) -> float:
+        """Of the way."""
+        return float(run_of(self.places)[-1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SceneObject:
+    """A thing of a scene.
+
+    Attributes
+    ----------
+    name : unique.
+    label : its class.
+    number : its instance id in the labels, from `FIRST_OBJECT_NUMBER`.
+    pieces : of its surface.
+    material : to rays.
+    fill : share of its volume that the material fills, 0 to 1.
+    temperature_c : of its surface.
+    is_foliage : its polygons have two sides.
+    path : where it moves; None if it stands.
+    """
+
+    name: str
+    label: str
+    number: int
+    pieces: tuple[Piece, ...]
+    material: str = 'steel'
+    fill: float = 1.0
+    temperature_c: float = 15.0
+    is_foliage: bool = False
+    path: MovingPath | None = None
+
+    @property
+    def bounds(self) -> Floats:
+        """Lowest and highest east, north, up, (2, 3)."""
+        corners = np.concatenate([piece.points() for piece in self.pieces])
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    @property
+    def triangle_count(self) -> int:
+        """Of all its pieces."""
+        return sum(len(piece.mesh.triangles) for piece in self.pieces)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Environment:
+    """All of a scene, in metres about the mission origin.
+
+    Attributes
+    ----------
+    description : what it was built from.
+    seed : of all that is random in it.
+    terrain : shape of the ground.
+    inner, outer : its pictures, near and around.
+    objects : things, by rising number.
+    tufts : long grass, part of the ground.
+    """
+
+    description: SceneDescription
+    seed: int
+    terrain: Terrain
+    inner: GroundMap
+    outer: GroundMap
+    objects: tuple[SceneObject, ...]
+    tufts: Sequence[Mesh] = ()
+
+    @property
+    def triangle_count(self) -> int:
+        """Of all objects."""
+        return sum(thing.triangle_count for thing in self.objects)

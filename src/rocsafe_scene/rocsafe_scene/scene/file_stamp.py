@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What tells a changed file, for the names of what is kept of it."""
+
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_MAKERS = ('mesh', 'parts', 'ground', 'scene', 'scenery')
+
+
+def stamp(path: str | None) -> str:
+    """Return what tells a changed file without reading it; empty for none."""
+    if path is None:
+        return ''
+    try:
+        state = Path(path).stat()
+    except OSError:
+        return f'{path} missing'
+    return f'{path} {state.st_size} {state.st_mtime_ns}'
+
+
+@lru_cache(maxsize=1)
+def source_digest() -> str:
+    """Return a checksum of all source that scenes are made and painted by."""
+    content = sha256()
+    for folder in _MAKERS:
+        for path in sorted((_PACKAGE / folder).rglob('*.py')):
+            content.update(path.read_bytes())
+    return content.hexdigest()

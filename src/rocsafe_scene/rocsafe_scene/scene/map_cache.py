@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Painted ground kept between runs: painting takes half a minute, reading a moment."""
+
+import os
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_scene.ground.ground_kinds import GroundWork
+from rocsafe_scene.ground.ground_picture import GroundMap, inner_map, outer_map
+from rocsafe_scene.ground.real_ground import draped
+from rocsafe_scene.scene.description import SceneDescription
+from rocsafe_scene.scene.file_stamp import source_digest, stamp
+
+Painter = Callable[[], GroundMap]
+
+
+def maps(
+    works: Sequence[GroundWork],
+    seed: int,
+    description: SceneDescription,
+    frame: LocalFrame,
+    cache: Path | None,
+) -> tuple[GroundMap, GroundMap]:
+    """Return the inner and the outer ground map, from `cache` where they are kept there.
+
+    Raises
+    ------
+    SceneError: one line, if there is to be an orthophoto that cannot be used.
+    """
+    photo = description.terrain.orthophoto
+
+    def drawn(ground: GroundMap) -> GroundMap:
+        return ground if photo is None else draped(ground, photo, frame)
+
+    if cache is None:
+        return drawn(inner_map(works, seed)), drawn(outer_map(works, seed))
+    entries = [entry.model_dump_json() for entry in description.ground]
+    about = [] if photo is None else [stamp(photo), str(frame.origin)]
+    content = '\n'.join([source_digest(), str(seed), str(description.yaw_deg), *entries, *about])
+    key = sha256(content.encode()).hexdigest()[:24]
+    inner = _kept(cache / f'{key}-inner.npz', lambda: drawn(inner_map(works, seed)))
+    outer = _kept(cache / f'{key}-outer.npz', lambda: drawn(outer_map(works, seed)))
+    return inner, outer
+
+
+def _kept(path: Path, paint: Painter) -> GroundMap:
+    with suppress(OSError, ValueError, KeyError):
+        return _read(path)
+    ground = paint()
+    try:
+        _write(path, ground)
+        # Its picture is then part of the file, not of this process.
+        return _read(path)
+    except (OSError, ValueError, KeyError):
+        # A full or read-only disk costs time at the next start, nothing else.
+        with suppress(OSError):
+            path.unlink()
+    return ground
+
+
+def _picture_of(path: Path) -> Path:
+    return path.with_suffix('.npy')
+
+
+def _read(path: Path) -> GroundMap:
+    with np.load(path, allow_pickle=False) as content:
+        west, south, texel = content['place'].tolist()
+        classes = content['classes']
+    # Mapped, not read: processes share it, and what is not looked at needs no memory.
+    colours = np.load(_picture_of(path), mmap_mode='r', allow_pickle=False)
+    return GroundMap(west, south, texel, colours, classes)
+
+
+def _write(path: Path, ground: GroundMap) -> None:
+    """Write both files whole or not at all: others may be reading and writing the same ones."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    place = np.array([ground.west_m, ground.south_m, ground.texel_m])
+    picture = path.with_name(f'{path.stem}.{os.getpid()}.part.npy')
+    np.save(picture, ground.colours)
+    picture.replace(_picture_of(path))
+    part = path.with_name(f'{path.stem}.{os.getpid()}.part.npz')
+    np.savez(part, place=place, classes=ground.classes)
+    part.replace(path)
+
+
+def default_folder() -> Path:
+    """Return where painted ground of all projects of this user is kept."""
+    return Path.home() / '.cache' / 'rocsafe' / 'scenes'

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading a scene file, and saying in one line what is wrong with it."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from rocsafe_scene.errors import SceneError
+from rocsafe_scene.scene.description import SceneDescription
+
+_LONGEST_VALUE = 60
+_PLAIN = {'extra_forbidden': 'unknown key', 'missing': 'is missing'}
+
+
+def read_scene(path: Path) -> SceneDescription:
+    """Return the description in the file at `path`; mesh files are sought beside it.
+
+    Raises
+    ------
+    SceneError: one line for each mistake: file, key path, value, limit.
+    """
+    content = _content(path)
+    try:
+        description = SceneDescription.model_validate(content)
+    except ValidationError as error:
+        lines = (_line(path.name, detail) for detail in error.errors(include_url=False))
+        raise SceneError('\n'.join(lines)) from error
+    return _with_meshes(description, path.parent)
+
+
+def _content(path: Path) -> Any:
+    try:
+        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+    except OSError as error:
+        raise SceneError(f'{path}: {error.strerror}') from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = ' '.join(str(error).split())
+        raise SceneError(f'{path.name}: is no YAML: {reason}') from error
+    if not isinstance(content, dict):
+        raise SceneError(f'{path.name}: must be a block of keys (name, terrain, objects, ...)')
+    return _tuples(content)
+
+
+def _tuples(value: Any) -> Any:
+    """Return `value` with tuples for lists, which is what strict models take."""
+    if isinstance(value, dict):
+        return {key: _tuples(element) for key, element in value.items()}
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
+
+
+def _line(name: str, detail: Any) -> str:
+    parts = [f'[{key}]' if isinstance(key, int) else f'.{key}' for key in detail['loc']]
+    path = ''.join(parts).removeprefix('.')
+    if detail['type'] in _PLAIN:
+        return f'{name}: {path}: {_PLAIN[detail["type"]]}'
+    value = repr(detail['input'])
+    shown = value if len(value) <= _LONGEST_VALUE else value[: _LONGEST_VALUE - 3] + '...'
+    return f'{name}: {path} = {shown}: {detail["msg"].removeprefix("Value error, ")}'
+
+
+def _with_meshes(description: SceneDescription, folder: Path) -> SceneDescription:
+    """Return `description` with absolute paths of its files."""
+    objects = tuple(
+        entry if entry.mesh is None
+        else entry.model_copy(update={'mesh': str((folder / entry.mesh).resolve())})
+        for entry in description.objects
+    )  # fmt: skip
+    terrain = description.terrain
+    files = {
+        name: str((folder / path).resolve())
+        for name, path in (('dem', terrain.dem), ('orthophoto', terrain.orthophoto))
+        if path is not None
+    }
+    return description.model_copy(
+        update={'objects': objects, 'terrain': terrain.model_copy(update=files)}
+    )

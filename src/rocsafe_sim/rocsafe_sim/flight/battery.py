@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a flight must be broken off so that the vehicle gets home with its reserve."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from rocsafe_geo.motion.performance import Performance
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.fall import Fall
+from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.segment import Mode, Pose
+from rocsafe_sim.flight.tasks import LEVEL_TOLERANCE_M, safe_up, stopped
+from rocsafe_sim.flight.timeline import Timeline
+
+# The battery is looked at this often, counted from the flight's start: the decision does not
+# depend on the simulation's step.
+CHECK_PERIOD_S = 1.0
+
+
+def return_duration_s(airframe: Airframe, start: Pose, route: Route, number: int = 0) -> float:
+    """Return the time from `start` to standing motors at the refuge, braking first if it moves.
+
+    As long as the timeline of such a diversion from flight `number`, which takes longer to make.
+    """
+    performance = airframe.performance
+    stop, at = stopped(airframe, start)
+    ground = route.refuge(start.position_enu, number)
+    up_m = safe_up(route, at.position_enu[2])
+    corners = (at.position_enu, *route.around(at.position_enu, ground), ground)
+    legs_s = performance.legs_s(np.diff(np.array(corners)[:, :2], axis=0)).sum()
+    down_s = _descent_s(performance, up_m - ground[2])
+    climb = np.array([0.0, 0.0, up_m - at.position_enu[2]])
+    climb_s = float(performance.legs_s(climb)) if climb[2] > 0.0 else 0.0
+    return (0.0 if stop is None else stop.duration_s) + climb_s + float(legs_s) + down_s
+
+
+@lru_cache(maxsize=64)
+def _descent_s(performance: Performance, height_m: float) -> float:
+    return performance.descent_s(height_m)
+
+
+def low_battery_s(
+    airframe: Airframe,
+    timeline: Timeline | Fall,
+    charge_fraction: float,
+    route: Route,
+    number: int = 0,
+) -> float:
+    """Return when the charge is only just enough to land elsewhere and keep the reserve.
+
+    Parameters
+    ----------
+    airframe : of the vehicle.
+    timeline : the flight as intended.
+    charge_fraction : at the timeline's start, 0 to 1.
+    route : with the places to land at, and what is not flown over.
+    number : of the route's flight.
+
+    Returns
+    -------
+    Seconds since the timeline's start, a multiple of `CHECK_PERIOD_S`; infinity if the flight as
+    intended keeps the reserve, or is on its way down before. The way there is reckoned at full
+    power.
+    """
+    spare_s = (charge_fraction - airframe.reserve_fraction) * airframe.endurance_s
+    watt_s_per_s = airframe.power.capacity_j / airframe.endurance_s
+    end_s = timeline.duration_s
+    if math.isfinite(end_s) and timeline.used_j(end_s) <= spare_s * watt_s_per_s:
+        return math.inf
+    level_from_s = _level_from_s(timeline, route)
+    homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
+    elapsed_s = 0.0
+    while elapsed_s < homeward_s:
+        margin_s = CHECK_PERIOD_S * _growth_s(airframe, elapsed_s >= level_from_s)
+        used_s = timeline.used_j(elapsed_s) / watt_s_per_s
+        home_s = return_duration_s(airframe, timeline.pose(elapsed_s), route, number)
+        left_s = spare_s - used_s - home_s - margin_s
+        if left_s <= 0.0:
+            return elapsed_s
+        # no look is needed before the need can have grown by what is left
+        elapsed_s += CHECK_PERIOD_S * max(1, math.floor(left_s / margin_s))
+    return math.inf
+
+
+def _level_from_s(timeline: Timeline | Fall, route: Route) -> float:
+    """Return from when on the vehicle climbs no more."""
+    heights = [waypoint.position_enu[2] for waypoint in route.waypoints]
+    is_level = max(heights, default=0.0) - min(heights, default=0.0) <= LEVEL_TOLERANCE_M
+    begin_s = timeline.first_start_s(Mode.FLYING, Mode.HOLDING)
+    return begin_s if is_level and math.isfinite(begin_s) else math.inf
+
+
+def _growth_s(airframe: Airframe, is_level: bool) -> float:
+    """Return by how much time used plus time to return can grow in a second.
+
+    Speeding up away from home costs most: 1 s of flight, up to 3 s more of braking with its
+    jerks, and the way flown in these 4 s and back again; or, in a climb, down again.
+    """
+    performance = airframe.performance
+    slowest = min(performance.descent_rate_mps, performance.autopilot.landing_speed_mps)
+    return 8.0 if is_level else 4.0 * (1.0 + max(1.0, performance.climb_rate_mps / slowest))

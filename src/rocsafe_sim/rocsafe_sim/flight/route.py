@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a vehicle is asked to fly."""
+
+import math
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+from rocsafe_geo.detour import Place, Ring, WaysAround
+from rocsafe_geo.limits import require_not_negative
+from rocsafe_geo.motion.state import Enu
+
+# A vehicle this near to its planned way is on it, and needs no way around exclusions to it.
+ON_WAY_M = 0.01
+
+
+def require_enu(name: str, position_enu: Enu) -> None:
+    """Raise ValueError unless `position_enu` is three finite numbers of metres."""
+    if len(position_enu) != 3 or not all(math.isfinite(value) for value in position_enu):
+        raise ValueError(f'{name} is {position_enu}: must be three finite numbers of m')
+
+
+def horizontal_m(a: Enu, b: Enu) -> float:
+    """Return the horizontal distance of two points."""
+    return math.hypot(b[0] - a[0], b[1] - a[1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waypoint:
+    """A viewpoint to be photographed.
+
+    Attributes
+    ----------
+    viewpoint_id : number within the plan.
+    position_enu : of the camera, metres about the mission origin.
+    yaw_rad : of the vehicle while it photographs, ENU.
+    approach_enu : where the way to it bends, metres; flown over without a photograph.
+    """
+
+    viewpoint_id: int
+    position_enu: Enu
+    yaw_rad: float
+    approach_enu: tuple[Enu, ...] = ()
+
+    def __post_init__(self) -> None:
+        for bend in self.approach_enu:
+            require_enu(f'approach_enu of viewpoint {self.viewpoint_id}', bend)
+        require_enu(f'position_enu of viewpoint {self.viewpoint_id}', self.position_enu)
+        if not math.isfinite(self.yaw_rad):
+            raise ValueError(f'yaw_rad of viewpoint {self.viewpoint_id} is {self.yaw_rad}')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swap:
+    """A landing at home on the way, where the battery is changed.
+
+    Attributes
+    ----------
+    after : number of viewpoints photographed before it.
+    homeward_enu : where the way home to it bends, metres.
+    """
+
+    after: int
+    homeward_enu: tuple[Enu, ...] = ()
+
+    def __post_init__(self) -> None:
+        for bend in self.homeward_enu:
+            require_enu(f'homeward_enu after {self.after} viewpoints', bend)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Route:
+    """Viewpoints in flying order, in one flight or more, and where to land.
+
+    Attributes
+    ----------
+    plan_id : of the plan that the route is part of.
+    home_enu : where to take off and land; up is that of the ground there.
+    waypoints : in flying order; none for a vehicle in the air that is to come home.
+    homeward_enu : where the way from the last one to the landing place bends, metres.
+    exclusions : outlines (east, north) that are not flown over, by who gives up the route either.
+    clearance_m : distance to keep from them.
+    delay_s : to wait on the ground before the first take-off.
+    swaps, swap_s : landings for a new battery, and the time on the ground that each takes.
+    landing_enu : where to land instead of home; up is that of the ground there.
+    is_open : whether to land at the last viewpoint instead.
+    height_m : above the ground, of places that differ in height; 0: all is flown level.
+    begins_enu : where it is taken up in the air; None: at home.
+    """
+
+    plan_id: str
+    home_enu: Enu
+    waypoints: tuple[Waypoint, ...]
+    homeward_enu: tuple[Enu, ...] = ()
+    exclusions: tuple[Ring, ...] = ()
+    clearance_m: float = 0.0
+    delay_s: float = 0.0
+    swaps: tuple[Swap, ...] = ()
+    swap_s: float = 0.0
+    landing_enu: Enu | None = None
+    is_open: bool = False
+    height_m: float = 0.0
+    begins_enu: Enu | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        require_enu('home_enu', self.home_enu)
+        if self.landing_enu is not None:
+            require_enu('landing_enu', self.landing_enu)
+        require_not_negative('delay_s', self.delay_s)
+        require_not_negative('swap_s', self.swap_s)
+        require_not_negative('height_m', self.height_m, 'm')
+        cuts = [swap.after for swap in self.swaps]
+        if cuts != sorted(cuts) or not all(0 <= cut <= len(self.waypoints) for cut in cuts):
+            raise ValueError(f'swaps after {cuts} viewpoints: must rise, up to all of them')
+        for bend in self.homeward_enu:
+            require_enu('homeward_enu', bend)
+        require_not_negative('clearance_m', self.clearance_m, 'm')
+        for ring in self.exclusions:
+            if len(ring) < 3 or not all(math.isfinite(v) for place in ring for v in place):
+                raise ValueError(f'exclusion {ring}: must be three or more finite places')
+
+    @property
+    def is_level(self) -> bool:
+        """Whether all of it is flown at one height."""
+        return self.height_m == 0.0
+
+    def begin_of(self, number: int) -> int:
+        """Return the index of the first viewpoint of flight `number`, from 0."""
+        return self.swaps[number - 1].after if number else 0
+
+    def end_of(self, number: int) -> int:
+        """Return the index after the last viewpoint of flight `number`."""
+        return len(self.waypoints) if self.is_last(number) else self.swaps[number].after
+
+    def is_last(self, number: int) -> bool:
+        """Return whether no flight follows flight `number`."""
+        return number == len(self.swaps)
+
+    def landing_of(self, number: int) -> Enu | None:
+        """Return where flight `number` lands; None: below its last viewpoint."""
+        if not self.is_last(number):
+            return self.home_enu
+        return None if self.is_open else self.landing_enu or self.home_enu
+
+    def ground_below(self, place_enu: Enu) -> Enu:
+        """Return the ground below a place; off level ground that of the nearest viewpoint."""
+        if self.is_level or not self.waypoints:
+            return (*place_enu[:2], self.home_enu[2])
+        near = min(self.waypoints, key=lambda w: horizontal_m(w.position_enu, place_enu))
+        return (*place_enu[:2], near.position_enu[2] - self.height_m)
+
+    def refuge(self, here_enu: Enu, number: int) -> Enu:
+        """Return the nearest place to land on flight `number`: home, or where it is to land."""
+        landing = self.landing_of(number)
+        if landing is None and self.waypoints:
+            landing = self.ground_below(self.waypoints[-1].position_enu)
+        places = (self.home_enu, landing or self.home_enu)
+        return min(places, key=lambda place: horizontal_m(place, here_enu))
+
+    def way_to(self, index: int, here_enu: Enu, number: int = 0) -> tuple[Enu, ...]:
+        """Return the bends still ahead to viewpoint `index`, or to the landing after the last.
+
+        A vehicle that was stopped on its way goes on with the part of it that it is nearest to.
+        """
+        begin, is_down = self.begin_of(number), index == self.end_of(number)
+        start = self.home_enu if number or self.begins_enu is None else self.begins_enu
+        before = self.waypoints[index - 1].position_enu if index > begin else start
+        if is_down:
+            after = self.landing_of(number) or before
+            bends = self.homeward_enu if self.is_last(number) else self.swaps[number].homeward_enu
+        else:
+            after = self.waypoints[index].position_enu
+            bends = self.waypoints[index].approach_enu
+        corners = (before, *bends, after)
+        offsets = [_offset_m(here_enu, a, b) for a, b in pairwise(corners)]
+        part = offsets.index(min(offsets))
+        ahead = bends[part:]
+        # nobody may have planned the way from where it was taken up
+        is_planned = index > begin or part > 0 or number > 0 or self.begins_enu is None
+        if min(offsets) < ON_WAY_M and is_planned:
+            return ahead
+        return (*self.around(here_enu, ahead[0] if ahead else after), *ahead)
+
+    def around(self, here_enu: Enu, there_enu: Enu) -> tuple[Enu, ...]:
+        """Return where the way between any two places bends around the exclusions."""
+        if not self.exclusions:
+            return ()
+        ways = _ways_around(self.exclusions, self.clearance_m, there_enu[:2])
+        return tuple((east, north, here_enu[2]) for east, north in ways.bends(here_enu[:2]))
+
+
+@lru_cache(maxsize=32)
+def _ways_around(zones: tuple[Ring, ...], clearance_m: float, goal: Place) -> WaysAround:
+    """Return the ways to a goal: looked for at every check of the battery, found once."""
+    return WaysAround(zones, clearance_m, goal)
+
+
+def _offset_m(place: Enu, a: Enu, b: Enu) -> float:
+    """Return the horizontal distance of a place from the straight line between two others."""
+    east, north = b[0] - a[0], b[1] - a[1]
+    square = east * east + north * north
+    along = (place[0] - a[0]) * east + (place[1] - a[1]) * north
+    share = min(1.0, max(0.0, along / square)) if square else 0.0
+    return horizontal_m(place, (a[0] + share * east, a[1] + share * north, 0.0))

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a vehicle does to obey an order: stop, then these tasks."""
+
+import math
+from collections.abc import Iterator
+
+from rocsafe_geo.motion.route_motion import Way
+from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.motion.stop import StopMotion
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.route import ON_WAY_M, Route, horizontal_m
+from rocsafe_sim.flight.segment import Mode, Pose, standing
+from rocsafe_sim.flight.timeline import Task, Timeline
+
+# Heights nearer than this count as equal; coordinates that went through degrees come back to 1 nm.
+LEVEL_TOLERANCE_M = 1e-3
+
+
+def fly_timeline(
+    airframe: Airframe, start: Pose, route: Route, from_here: tuple[int, int]
+) -> Timeline:
+    """Return what is left of a flight: over its viewpoints, to where it lands, and down.
+
+    `from_here` is the flight's number and the first viewpoint that is left of it, if one is.
+    `start` may be on the ground or in the air, standing or moving.
+    """
+    stop, at = stopped(airframe, start)
+    tasks = list(_route_tasks(airframe, at, route, *from_here))
+    return Timeline(airframe, start, stop, tasks)
+
+
+def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) -> Timeline:
+    """Return the way from `start` around exclusions to a place on the ground, and down.
+
+    It is flown level; off level ground no lower than any of the route's viewpoints.
+    """
+    stop, at = stopped(airframe, start)
+    tasks: list[Task] = []
+    safe_up_m = safe_up(route, at.position_enu[2])
+    if safe_up_m > at.position_enu[2]:
+        over = (*at.position_enu[:2], safe_up_m)
+        tasks.append(_task(airframe.performance.way(at.position_enu, over), Mode.RETURNING, at))
+        at = _at_end(tasks[-1])
+    bends = route.around(at.position_enu, ground)
+    tasks.extend(_landing_tasks(airframe, at, (*ground[:2], safe_up_m), ground[2], bends))
+    return Timeline(airframe, start, stop, tasks)
+
+
+def safe_up(route: Route, up_m: float) -> float:
+    """Return the height at which to give up a route at height `up_m`."""
+    if route.is_level:
+        return up_m
+    return max(up_m, *(waypoint.position_enu[2] for waypoint in route.waypoints))
+
+
+def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
+    """Return the stop from `start` and a stand without end."""
+    stop, at = stopped(airframe, start)
+    way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
+    return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
+
+
+def land_timeline(
+    airframe: Airframe, start: Pose, route: Route, ground_up_m: float | None = None
+) -> Timeline:
+    """Return the stop from `start` and the way straight down, to the ground that the route has."""
+    stop, at = stopped(airframe, start)
+    if ground_up_m is None:
+        ground_up_m = route.ground_below(at.position_enu)[2]
+    return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground_up_m)))
+
+
+def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
+    """Return how a vehicle stops, None if it stands, and where it then is."""
+    if start.motion.is_still:
+        return None, start
+    performance = airframe.performance
+    stop = StopMotion(start.motion, performance.level, performance.vertical)
+    return stop, standing(stop.state(stop.duration_s).position_enu, start.yaw_rad)
+
+
+def _route_tasks(
+    airframe: Airframe, at: Pose, route: Route, number: int, first_index: int
+) -> Iterator[Task]:
+    """Yield what is left of flight `number` for a vehicle that stands at `at`."""
+    begin, end = route.begin_of(number), route.end_of(number)
+    if first_index == begin < end:
+        for task in _climb_tasks(airframe, at, route, begin):
+            yield task
+            at = _at_end(task)
+    for index in range(first_index, end):
+        for task in _viewpoint_tasks(airframe, at, route, (number, index)):
+            yield task
+            at = _at_end(task)
+    bends = route.way_to(end, at.position_enu, number)
+    ground = route.landing_of(number) or route.ground_below(at.position_enu)
+    up_m = at.position_enu[2] if route.is_level else ground[2] + route.height_m
+    over = (*ground[:2], up_m)
+    yield from _landing_tasks(airframe, at, over, ground[2], bends, is_level=route.is_level)
+
+
+def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iterator[Task]:
+    """Yield the climb over home, with the take-off if on the ground; none elsewhere."""
+    performance, here, home = airframe.performance, at.position_enu, route.home_enu
+    up_m = home[2] + route.height_m
+    if route.is_level:
+        up_m = route.waypoints[index].position_enu[2]
+    if here[2] <= home[2] + LEVEL_TOLERANCE_M:
+        for way in performance.ascent(here, up_m):
+            yield _task(way, Mode.TAKING_OFF, at, index)
+    elif horizontal_m(here, home) < ON_WAY_M and here[2] < up_m - LEVEL_TOLERANCE_M:
+        way = performance.way(here, (here[0], here[1], up_m))
+        yield _task(way, Mode.TAKING_OFF, at, index)
+
+
+def _viewpoint_tasks(
+    airframe: Airframe, at: Pose, route: Route, target: tuple[int, int]
+) -> Iterator[Task]:
+    """Yield the way to a viewpoint, with a stop at each bend, and the photograph there.
+
+    `target` is the flight's number and the viewpoint's index.
+    """
+    number, index = target
+    performance, waypoint = airframe.performance, route.waypoints[index]
+    for bend in route.way_to(index, at.position_enu, number):
+        over_bend = _over(bend, at, is_level=route.is_level)
+        task = _task(performance.way(at.position_enu, over_bend), Mode.FLYING, at, index)
+        yield task
+        at = _at_end(task)
+    # before it turns home a vehicle stops, as autopilots do before they return
+    is_passed = airframe.hover_s == 0.0 and index < route.end_of(number) - 1
+    way = performance.way(
+        at.position_enu, waypoint.position_enu, airframe.hover_s, is_passed=is_passed
+    )
+    yield Task(
+        way=way,
+        mode=Mode.FLYING,
+        yaw_rad=waypoint.yaw_rad,
+        viewpoint_index=index,
+        takes_shot=True,
+    )
+
+
+def _landing_tasks(
+    airframe: Airframe,
+    at: Pose,
+    over: Enu,
+    ground_up_m: float,
+    bends: tuple[Enu, ...],
+    *,
+    is_level: bool = True,
+) -> Iterator[Task]:
+    """Yield the way over `bends` to the place `over` the landing, the wait there, and down."""
+    performance = airframe.performance
+    for bend in bends:
+        over_bend = _over(bend, at, is_level=is_level)
+        task = _task(performance.way(at.position_enu, over_bend), Mode.RETURNING, at)
+        yield task
+        at = _at_end(task)
+    way = performance.way(at.position_enu, over, performance.autopilot.home_wait_s)
+    task = _task(way, Mode.RETURNING, at)
+    yield task
+    yield from _down_tasks(airframe, _at_end(task), ground_up_m)
+
+
+def _over(bend: Enu, at: Pose, *, is_level: bool) -> Enu:
+    """Return where a way bends: as high as it comes from, unless the ground is uneven."""
+    return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
+
+
+def _down_tasks(airframe: Airframe, at: Pose, ground_up_m: float) -> Iterator[Task]:
+    for way in airframe.performance.descent(at.position_enu, ground_up_m):
+        yield _task(way, Mode.LANDING, at)
+
+
+def _task(way: Way, mode: Mode, at: Pose, viewpoint_index: int | None = None) -> Task:
+    """Return a task during which the nose keeps its direction."""
+    return Task(way=way, mode=mode, yaw_rad=at.yaw_rad, viewpoint_index=viewpoint_index)
+
+
+def _at_end(task: Task) -> Pose:
+    return standing(task.way.end_enu, task.yaw_rad)

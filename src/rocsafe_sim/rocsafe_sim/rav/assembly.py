@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""RAVs put together from options."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_scene.cameras.camera import Camera
+from rocsafe_scene.cameras.ground_camera import GroundCamera
+from rocsafe_scene.errors import EngineError
+from rocsafe_scene.ground.orthophoto import OrthophotoGround
+from rocsafe_scene.ground.picture import Ground
+from rocsafe_scene.ground.procedural_ground import ProceduralGround
+from rocsafe_scene.optics.optics import Optics
+from rocsafe_scene.scene.map_cache import default_folder
+from rocsafe_scene.scenery.catalogue import make_scene
+from rocsafe_sim.cameras.camera_settings import CameraSettings
+from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
+from rocsafe_sim.clock.cadence import NS_PER_S
+from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
+from rocsafe_sim.rav.rav import Rav, RavParts
+from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle.surroundings import Surroundings
+from rocsafe_sim.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SharedParts:
+    """What all vehicles of a process have in common.
+
+    Attributes
+    ----------
+    cameras : of each vehicle.
+    surroundings : that they fly in; None: they meet nothing.
+    """
+
+    cameras: tuple[CameraModel, ...]
+    surroundings: Surroundings | None
+
+
+def make_shared(options: VehicleOptions) -> SharedParts:
+    """Return the cameras of `options.rig()`, and what stands in the vehicles' way.
+
+    Raises
+    ------
+    ViewError: if the ground, the scene or the engine cannot be had.
+    """
+    # Other vehicles are other processes: threads of their own would only contend.
+    cv2.setNumThreads(1)
+    is_engine = options.camera_backend == ENGINE
+    draws, surroundings = _engine(options) if is_engine else _flat(options)
+    cameras = tuple(
+        CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
+        for settings in options.rig()
+    )
+    return SharedParts(cameras=cameras, surroundings=surroundings)
+
+
+def _optics(settings: CameraSettings) -> Optics | None:
+    return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
+
+
+def _flat(options: VehicleOptions) -> tuple[Callable[[CameraSettings], Camera], None]:
+    """Return what makes cameras over the flat picture, in which nothing stands."""
+    ground = make_ground(options)
+    return lambda settings: GroundCamera(settings.drawn_lens, ground), None
+
+
+def _engine(
+    options: VehicleOptions,
+) -> tuple[Callable[[CameraSettings], Camera], Surroundings]:
+    """Return what makes cameras in the scene, and the scene as vehicles meet it."""
+    # Only here: who flies over flat ground needs no engine installed.
+    try:
+        from rocsafe_scene.cameras.engine_camera import EngineCamera, EngineRequest, EngineScene
+    except ModuleNotFoundError as error:
+        raise EngineError(
+            f'camera_backend engine: Python module {error.name} is missing: run `make setup`'
+        ) from error
+    from rocsafe_scene.solids.scene_surroundings import SceneSurroundings
+
+    scene = EngineScene(
+        EngineRequest(
+            scene_file=Path(options.scene_file),
+            seed=options.seed,
+            origin=options.frame().origin,
+            start_ns=round(options.scene_start_s * NS_PER_S),
+            cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
+        )
+    )
+
+    def draws(settings: CameraSettings) -> Camera:
+        return EngineCamera(scene, settings.drawn_lens, settings.oversampling)
+
+    return draws, SceneSurroundings(scene.environment)
+
+
+def make_ground(options: VehicleOptions) -> Ground:
+    """Return the ground that flat cameras see.
+
+    Raises
+    ------
+    GroundError: if it is a file that cannot be read.
+    """
+    if options.ground == PROCEDURAL:
+        return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
+    return OrthophotoGround(Path(options.ground), options.frame())
+
+
+def make_rav(
+    options: VehicleOptions,
+    name: str,
+    home: GeoPosition,
+    shared: SharedParts,
+    spool: Path | None,
+) -> Rav:
+    """Return the RAV called `name` that stands at `home`, on the ground, with `make_shared`.
+
+    Raises
+    ------
+    JournalError, SpoolError: if `spool` holds what cannot be read.
+    """
+    frame = options.frame()
+    east, north, _ = frame.enu_of(home).tolist()
+    parts = RavParts(
+        name=name,
+        frame=frame,
+        noise=SensorNoise(
+            seed=options.seed,
+            vehicle=name,
+            gps_horizontal_std_m=options.gps_horizontal_std_m,
+            gps_vertical_std_m=options.gps_vertical_std_m,
+            tilt_std_rad=math.radians(options.tilt_std_deg),
+            attitude_std_rad=math.radians(options.attitude_std_deg),
+        ),
+        cameras=tuple(map(MountedCamera, shared.cameras)),
+    )
+    surroundings = shared.surroundings
+    up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
+    vehicle = Vehicle(options.airframe(), (east, north, up), surroundings)
+    return Rav(parts, vehicle, spool)

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated RAV: a vehicle with its sensors, its camera, its journal and its photographs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.pinhole import quaternion_of_rotation
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.shot import Shot
+from rocsafe_geo.storage.shot_store import ShotStore
+from rocsafe_scene.cameras.ground_camera import jpeg_of
+from rocsafe_sim.cameras.gimbal import Direction
+from rocsafe_sim.cameras.gimbal_file import read_gimbal, write_gimbal
+from rocsafe_sim.cameras.mounted_camera import Attitude, Exposure, MountedCamera, Picture, Stand
+from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle.flight_record import VehicleRecord
+from rocsafe_sim.vehicle.journal import read_journal, write_journal
+from rocsafe_sim.vehicle.observation import Observation, ShotDue
+from rocsafe_sim.vehicle.surroundings import on_ground
+from rocsafe_sim.vehicle.vehicle import Vehicle
+
+JOURNAL_NAME = 'journal.json'
+# Height of the cameras of a vehicle that stands on its legs.
+LANDED_CAMERA_M = 0.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fix:
+    """Where a receiver believes it is, and where it is.
+
+    Attributes
+    ----------
+    true_position, position : true and measured.
+    position_enu : measured, metres.
+    """
+
+    true_position: GeoPosition
+    position: GeoPosition
+    position_enu: Enu
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RavParts:
+    """What a RAV is made of.
+
+    Attributes
+    ----------
+    name : of the vehicle.
+    frame : local frame of the mission.
+    noise : of its sensors.
+    cameras : the first takes the photographs of the survey.
+    """
+
+    name: str
+    frame: LocalFrame
+    noise: SensorNoise
+    cameras: tuple[MountedCamera, ...]
+
+
+class Rav:
+    """Steps a vehicle, takes its photographs, keeps its journal.
+
+    Parameters
+    ----------
+    parts : sensors and frame.
+    vehicle : as switched on; a journal in `spool` overrides its state.
+    spool : folder of journal and photographs; None keeps them in memory only.
+
+    Attributes
+    ----------
+    pictures : of the last step, of all cameras, at its viewpoints.
+
+    Raises
+    ------
+    JournalError, SpoolError: if the spool holds what cannot be read.
+    """
+
+    def __init__(self, parts: RavParts, vehicle: Vehicle, spool: Path | None = None) -> None:
+        self.parts = parts
+        self.vehicle = vehicle
+        self.shots = ShotStore(spool)
+        self._spool = spool
+        self._journal = None if spool is None else spool / JOURNAL_NAME
+        self._written: VehicleRecord | None = None
+        self.pictures: list[Picture] = []
+        if self._journal is not None:
+            record = read_journal(self._journal)
+            if record is not None:
+                vehicle.restore(record)
+                self._written = record
+        self._restore_gimbals()
+
+    def _restore_gimbals(self) -> None:
+        for camera in self.parts.cameras:
+            if camera.gimbal is not None and self._spool is not None:
+                order = read_gimbal(self._spool, camera.name)
+                camera.gimbal.order = order or camera.gimbal.order
+
+    def step(self, time_ns: int) -> tuple[Observation, list[Shot]]:
+        """Advance to `time_ns`; return what is true then and the photographs taken on the way.
+
+        Photographs are on disk before the journal counts them. `pictures` then holds what all
+        cameras took at the same moments.
+        """
+        observation = self.vehicle.step(time_ns)
+        self.pictures.clear()
+        taken = [self._photograph(due) for due in observation.shots]
+        for shot in taken:
+            self.shots.add(shot)
+        self.keep_journal()
+        return observation, taken
+
+    def pictures_of(self, camera: MountedCamera) -> list[Picture]:
+        """Return what a camera took at the viewpoints of the last step."""
+        return [each for each in self.pictures if each.camera == camera.name]
+
+    def point(self, camera: MountedCamera, target: Direction) -> None:
+        """Turn the gimbal of a camera, if it has one, from the last step on."""
+        if camera.gimbal is not None:
+            camera.gimbal.point(target, self.vehicle.time_ns)
+            if self._spool is not None:
+                write_gimbal(self._spool, camera.name, camera.gimbal.order)
+
+    def look(self, camera: MountedCamera, seen: Observation) -> Picture:
+        """Return what a camera sees at a step, for a stream.
+
+        Raises
+        ------
+        ViewError: if that cannot be drawn.
+        """
+
+        def stand(time_ns: int) -> Stand:
+            pose, sway = self.vehicle.pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
+            east, north, up = pose.position_enu
+            on_legs = LANDED_CAMERA_M - self._height_m(pose.position_enu)
+            return Stand(
+                position_enu=(east, north, up + max(0.0, on_legs)),
+                attitude=_attitude(pose.yaw_rad, sway),
+            )
+
+        return self._take(camera, seen.time_ns, stand, is_quick=True)
+
+    def _take(
+        self,
+        camera: MountedCamera,
+        time_ns: int,
+        stand: Callable[[int], Stand],
+        *,
+        is_quick: bool = False,
+    ) -> Picture:
+        half_ns, rng = camera.span_ns // 2, self.parts.noise.picture_rng(camera.name, time_ns)
+        around = (stand(time_ns - half_ns), stand(time_ns + half_ns))
+        return camera.take(
+            Exposure(
+                time_ns=time_ns, stand=stand(time_ns), around=around, rng=rng, is_quick=is_quick
+            )
+        )
+
+    def keep_journal(self) -> None:
+        """Write the journal if an order, a photograph or a landing changed it."""
+        record = self.vehicle.record
+        if self._journal is not None and record is not self._written and record != self._written:
+            write_journal(self._journal, record)
+        self._written = record
+
+    def fix(self, time_ns: int, true_enu: Enu) -> Fix:
+        """Return what the receiver says at a time and true place."""
+        error = self.parts.noise.gps_error_m(time_ns)
+        measured: Enu = (true_enu[0] + error[0], true_enu[1] + error[1], true_enu[2] + error[2])
+        frame = self.parts.frame
+        return Fix(
+            true_position=frame.position_of(true_enu),
+            position=frame.position_of(measured),
+            position_enu=measured,
+        )
+
+    def _photograph(self, due: ShotDue) -> Shot:
+        parts, place = self.parts, due.pose.position_enu
+        sway = parts.noise.sway_rad(due.sequence)
+
+        def stand(time_ns: int) -> Stand:
+            pose = due.pose if time_ns == due.time_ns else self.vehicle.pose_at(time_ns)
+            attitude = _attitude(pose.yaw_rad, sway)
+            return Stand(position_enu=pose.position_enu, attitude=attitude)
+
+        first, *others = parts.cameras
+        picture = self._take(first, due.time_ns, stand)
+        self.pictures.append(picture)
+        for other in others:
+            if other.settings.at_viewpoints:
+                self.pictures.append(self._take(other, due.time_ns, stand))
+        attitude = stand(due.time_ns).attitude
+        measured = self._measured(first.held(attitude), due.sequence)
+        rotation = first.rotation(measured, due.time_ns)
+        fix = self.fix(due.time_ns, place)
+        x, y, z, w = quaternion_of_rotation(rotation).tolist()
+        return Shot(
+            vehicle=parts.name,
+            sequence=due.sequence,
+            viewpoint_id=due.viewpoint_id,
+            time_ns=due.time_ns,
+            position=fix.position,
+            horizontal_std_m=parts.noise.gps_horizontal_std_m,
+            vertical_std_m=parts.noise.gps_vertical_std_m,
+            height_m=self._height_m(fix.position_enu),
+            quaternion_xyzw=(x, y, z, w),
+            width_px=first.settings.image_width_px,
+            height_px=first.settings.image_height_px,
+            jpeg=jpeg_of(picture.image, first.settings.jpeg_quality, first.model.camera.remark),
+        )
+
+    def _height_m(self, place_enu: Enu) -> float:
+        """Return the height of a place above the ground below it."""
+        surroundings = self.vehicle.surroundings
+        if surroundings is None:
+            return place_enu[2]
+        return place_enu[2] - on_ground(surroundings, place_enu)[2]
+
+    def _measured(self, attitude: Attitude, sequence: int) -> Attitude:
+        roll, pitch, yaw = self.parts.noise.attitude_error_rad(sequence)
+        return Attitude(
+            yaw_rad=attitude.yaw_rad + yaw,
+            pitch_rad=attitude.pitch_rad + pitch,
+            roll_rad=attitude.roll_rad + roll,
+        )
+
+
+def _attitude(yaw_rad: float, sway_rad: tuple[float, float]) -> Attitude:
+    roll, pitch = sway_rad
+    return Attitude(yaw_rad=yaw_rad, pitch_rad=pitch, roll_rad=roll)

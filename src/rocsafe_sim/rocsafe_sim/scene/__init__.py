@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The virtual environment as data: terrain, meshes, labels, materials, rays. No engine."""

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a flight ends in something that stands in its way.
+
+It is looked at places along the course that overlap, at times that follow from the order in force:
+neither the step of the simulation nor a restart changes what is hit, and when.
+"""
+
+from dataclasses import dataclass
+
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.course import NS_PER_S, Course
+from rocsafe_sim.flight.orders import OrderKind
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.surroundings import GROUND, Surroundings
+
+# A vehicle is looked at no more seldom than this, s.
+LONGEST_STEP_S = 0.1
+# Only on its way up and down may it come near the ground.
+_LEVEL = frozenset({Mode.FLYING, Mode.HOLDING, Mode.RETURNING})
+
+
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """What is hit, and when."""
+
+    time_ns: int
+    thing: str
+
+
+class CollisionWatch:
+    """Looks along one course.
+
+    Parameters
+    ----------
+    course : of the vehicle.
+    surroundings : that it flies in.
+    airframe : of the vehicle; its radius is above 0.
+    """
+
+    def __init__(self, course: Course, surroundings: Surroundings, airframe: Airframe) -> None:
+        self._course = course
+        self._surroundings = surroundings
+        self._radius_m = airframe.collision_radius_m
+        performance = airframe.performance
+        fastest_mps = max(
+            performance.cruise_speed_mps, performance.climb_rate_mps, performance.descent_rate_mps
+        )
+        # two looks apart by less than the diameter, even where two legs add up in a corner
+        step_s = min(LONGEST_STEP_S, self._radius_m / fastest_mps)
+        self._step_ns = round(step_s * NS_PER_S)
+        self._next_ns = course.order.start_ns + self._step_ns
+
+    def first_until(self, time_ns: int | float) -> Collision | None:
+        """Return the first collision up to a time, `time_ns` included; None if there is none.
+
+        Asked for later times one after the other.
+        """
+        if self._course.order.kind is OrderKind.FALL:
+            return None
+        last_ns = min(time_ns, self._course.touch_down_ns)
+        while self._next_ns <= last_ns:
+            thing = self._thing_at(self._next_ns)
+            if thing:
+                return Collision(self._next_ns, thing)
+            self._next_ns += self._step_ns
+        return None
+
+    def _thing_at(self, time_ns: int) -> str:
+        place = self._course.pose(time_ns).position_enu
+        is_level = self._course.mode(time_ns) in _LEVEL
+        if is_level and place[2] - self._surroundings.ground_up_m(*place[:2]) < self._radius_m:
+            return GROUND
+        return self._surroundings.touched(place, self._radius_m)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a vehicle may meet: the ground, and what stands on it.
+
+Without surroundings a vehicle flies over what its route says of the ground, and meets nothing.
+"""
+
+from dataclasses import replace
+from typing import Protocol
+
+from rocsafe_geo.motion.state import Enu
+from rocsafe_sim.flight.route import Route
+
+GROUND = 'the ground'
+
+
+class Surroundings(Protocol):
+    """A world that is in the way; metres about the mission origin."""
+
+    def ground_up_m(self, east_m: float, north_m: float) -> float:
+        """Return the height of the ground at a place."""
+        ...
+
+    def touched(self, place_enu: Enu, radius_m: float) -> str:
+        """Return the name of a thing that a ball touches, the ground aside; empty: none."""
+        ...
+
+
+def on_ground(surroundings: Surroundings, place_enu: Enu) -> Enu:
+    """Return the ground below or above a place."""
+    east, north, _ = place_enu
+    return east, north, surroundings.ground_up_m(east, north)
+
+
+def grounded(route: Route, surroundings: Surroundings) -> Route:
+    """Return `route` with the places where it begins and lands on the ground."""
+    landing = route.landing_enu
+    if route.is_open and route.waypoints:
+        landing = route.waypoints[-1].position_enu
+    return replace(
+        route,
+        home_enu=on_ground(surroundings, route.home_enu),
+        landing_enu=None if landing is None else on_ground(surroundings, landing),
+        is_open=False,
+    )

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated multirotor: obeys orders, flies, photographs, watches its battery.
+
+Its motion is a closed-form function of the time since its last order, so that neither the step of
+the simulation nor a restart of the process changes a flight.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
+
+from rocsafe_geo.motion.state import Enu
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.course import NS_PER_S, Course
+from rocsafe_sim.flight.orders import Order, OrderKind
+from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.segment import Mode, Pose, standing
+from rocsafe_sim.flight.tasks import stopped
+from rocsafe_sim.flight.timeline import ShotTime
+from rocsafe_sim.vehicle.collision import CollisionWatch
+from rocsafe_sim.vehicle.flight_ends import (
+    collided,
+    cut_short,
+    failed,
+    failure_ns,
+    is_over,
+    require_ready,
+    with_new_battery,
+)
+from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome, VehicleRecord
+from rocsafe_sim.vehicle.observation import FlightSummary, Observation, ShotDue
+from rocsafe_sim.vehicle.surroundings import Surroundings, grounded, on_ground
+
+# What a held flight goes on with, by how it is to end; all others return home.
+_RESUMED = {Outcome.COMPLETED: OrderKind.FLY, Outcome.BATTERY_LOW: OrderKind.DIVERT}
+
+
+class Vehicle:
+    """One vehicle. Orders take effect at the time of the last step.
+
+    Parameters
+    ----------
+    airframe : what it can do.
+    home_enu : where it stands, metres; up is that of the ground.
+    surroundings : that it flies in; None: over the ground of its route, with nothing in the way.
+    """
+
+    def __init__(
+        self, airframe: Airframe, home_enu: Enu, surroundings: Surroundings | None = None
+    ) -> None:
+        self.airframe = airframe
+        self.surroundings = surroundings
+        self.time_ns = 0
+        self._record = VehicleRecord(home_enu=home_enu)
+        self._course: Course | None = None
+        self._shots: deque[tuple[int, ShotTime]] = deque()
+        self._watch: CollisionWatch | None = None
+
+    @property
+    def record(self) -> VehicleRecord:
+        """All that must outlive the process; see `restore`."""
+        return self._record
+
+    @property
+    def flight(self) -> FlightRecord | None:
+        """The last flight, running or ended; None before the first."""
+        return self._record.flight
+
+    @property
+    def mode(self) -> Mode:
+        """What the vehicle is about, as of the last step or order."""
+        return Mode.DISARMED if self._course is None else self._course.mode(self.time_ns)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing happens until an order comes."""
+        return not self.mode.is_airborne and self.mode is not Mode.WAITING
+
+    @property
+    def waits_s(self) -> float:
+        """Time on the ground before it takes off by itself; 0 if it does not wait."""
+        if self.flight is None or self.mode is not Mode.WAITING:
+            return 0.0
+        return (self.flight.order.start_ns - self.time_ns) / NS_PER_S
+
+    def restore(self, record: VehicleRecord) -> None:
+        """Continue from a record: the next step finds the flight where it should be by then."""
+        self._record = record
+        if record.flight is not None:
+            self.time_ns = record.flight.order.start_ns - record.flight.order.wait_ns
+            self._follow(record.flight)
+
+    def step(self, time_ns: int) -> Observation:
+        """Advance to `time_ns`, simulated nanoseconds, and say what is true then.
+
+        Raises
+        ------
+        ValueError: if time runs backwards.
+        """
+        if time_ns < self.time_ns:
+            raise ValueError(f'time_ns is {time_ns}: must be {self.time_ns} or later')
+        shots = tuple(self._run_to(time_ns))
+        self.time_ns = time_ns
+        return self.observe(shots)
+
+    def observe(self, shots: tuple[ShotDue, ...] = ()) -> Observation:
+        """Return what is true as of the last step and the last order."""
+        flight, course, time_ns = self.flight, self._course, self.time_ns
+        visited = 0 if flight is None else flight.visited
+        return Observation(
+            time_ns=time_ns,
+            pose=self._pose(time_ns),
+            mode=self.mode,
+            viewpoints_visited=visited,
+            shots_taken=self._record.shots_taken,
+            battery_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            power_w=0.0 if course is None else course.power_w(time_ns),
+            distance_flown_m=self._distance_m(time_ns),
+            shots=shots,
+            waits_s=self.waits_s,
+        )
+
+    def pose_at(self, time_ns: int) -> Pose:
+        """Return the pose at a time if no other order comes; before the last order, as then."""
+        return self._pose(time_ns)
+
+    def fly_route(self, route: Route, *, replaces: bool = False) -> None:
+        """Fly `route`; one that is being flown, or has just been flown, is not begun again.
+
+        If it was cancelled or is held, it goes on. With `replaces` it is flown in place of
+        another one that is being flown, from wherever the vehicle is.
+
+        Raises
+        ------
+        CommandRefusedError: if another flight runs, home is elsewhere or the battery too low.
+        """
+        if self.surroundings is not None:
+            route = grounded(route, self.surroundings)
+        flight = self.flight
+        if flight is not None and flight.route == route:
+            if self.mode is Mode.HOLDING:
+                self._give(replace(flight, outcome=None, text='', ended_ns=None), OrderKind.FLY)
+            return
+        mode = self.mode
+        if flight is None:
+            stand = self._record.home_enu
+        else:
+            stand = (
+                flight.route.home_enu
+                if mode.is_airborne
+                else self._pose(self.time_ns).position_enu
+            )
+        require_ready(route, flight, mode, stand, replaces=replaces)
+        order = self._beginning(route)
+        if self.mode.is_airborne:
+            begins = stopped(self.airframe, order.start)[1].position_enu
+            route = replace(route, begins_enu=begins)
+        if Course(order, route, self.airframe).low_ns <= order.start_ns:
+            raise CommandRefusedError(
+                f'battery {order.charge_fraction:.0%}: must be more, to keep a reserve of '
+                f'{self.airframe.reserve_fraction:.0%}'
+            )
+        self._follow(
+            FlightRecord(
+                route=route,
+                order=order,
+                take_off_ns=order.start_ns,
+                take_off_distance_m=order.distance_m,
+            )
+        )
+
+    def cancel(self) -> None:
+        """End the running flight's purpose, if any: hold, or land if it is landing already.
+
+        One that waits on the ground stays there.
+        """
+        if self.flight is None or self.flight.outcome is not None:
+            return
+        cancelled = replace(
+            self.flight, outcome=Outcome.CANCELLED, text='by request', ended_ns=self.time_ns
+        )
+        mode = self.mode
+        self._record = replace(self._record, flight=cancelled)
+        if mode is Mode.WAITING:
+            self._give(cancelled, OrderKind.LAND)
+        elif mode not in (Mode.LANDING, Mode.HOLDING, Mode.FALLING):
+            self._give(cancelled, OrderKind.HOLD)
+
+    def hold(self) -> None:
+        """Stand still in the air until told otherwise.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground, landing, or holding already.
+        """
+        flight = self._require_mode('hold', Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
+        self._give(flight, OrderKind.HOLD)
+
+    def resume(self) -> None:
+        """Go on with a held flight.
+
+        Raises
+        ------
+        CommandRefusedError: if not holding, or if the flight was cancelled.
+        """
+        flight = self._require_mode('resume', Mode.HOLDING)
+        if flight.outcome is not None:
+            raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
+        self._give(flight, _RESUMED.get(flight.ending, OrderKind.RETURN))
+
+    def return_home(self) -> None:
+        """Give up the rest of the route, fly home and land.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground, landing, or returning already.
+        """
+        flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
+        ended = cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
+        self._give(ended, OrderKind.RETURN)
+
+    def land(self) -> None:
+        """Land where it is.
+
+        Raises
+        ------
+        CommandRefusedError: if on the ground or landing already.
+        """
+        flight = self._require_mode(
+            'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
+        )
+        self._give(cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
+
+    def summary(self) -> FlightSummary | None:
+        """Return what the last flight came to; None while it runs and before the first."""
+        flight = self.flight
+        if flight is None or flight.outcome is None or flight.ended_ns is None:
+            return None
+        return FlightSummary(
+            outcome=flight.outcome,
+            text=flight.text,
+            viewpoints_visited=flight.visited,
+            distance_flown_m=self._distance_m(flight.ended_ns) - flight.take_off_distance_m,
+            duration_s=(flight.ended_ns - flight.take_off_ns) / NS_PER_S,
+        )
+
+    def left(self) -> tuple[float, float]:
+        """Return horizontal distance (m) and time (s) to touch-down, as if a hold ended now."""
+        if self.flight is None or self._course is None:
+            return 0.0, 0.0
+        course = self._course
+        if self.mode is Mode.HOLDING:
+            order = self._order(OrderKind.FLY, self.time_ns, self.flight.visited)
+            course = Course(order, self.flight.route, self.airframe)
+        left_m, left_s = course.left(self.time_ns)
+        return left_m, left_s + self.waits_s
+
+    def _beginning(self, route: Route) -> Order:
+        """Return the order to fly `route` from here, on the ground after its delay.
+
+        A battery that is being changed is changed first.
+        """
+        order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
+        order = replace(order, number=0)
+        if self.mode.is_airborne:
+            return order
+        place = order.start.position_enu
+        # the plan knows how high the ground is at home, if anybody does
+        start = standing((*place[:2], route.home_enu[2]), order.start.yaw_rad)
+        ready_ns = self.time_ns
+        if self.flight is not None and self.flight.order.number and self.mode is Mode.WAITING:
+            ready_ns = self.flight.order.start_ns
+        start_ns = ready_ns + round(route.delay_s * NS_PER_S)
+        return replace(order, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
+
+    def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
+        if self.flight is None or self.mode not in modes:
+            raise CommandRefusedError(f'cannot {what}: {self.mode.value}')
+        return self.flight
+
+    def _give(self, flight: FlightRecord, kind: OrderKind, time_ns: int | None = None) -> None:
+        """Put an order of `kind` in force, at `time_ns` or else now."""
+        order = self._order(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
+        self._follow(replace(flight, order=order))
+
+    def _order(self, kind: OrderKind, time_ns: int, first_index: int) -> Order:
+        course, start = self._course, self._pose(time_ns)
+        return Order(
+            kind=kind,
+            start_ns=time_ns,
+            start=start,
+            ground_up_m=self._ground_for(kind, start),
+            first_index=first_index,
+            charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
+            distance_m=self._distance_m(time_ns),
+            number=0 if self.flight is None else self.flight.order.number,
+        )
+
+    def _ground_for(self, kind: OrderKind, start: Pose) -> float | None:
+        """Return the height of the ground on which an order ends; None: its route knows."""
+        if self.surroundings is None or kind not in (OrderKind.LAND, OrderKind.FALL):
+            return None
+        at = start if kind is OrderKind.FALL else stopped(self.airframe, start)[1]
+        return on_ground(self.surroundings, at.position_enu)[2]
+
+    def _follow(self, flight: FlightRecord) -> None:
+        """Make `flight` the one that is flown."""
+        self._record = replace(self._record, flight=flight)
+        self._course = Course(flight.order, flight.route, self.airframe)
+        self._shots = deque(self._course.shots(flight.visited))
+        self._watch = None
+        if self.surroundings is not None and self.airframe.collision_radius_m:
+            self._watch = CollisionWatch(self._course, self.surroundings, self.airframe)
+
+    def _run_to(self, time_ns: int) -> Iterator[ShotDue]:
+        """Let happen, in order, all that is due until `time_ns`; yield the photographs."""
+        while self.flight is not None and self._course is not None:
+            flight, course = self.flight, self._course
+            low_ns, down_ns = course.low_ns, course.touch_down_ns
+            fails_ns = failure_ns(flight, course, self.airframe)
+            due_ns = self._shots[0][0] if self._shots else math.inf
+            next_ns = min(due_ns, low_ns, down_ns, fails_ns)
+            hit = self._watch and self._watch.first_until(min(next_ns, time_ns))
+            if hit:
+                self._give(collided(flight, hit.thing), OrderKind.FALL, hit.time_ns)
+                continue
+            if next_ns > time_ns or math.isinf(next_ns):
+                return
+            if next_ns == due_ns:
+                yield self._take_shot(course, flight, *self._shots.popleft())
+            elif next_ns == down_ns:
+                if flight.outcome is not None:
+                    return
+                self._touch_down(flight, int(down_ns))
+            elif next_ns == fails_ns:
+                self._fail(flight, int(fails_ns))
+            else:
+                self._divert_on_low_battery(flight, int(low_ns))
+
+    def _take_shot(
+        self, course: Course, flight: FlightRecord, due_ns: int, shot: ShotTime
+    ) -> ShotDue:
+        sequence = self._record.shots_taken
+        visited = replace(flight, visited=shot.viewpoint_index + 1)
+        self._record = replace(self._record, shots_taken=sequence + 1, flight=visited)
+        waypoint = flight.route.waypoints[shot.viewpoint_index]
+        return ShotDue(
+            sequence=sequence,
+            viewpoint_id=waypoint.viewpoint_id,
+            time_ns=due_ns,
+            pose=standing(waypoint.position_enu, waypoint.yaw_rad)
+            if self.airframe.hover_s
+            else course.timeline.pose(shot.elapsed_s),
+        )
+
+    def _divert_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:
+        charge = 0.0 if self._course is None else self._course.charge_fraction(time_ns)
+        text = f'battery {charge:.0%} after {flight.visited} viewpoints'
+        ended = cut_short(flight, Outcome.BATTERY_LOW, text)
+        self._give(ended, OrderKind.DIVERT, time_ns)
+
+    def _fail(self, flight: FlightRecord, time_ns: int) -> None:
+        """Come down where it is."""
+        self._give(failed(flight), OrderKind.LAND, time_ns)
+
+    def _touch_down(self, flight: FlightRecord, down_ns: int) -> None:
+        """Change the battery and fly on, or end the flight."""
+        if is_over(flight):
+            landed = replace(flight, outcome=flight.ending, ended_ns=down_ns)
+            self._record = replace(self._record, flight=landed)
+        else:
+            self._follow(
+                with_new_battery(flight, self._order(OrderKind.FLY, down_ns, flight.visited))
+            )
+
+    def _pose(self, time_ns: int) -> Pose:
+        if self._course is None:
+            return standing(self._record.home_enu, 0.0)
+        return self._course.pose(time_ns)
+
+    def _distance_m(self, time_ns: int) -> float:
+        return 0.0 if self._course is None else self._course.distance_m(time_ns)

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that look at the workspace: interfaces, packages and their executables."""
+
+import os
+import pty
+import select
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from rocsafe_ros2cli.interface_text import nested_type
+
+DEADLINE_S = 60.0
+
+# Says its arguments, then how it is asked to end; or ends at once as its first argument says.
+NODE = """#!{python}
+import os, signal, sys, time
+def asked(number, frame):
+    # Not print: the signal may come while the line below is being printed.
+    os.write(1, f'signal {{number}}\\n'.encode())
+    os._exit(7)
+for one in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(one, asked)
+print(sys.argv[1:], flush=True)
+if sys.argv[1:2] == ['exit']:
+    sys.exit(int(sys.argv[2]))
+if sys.argv[1:2] == ['kill']:
+    os.kill(os.getpid(), int(sys.argv[2]))
+time.sleep(60)
+"""
+
+DEFINITION = """# A wing.
+
+# Its span.
+float64 span   # metres
+string<=5 name
+uint8 LEFT=1  # port side
+uint8[<=3] flaps
+geometry_msgs/Point[2] tips  # of the wing
+Wing[] more
+#
+"""
+
+SHOWN_POINT = """\tfloat64 x
+\tfloat64 y
+\tfloat64 z
+"""
+
+
+@pytest.fixture
+def workspace(tmp_path, monkeypatch):
+    """Install package `wings` with one message and some executables, before all others."""
+    (tmp_path / 'share/ament_index/resource_index/packages').mkdir(parents=True)
+    (tmp_path / 'share/ament_index/resource_index/packages/wings').touch()
+    (tmp_path / 'share/wings/msg').mkdir(parents=True)
+    (tmp_path / 'share/wings/msg/Wing.msg').write_text(DEFINITION.replace('Wing[] more\n', ''))
+    for name in ('fly', 'sub/land', 'sub/fly2', '.hidden/land', 'readme.txt'):
+        path = tmp_path / 'lib/wings' / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(NODE.format(python=sys.executable))
+        path.chmod(0o644 if name.endswith('.txt') else 0o755)
+    monkeypatch.setenv('AMENT_PREFIX_PATH', f'{tmp_path}:{os.environ["AMENT_PREFIX_PATH"]}')
+    return tmp_path
+
+
+def test_a_definition_is_shown_with_those_of_its_fields(workspace, ros2):
+    """Own comments are kept, nested ones are not, as in the real command."""
+    _, out, _ = ros2('interface', 'show', 'wings/msg/Wing')
+    head, tail = DEFINITION.replace('Wing[] more\n', '').split('# of the wing\n')
+    assert out.startswith(f'{head}# of the wing\n\tfloat64 x\n')
+    assert out.endswith(f'{SHOWN_POINT}{tail}')
+
+
+def test_a_definition_is_shown_without_comments(workspace, ros2):
+    """What is left of a comment behind a field is its mark, as in the real command."""
+    _, out, _ = ros2('interface', 'show', 'wings/msg/Wing', '--no-comments')
+    assert out == (
+        'float64 span   #\nstring<=5 name\nuint8 LEFT=1  #\nuint8[<=3] flaps\n'
+        f'geometry_msgs/Point[2] tips  #\n{SHOWN_POINT}#\n'
+    )
+
+
+@pytest.mark.parametrize(
+    ('line', 'expected'),
+    [
+        ('float64 x', None),
+        ('string<=5[<=3] names', None),
+        ('uint8 LEFT=1', None),
+        ('uint8 LEFT = 1', None),
+        ('Wing left', 'own/msg/Wing'),
+        ('Wing[2] wings # left, right', 'own/msg/Wing'),
+        ('other/Wing[<=2] wings', 'other/msg/Wing'),
+        ('# Wing left', None),
+        ('---', None),
+        ('', None),
+    ],
+)
+def test_fields_that_hold_messages_are_told_from_others(line, expected):
+    """Types without a package are of the own one."""
+    assert nested_type(line, 'own') == expected
+
+
+@pytest.mark.parametrize(
+    ('name', 'error'),
+    [
+        ('none/msg/Wing', "Unknown package 'none'"),
+        ('wings/Wing', "Invalid name 'wings/Wing'. Expected three parts separated by '/'"),
+        ('wings//Wing', "Invalid name 'wings//Wing'. Must not contain empty parts"),
+        ('wings/../Wing', "Invalid name 'wings/../Wing'. Must not contain '..'"),
+        ('wings/msg/None', "Could not find the interface '{0}/share/wings/msg/None.idl'"),
+    ],
+)
+def test_an_interface_that_is_not_there(workspace, ros2, name, error):
+    """One line each, status 1."""
+    assert ros2('interface', 'show', name) == (1, '', error.format(workspace) + '\n')
+
+
+def test_our_own_interfaces_can_be_shown(ros2):
+    """All of them, in the words of their files."""
+    status, out, _ = ros2('interface', 'show', 'rocsafe_interfaces/action/FlyRoute')
+    assert status == 0
+    assert out.startswith('# Fly a route: take off,')
+    assert '\nRoute route\n\tstring vehicle              #\n\tGeoPoint home\n\t\tfloat64' in out
+    assert out.count('\n---\n') == 2
+
+
+def test_interfaces_are_listed_by_kind(ros2):
+    """Messages, services, actions; parts of services and actions are not listed."""
+    _, out, _ = ros2('interface', 'list')
+    assert out.startswith('Messages:\n    action_msgs/msg/GoalInfo\n')
+    assert '\nServices:\n' in out
+    assert '\nActions:\n    rocsafe_interfaces/action/FlyRoute\n' in out
+    assert '_Request' not in out
+    _, actions, _ = ros2('interface', 'list', '--only-actions')
+    assert out.endswith(actions)
+    assert actions.startswith('Actions:\n')
+
+
+def test_executables_of_a_package(workspace, ros2):
+    """Those that can be run, folders with a dot not."""
+    expected = 'wings fly\nwings fly2\nwings land\n'
+    assert ros2('pkg', 'executables', 'wings') == (0, expected, '')
+    folder = f'{workspace}/lib/wings'
+    paths = f'{folder}/fly\n{folder}/sub/fly2\n{folder}/sub/land\n'
+    assert ros2('pkg', 'executables', '--full-path', 'wings') == (0, paths, '')
+    assert expected in ros2('pkg', 'executables')[1]
+    assert ros2('pkg', 'executables', 'none') == (1, '', "Package 'none' not found\n")
+
+
+def test_packages_are_listed(workspace, ros2):
+    """In order; where one is installed."""
+    _, out, _ = ros2('pkg', 'list')
+    assert {'rclpy', 'rocsafe_interfaces', 'wings'} < set(out.splitlines())
+    assert out.splitlines() == sorted(out.splitlines())
+    assert ros2('pkg', 'prefix', 'wings') == (0, f'{workspace}\n', '')
+    assert ros2('pkg', 'prefix', 'wings', '--share') == (0, f'{workspace}/share/wings\n', '')
+    assert ros2('pkg', 'prefix', 'none') == (1, '', 'Package not found\n')
+
+
+@pytest.mark.parametrize(
+    ('words', 'status', 'out', 'error'),
+    [
+        (('wings', 'fly', 'exit', '0'), 0, "['exit', '0']\n", ''),
+        (
+            ('wings', 'fly', 'exit', '3'),
+            3,
+            "['exit', '3']\n[ros2run]: Process exited with failure 3\n",
+            '',
+        ),
+        (('wings', 'fly', 'kill', '9'), 137, "['kill', '9']\n[ros2run]: Killed\n", ''),
+        (('--prefix', 'env A=1', 'wings', 'land', 'exit', '0'), 0, "['exit', '0']\n", ''),
+        (('--prefix', 'none', 'wings', 'fly'), 1, '', "Cannot run 'none': no such program\n"),
+        (('none', 'fly'), 1, '', "Package 'none' not found\n"),
+        (('wings', 'none'), 1, '', 'No executable found\n'),
+        (('wings', 'readme.txt'), 1, '', 'No executable found\n'),
+    ],
+)
+def test_run_ends_as_its_node_ends(workspace, ros2_process, words, status, out, error):
+    """Arguments reach the node, its exit status comes back."""
+    process = ros2_process('run', *words)
+    assert process.communicate(timeout=DEADLINE_S) == (out, error)
+    assert process.returncode == status
+
+
+def test_run_refuses_to_choose_between_executables(workspace, ros2_process):
+    """Two of one name are shown."""
+    (workspace / 'lib/wings/land').write_text('')
+    (workspace / 'lib/wings/land').chmod(0o755)
+    _, error = ros2_process('run', 'wings', 'land').communicate(timeout=DEADLINE_S)
+    folder = f'{workspace}/lib/wings'
+    assert error == f'Multiple executables found:\n- {folder}/land\n- {folder}/sub/land\n'
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_run_passes_signals_on(workspace, ros2_process, number):
+    """Sent to the command alone, below a shell that ignores Ctrl-C; the node ends it."""
+    process = ros2_process(
+        'run',
+        'wings',
+        'fly',
+        '--ros-args',
+        '-r',
+        '__ns:=/rav1',
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+    )
+    assert process.stdout.readline() == "['--ros-args', '-r', '__ns:=/rav1']\n"
+    process.send_signal(number)
+    out, error = process.communicate(timeout=DEADLINE_S)
+    assert (out, error) == (
+        f'signal {int(number)}\n[ros2run]: Process exited with failure 7\n',
+        '',
+    )
+    assert process.returncode == 7
+
+
+def test_run_does_not_repeat_what_the_terminal_has_told_the_node(workspace):
+    """Ctrl-C in a terminal reaches both: the node hears it once."""
+    words = [sys.executable, '-m', 'rocsafe_ros2cli', 'run', 'wings', 'fly']
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execve(sys.executable, words, {**os.environ, 'PYTHONPATH': path})  # noqa: S606
+    try:
+        shown = read_until(terminal, b'[]')
+        os.write(terminal, b'\x03')
+        shown += read_until(terminal, b'failure 7')
+        _, status = os.waitpid(child, 0)
+    finally:
+        os.close(terminal)
+    assert os.waitstatus_to_exitcode(status) == 7
+    assert shown.count(b'signal 2') == 1
+
+
+def read_until(terminal, wanted):
+    """Read what a terminal shows until `wanted` is among it; fail the test at the deadline."""
+    shown, end = b'', time.monotonic() + DEADLINE_S
+    while wanted not in shown:
+        ready, _, _ = select.select([terminal], [], [], max(0.0, end - time.monotonic()))
+        assert ready, f'{wanted!r} not shown within {DEADLINE_S} s, but {shown!r}'
+        shown += os.read(terminal, 1000)
+    return shown
+
+
+def test_the_node_of_a_whole_workspace_is_found_below_its_prefix(workspace, monkeypatch, ros2):
+    """The first prefix in the path wins, as for the real command."""
+    other = workspace / 'overlay'
+    (other / 'share/ament_index/resource_index/packages').mkdir(parents=True)
+    (other / 'share/ament_index/resource_index/packages/wings').touch()
+    (other / 'lib/wings').mkdir(parents=True)
+    Path(other / 'lib/wings/glide').write_text('')
+    Path(other / 'lib/wings/glide').chmod(0o755)
+    monkeypatch.setenv('AMENT_PREFIX_PATH', f'{other}:{os.environ["AMENT_PREFIX_PATH"]}')
+    assert ros2('pkg', 'executables', 'wings') == (0, 'wings glide\n', '')

@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenario files: what is read from them, and what is refused with which line."""
+
+import json
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel
+
+from rocsafe_orchestrator.errors import EXIT_USAGE
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_file import read_scenario
+
+SHIPPED = sorted((Path(__file__).parents[2] / 'config' / 'scenarios').glob('*.yaml'))
+BOW_TIE = [[53.28, -9.06], [53.281, -9.062], [53.281, -9.06], [53.28, -9.062]]
+ANTIMERIDIAN = [[53.28, 179.999], [53.281, 179.999], [53.281, -179.999]]
+POLE = [[89.99, 0.0], [89.99, 90.0], [89.99, 180.0]]
+COUNTRY = [[53.2, -9.1], [53.3, -9.1], [53.3, -8.9], [53.2, -8.9]]
+
+WALL = {
+    'material': 'iron', 'position': [53.28, -9.06], 'length_m': 1.0, 'width_m': 1.0,
+    'height_m': 1.0,
+}  # fmt: skip
+SPILL = {'name': 'spill', 'sigma_usvps': 1.0}
+STOP = {'time_s': 5.0, 'position': [53.28, -9.06]}
+
+# Key path, value, what the line says of them.
+REFUSED = [
+    ('vehicles[1].home[0]', 95.3, 'latitude must be within -90 to 90'),
+    ('vehicles[0].home[1]', 200, 'longitude must be within -180 to 180'),
+    ('region.polygon[2][0]', -91.0, 'latitude must be within -90 to 90'),
+    ('vehicles', [], 'must have at least 1, has 0'),
+    ('vehicles[1].name', 'rav1', 'is given 2 times, must be unique'),
+    ('vehicles[1].name', 'rav 1', 'a vehicle name is a ROS namespace: a letter, then'),
+    ('vehicles[1].name', '2rav', 'a vehicle name is a ROS namespace: a letter, then'),
+    ('vehicles[1].name', 'dröne', 'a vehicle name is a ROS namespace: ASCII'),
+    ('vehicles[1].name', 'rav__1', 'a vehicle name is a ROS namespace: ASCII, no __'),
+    ('vehicles[1].name', 'world', 'is the name of a ROCSAFE node or topic'),
+    ('vehicles[1].cruise_speed_mps', 0, 'must be greater than 0'),
+    ('vehicles[1].home', [-9.06, 53.28], 'is 9'),
+    ('survey.height_agl_m', -32.0, 'must be greater than 0'),
+    ('survey.height_agl_m', '32', 'must be a valid number'),
+    ('survey.height_agl_m', float('nan'), 'must be a finite number'),
+    ('survey.overlap_fraction', 1.0, 'must be less than or equal to 0.95'),
+    ('survey.spacing_rule', 'paper', "must be 'iou' or 'linear'"),
+    ('survey', 32.0, 'must be a block of keys'),
+    ('region.polygon', [[53.28, -9.06]], 'must have at least 3, has 1'),
+    ('seed', -1, 'must be greater than or equal to 0'),
+    ('seed', True, 'must be a valid integer'),
+    ('name', '../up', 'must match'),
+    ('clock.start', 'noon', 'must be a valid datetime'),
+    ('camera.ground', 'no.tif', 'must be procedural or the path of a GeoTIFF; no such file'),
+    ('survey.terrain_file', 'no.tif', 'must be the path of a GeoTIFF of heights; no such file'),
+    ('camera.effects.vignetting', 2.0, 'must be less than or equal to 1'),
+    ('camera.gimbal', 1, 'must be a valid boolean'),
+    ('radiation.sources[0].sigma_usvps', -1.0, 'must be greater than 0'),
+    ('radiation.sources[0].position', [0.0, -9.061], 'is 590'),
+]
+
+# Key path, value, the line: mistakes without a single value.
+REFUSED_BLOCKS = [
+    ('other_cameras', [{'name': 'camera'}], "other_cameras[0].name = 'camera': is taken"),
+    ('other_cameras', [{'name': 'a b'}], "other_cameras[0].name = 'a b': must match"),
+    ('other_cameras', [{'pitch_deg': 9.0}], 'other_cameras[0].name: is missing'),
+    ('sede', 3, 'sede: unknown key (did you mean seed?)'),
+    ('survey.hight_agl_m', 3.0, 'survey.hight_agl_m: unknown key (did you mean height_agl_m?)'),
+    ('vehicles[1].colour', 'red', 'vehicles[1].colour: unknown key (known: name, home, '),
+    ('survey', {}, 'survey.height_agl_m: is missing'),
+    ('radiation.sources[0].activity_gbq', 5.0, 'radiation.sources[0]: must have sigma_usvps or'),
+    ('radiation.sources[0].line', [[53.28, -9.06]], 'must have one of position, line, area'),
+    ('radiation.shields', [WALL], "radiation.model = 'paper': must be shielded where there are"),
+    ('radiation.scene_file', 'gone.yaml', "radiation.scene_file = 'gone.yaml': must be the path"),
+    ('camera', {'backend': 'engine', 'scene_file': 'no.yaml'}, 'must be the path of a scene; no '),
+    (
+        'radiation',
+        {'model': 'shielded', 'shields': [{**WALL, 'wall_m': 0.5}]},
+        'radiation.shields[0].wall_m = 0.5: must be less than half the shortest side, 0.5',
+    ),
+    (
+        'radiation.sources[0]',
+        {**SPILL, 'line': [[53.28, -9.06]]},
+        'line: has 1 corners, must have',
+    ),
+    ('radiation.sources[0]', {**SPILL, 'area': [[53.28, -9.06]]}, 'area: has 1 corners, must'),
+    (
+        'radiation.sources[0]',
+        {**SPILL, 'track': [STOP, STOP]},
+        'radiation.sources[0].track: time_s = [5.0, 5.0] must rise from stop to stop',
+    ),
+    ('radiation.sources[0].nuclide', 'Xx-1', "radiation.sources[0].nuclide = 'Xx-1': must be 'Am"),
+    ('region.polygon', BOW_TIE, 'region.polygon: the boundary crosses or touches itself near'),
+    ('region.polygon', ANTIMERIDIAN, 'must not cross the antimeridian (180 deg)'),
+    ('region.polygon', POLE, 'the boundary has a corner at latitude 89.99 deg'),
+    ('region.polygon', COUNTRY, 'must be at most survey.max_viewpoints = 2000'),
+    ('region.holes', [BOW_TIE], 'region.polygon: hole 1 crosses or touches itself'),
+    ('region', {'file': 'no.kml'}, "small.yaml: region.file = 'no.kml': "),
+    ('region', {}, 'region: must have either polygon or file'),
+    ('exclusions', [{'polygon': BOW_TIE}], 'exclusions[0].polygon: the boundary crosses or'),
+    ('exclusions', [{'file': 'no.kml'}], "small.yaml: exclusions[0].file = 'no.kml': "),
+    ('origin.latitude_deg', 53.28, 'origin: must have both latitude_deg and longitude_deg'),
+]
+
+
+@pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
+def test_shipped_scenario_is_valid_and_named_as_its_file(path: Path) -> None:
+    """Every scenario in config/scenarios can be flown."""
+    assert read_scenario(path).name == path.stem
+
+
+def keys_of(block: Any) -> set[str]:
+    """Return the keys of a block of a scenario, and of those in it."""
+    if isinstance(block, type) and issubclass(block, BaseModel):
+        fields = block.model_fields.items()
+        return {key for name, field in fields for key in (name, *keys_of(field.annotation))}
+    return {key for part in get_args(block) for key in keys_of(part)}
+
+
+def test_every_key_is_explained() -> None:
+    """In a shipped scenario or in the documentation."""
+    docs = Path(__file__).parents[2] / 'docs'
+    texts = [path.read_text() for path in (*SHIPPED, *docs.glob('*.md'))]
+    words = set(re.findall(r'\w+', ' '.join(texts)))
+    assert keys_of(Scenario) - words == set()
+
+
+@pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
+def test_scenario_survives_being_written_and_read(
+    path: Path, scenario_text: Callable[[str], Path]
+) -> None:
+    """The copy in a run directory flies the same mission."""
+    scenario = read_scenario(path)
+    assert read_scenario(scenario_text(scenario.to_yaml())) == scenario
+
+
+@pytest.mark.parametrize(('path', 'value', 'limit'), REFUSED)
+def test_wrong_value_is_named_with_its_limit(
+    path: str, value: object, limit: str, small: Callable[..., Path]
+) -> None:
+    """A wrong value is refused in one line: file, key path, value, limit."""
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(small({path: value}))
+    assert str(caught.value).startswith(f'small.yaml: {path} = {value!r}: {limit}')
+    assert '\n' not in str(caught.value)
+    assert caught.value.exit_code == EXIT_USAGE
+
+
+@pytest.mark.parametrize(('path', 'value', 'line'), REFUSED_BLOCKS)
+def test_mistake_is_named_in_one_line(
+    path: str, value: object, line: str, small: Callable[..., Path]
+) -> None:
+    """What is wrong with a key or a whole block is said in one line."""
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(small({path: value}))
+    assert line in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+def test_every_mistake_gets_its_line(small: Callable[..., Path]) -> None:
+    """Two mistakes are named in two lines."""
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(small({'seed': -1, 'survey.height_agl_m': 0.0}))
+    assert len(str(caught.value).splitlines()) == 2
+
+
+@pytest.mark.parametrize(
+    ('text', 'line'),
+    [
+        ('name: small\nregion: [1, 2\nsurvey: 3\n', 'small.yaml: line 3: '),
+        ('name: small\nname: other\n', "small.yaml: line 2: key 'name' is given twice"),
+        ('name: small\nseed:\t3: 4\n', 'small.yaml: line 2: '),
+        ('name: !!python/object:os.system {}\n', 'small.yaml: line 1: could not determine'),
+        ('- 1\n', 'small.yaml: must be a block of keys'),
+        ('', 'small.yaml: must be a block of keys'),
+    ],
+)
+def test_syntax_error_is_named_with_its_line(
+    text: str, line: str, scenario_text: Callable[[str], Path]
+) -> None:
+    """What is not the YAML of a scenario is refused with the number of the line."""
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(scenario_text(text))
+    assert str(caught.value).startswith(line)
+    assert '\n' not in str(caught.value)
+
+
+def test_missing_file_directory_and_binary_are_refused(tmp_path: Path) -> None:
+    """A path that cannot be read is named with the reason."""
+    binary = tmp_path / 'binary.yaml'
+    binary.write_bytes(b'name: \xff\xfe')
+    for path, reason in (
+        (tmp_path / 'no.yaml', 'no such file'),
+        (tmp_path, 'is a directory'),
+        (binary, 'not a text file in UTF-8'),
+    ):
+        with pytest.raises(ScenarioError, match=reason):
+            read_scenario(path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason='root may read every file')
+def test_file_without_permission_is_refused(small: Callable[..., Path]) -> None:
+    """A file that may not be read is named as such."""
+    path = small()
+    path.chmod(0)
+    with pytest.raises(ScenarioError, match='permission denied'):
+        read_scenario(path)
+
+
+def test_command_line_replaces_speed_and_seed(small: Callable[..., Path]) -> None:
+    """`--speed` and `--seed` win over the file."""
+    scenario = read_scenario(small(), speed=2.5, seed=7)
+    assert (scenario.clock.speed, scenario.seed) == (2.5, 7)
+
+
+def test_region_file_becomes_the_polygon(small: Callable[..., Path], tmp_path: Path) -> None:
+    """A GeoJSON region, longitude first, lies beside the scenario and becomes part of it."""
+    ring = [[-9.06, 53.28], [-9.06, 53.281], [-9.062, 53.281], [-9.06, 53.28]]
+    polygon = {'type': 'Polygon', 'coordinates': [ring]}
+    (tmp_path / 'field.geojson').write_text(json.dumps(polygon))
+    region = read_scenario(small({'region': {'file': 'field.geojson'}})).region
+    assert region.file is None
+    assert region.polygon == ((53.28, -9.06), (53.281, -9.06), (53.281, -9.062))
+
+
+def test_origin_is_the_centroid_on_the_ground(small: Callable[..., Path]) -> None:
+    """Without an origin the frame stands at the centre of the region."""
+    scenario = read_scenario(small({'origin.ground_altitude_m': 66.0}))
+    origin = scenario.origin_position()
+    assert origin.latitude_deg == pytest.approx(53.2805, abs=1e-6)
+    assert origin.longitude_deg == pytest.approx(-9.061, abs=1e-6)
+    assert origin.altitude_m == 66.0
+
+
+def test_number_in_exponent_form_is_a_number(
+    small: Callable[..., Path], scenario_text: Callable[[str], Path]
+) -> None:
+    """1e3 is a number here, though YAML 1.1 would take it for a text."""
+    text = small().read_text().replace('25.0', '1e3')
+    sources = read_scenario(scenario_text(text)).radiation.sources
+    assert sources[0].sigma_usvps == 1000.0
+
+
+def test_many_vehicles_share_a_process(small: Callable[..., Path]) -> None:
+    """DDS does not find more than some thirty processes on a machine: a fleet flies in one."""
+    vehicles = [{'name': f'rav{n}', 'home': [53.2795, -9.061]} for n in range(21)]
+    with pytest.raises(ScenarioError, match='vehicles = 21 of them: must be at most 20'):
+        read_scenario(small({'vehicles': vehicles}))
+    fleet = {'vehicles': vehicles, 'simulation.processes': 'fleet'}
+    assert len(read_scenario(small(fleet)).vehicles) == 21
+
+
+def test_fleet_in_one_process_is_alike(small: Callable[..., Path]) -> None:
+    """One process simulates vehicles of one kind; another kind is named."""
+    changes = {'vehicles[1].hover_s': 3.0, 'simulation.processes': 'fleet'}
+    with pytest.raises(ScenarioError, match=r'vehicles\[1\].hover_s = 3.0: must be 1.0'):
+        read_scenario(small(changes))
+
+
+def test_exclusions_reach_the_planner(small: Callable[..., Path]) -> None:
+    """A zone of the file is in the request for a plan without flying."""
+    zone = [[53.2796, -9.0632], [53.2797, -9.0632], [53.2797, -9.0633]]
+    scenario = read_scenario(small({'exclusions': [{'polygon': zone}]}))
+    (area,) = scenario.exclusion_areas()
+    assert [[c.latitude_deg, c.longitude_deg] for c in area.boundary] == zone
