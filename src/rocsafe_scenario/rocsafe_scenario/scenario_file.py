@@ -8,12 +8,12 @@ from pydantic import ValidationError
 
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.regions.area_files import read_area
+from rocsafe_geo.storage.yaml_source import YamlError, read_yaml
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import LatLon, RegionBlock
 from rocsafe_scenario.scenario_checks import mistakes
 from rocsafe_scenario.validation_text import error_lines
-from rocsafe_scenario.yaml_source import read_yaml
 
 # Above this nobody reads on; the rest is counted.
 MOST_LINES = 10
@@ -29,7 +29,10 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
     ------
     ScenarioError: one line for each mistake, naming key path, value and limit.
     """
-    content = read_yaml(path)
+    try:
+        content = read_yaml(path)
+    except YamlError as error:
+        raise ScenarioError(str(error)) from error
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
     scenario = _validated(path.name, _with_options(content, speed, seed))

@@ -7,11 +7,13 @@ from typing import Any
 
 import yaml
 
-from rocsafe_scenario.errors import ScenarioError
-
 MAX_FILE_BYTES = 4_000_000
 # YAML 1.1 takes 1e-3 for a text; 1.2, and everybody else, for a number.
 _FLOAT = re.compile(r'^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
+
+
+class YamlError(ValueError):
+    """A YAML file cannot be read; one line with the file's name and the reason."""
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -46,16 +48,16 @@ def read_yaml(path: Path) -> Any:
 
     Raises
     ------
-    ScenarioError: one line with the file's name and, for a syntax error, the line's number.
+    YamlError: one line with the file's name and, for a syntax error, the line's number.
     """
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
-            raise ScenarioError(f'{path}: larger than {MAX_FILE_BYTES} bytes')
+            raise YamlError(f'{path}: larger than {MAX_FILE_BYTES} bytes')
         text = path.read_text(encoding='utf-8')
     except OSError as error:
-        raise ScenarioError(f'{path}: {_reason(error)}') from error
+        raise YamlError(f'{path}: {_reason(error)}') from error
     except UnicodeDecodeError as error:
-        raise ScenarioError(f'{path}: not a text file in UTF-8 (byte {error.start})') from error
+        raise YamlError(f'{path}: not a text file in UTF-8 (byte {error.start})') from error
     return parse_yaml(text, path.name)
 
 
@@ -64,14 +66,14 @@ def parse_yaml(text: str, name: str) -> Any:
 
     Raises
     ------
-    ScenarioError: as `read_yaml`.
+    YamlError: as `read_yaml`.
     """
     try:
         return yaml.load(text, Loader=_StrictLoader)  # noqa: S506 - derived from SafeLoader
     except yaml.MarkedYAMLError as error:
-        raise ScenarioError(f'{name}: {_syntax_text(error)}') from error
+        raise YamlError(f'{name}: {_syntax_text(error)}') from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise ScenarioError(f'{name}: not valid YAML: {str(error).splitlines()[0]}') from error
+        raise YamlError(f'{name}: not valid YAML: {str(error).splitlines()[0]}') from error
 
 
 def _syntax_text(error: yaml.MarkedYAMLError) -> str:
