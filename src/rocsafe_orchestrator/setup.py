@@ -5,7 +5,7 @@ NAME = 'rocsafe_orchestrator'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Processes, mission phases, recording and report of ROCSAFE.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
