@@ -21,7 +21,7 @@ from rocsafe_orchestrator.processes.node_parameters import localizer_parameters
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
-from rocsafe_orchestrator.report.sections import what_is_simulated
+from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES
