@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import rasterio
-from numpy.typing import NDArray
 from PIL import Image
 from rasterio.enums import Resampling
 from rasterio.errors import RasterioError
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
 from rocsafe_orchestrator.report.map_data import estimate_points
@@ -34,7 +34,6 @@ STAY_KEYS = ('public_year_1_msv', 'worker_year_20_msv')
 # From background to one metre beside a strong source.
 DECADES = 7.0
 
-Array = NDArray[np.float64]
 Rows = list[list[str]]
 
 
@@ -71,8 +70,8 @@ class DoseView:
 class _Grid:
     """The dose map of the file: (rows, columns) in uSv/h, and its box in map coordinates."""
 
-    mean_usvh: Array
-    upper_usvh: Array
+    mean_usvh: FloatArray
+    upper_usvh: FloatArray
     box: Box
 
 
@@ -152,7 +151,7 @@ def _cordons(path: Path) -> list[dict[str, Any]]:
     return features
 
 
-def _data_uri(values: Array, scale: DoseScale) -> str:
+def _data_uri(values: FloatArray, scale: DoseScale) -> str:
     """Return the colours of `values` as a PNG with a palette."""
     span = np.log(scale.high_usvh / scale.low_usvh)
     shares = np.log(np.maximum(values, scale.low_usvh) / scale.low_usvh) / span

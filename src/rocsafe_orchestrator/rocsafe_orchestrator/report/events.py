@@ -5,13 +5,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.separation import Span, airborne_spans_ns
 from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
 from rocsafe_view import formats
 from rocsafe_view.charts import FlightBar
 
-_NS_PER_S = 1_000_000_000
 _MOST_NAMES = 5
 
 
@@ -40,7 +40,7 @@ def flights(record: RunRecord, zero_ns: int) -> tuple[FlightBar, ...]:
     found = ((name, airborne_spans_ns(samples.get(name, ()))) for name in record.vehicles)
     shots: dict[str, list[float]] = {}
     for shot in record.photographs:
-        shots.setdefault(shot.vehicle, []).append((shot.time_ns - zero_ns) / _NS_PER_S)
+        shots.setdefault(shot.vehicle, []).append((shot.time_ns - zero_ns) / NS_PER_S)
     return tuple(
         _flight(name, spans, planned.get(name), shots.get(name, ()), zero_ns)
         for name, spans in found
@@ -56,7 +56,7 @@ def _flight(
     zero_ns: int,
 ) -> FlightBar:
     aloft = tuple(
-        ((begin - zero_ns) / _NS_PER_S, (end - zero_ns) / _NS_PER_S) for begin, end in spans
+        ((begin - zero_ns) / NS_PER_S, (end - zero_ns) / NS_PER_S) for begin, end in spans
     )
     return FlightBar(
         vehicle=name,
@@ -102,11 +102,11 @@ def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterato
     top = summary.highest_reading
     if top is not None:
         dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
-        seconds = (top.time_ns - zero_ns) / _NS_PER_S
+        seconds = (top.time_ns - zero_ns) / NS_PER_S
         yield Event(seconds, f'{top.vehicle} measures the highest dose rate, {dose_rate}')
     if record.photographs:
         last = record.photographs[-1]
-        seconds = (last.time_ns - zero_ns) / _NS_PER_S
+        seconds = (last.time_ns - zero_ns) / NS_PER_S
         yield Event(seconds, f'{last.vehicle} takes the last photograph')
     for sample in record.log.mission if record.log else ():
         if sample.phase.is_over:
