@@ -15,7 +15,7 @@ import numpy as np
 from rocsafe_geo.limits import require_not_negative, require_positive
 from rocsafe_geo.motion.state import Motion
 
-# Gauss's four nodes and weights integrate a speed squared, of degree six in time, exactly.
+# Four nodes of Gauss's quadrature integrate a speed squared, a polynomial of degree six, exactly.
 _NODES, _WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(4))
 
 # Power of the motors of a quadrotor of about 2 kg in hover: momentum theory, (m g)^1.5 over
@@ -54,12 +54,12 @@ class PowerModel:
 
     @property
     def capacity_j(self) -> float:
-        """Energy of a full battery."""
+        """Energy of a full battery, J."""
         return self.endurance_s * self.power_w(self.top_airspeed_mps**2)
 
     @property
     def capacity_ah(self) -> float:
-        """Charge of a full battery."""
+        """Charge of a full battery, Ah."""
         return self.capacity_j / VOLTAGE_V / 3600.0
 
     def power_w(self, airspeed_square: float) -> float:
@@ -68,13 +68,16 @@ class PowerModel:
 
 
 class Discharge:
-    """What a motion takes from a battery.
+    """Energy that a motion takes from a battery.
 
     Parameters
     ----------
-    motion : from time 0 on; a stand without end ends it.
-    power : of the vehicle.
-    wind_mps : (east, north) that the air moves towards.
+    motion
+        Motion from time 0 on.
+    power
+        Power of the vehicle.
+    wind_mps
+        Velocity (east, north) of the air, m/s.
     """
 
     def __init__(self, motion: Motion, power: PowerModel, wind_mps: tuple[float, float]) -> None:
