@@ -26,7 +26,7 @@ from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import area_of_region
-from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
 # How often a running fit is looked at, on the wall clock: simulated time may stand still.
@@ -48,7 +48,10 @@ class LocalizerNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('localizer', **node_options)
         self._options = declare_options(self, LocalizerOptions)
-        self._log = self._options.log()
+        try:
+            self._log = self._options.log()
+        except ValueError as error:
+            raise ParameterError(f'{self.get_name()}: {error}') from error
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
         self._job: LocalizationJob | None = None
@@ -112,7 +115,7 @@ class LocalizerNode(Node):
             self.get_logger().error(f'nothing localized: {error}', once=True)
             return
         self._fitted = len(self._log)
-        options = self._options.picture(self._log)
+        options = self._options.picture(self._log.models)
         work = partial(picture_of, survey, options, self._log.vehicles)
         self._job = LocalizationJob(work)
 

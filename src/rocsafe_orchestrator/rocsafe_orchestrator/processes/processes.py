@@ -117,7 +117,7 @@ def _sensing_level(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, 
         _process(
             'radiation_field',
             ('rocsafe_radiation', 'field'),
-            field_parameters(scenario),
+            field_parameters(scenario, run),
             *radiation,
         ),
         _process(

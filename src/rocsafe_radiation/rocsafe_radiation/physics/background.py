@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.readings.ground import GroundHeights
+from rocsafe_geo.solids.ground_heights import GroundHeights
 
 METRES_PER_DEGREE = 111_320.0
 # Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it

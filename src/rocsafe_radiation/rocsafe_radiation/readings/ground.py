@@ -2,13 +2,12 @@
 """The ground below a survey in the frame of the mission: how high it is, how it slopes."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.errors import RadiationError
 
 # Around readings; farther away the ground goes on level.
@@ -18,14 +17,6 @@ MOST_CELLS_A_SIDE, SMALLEST_CELL_M = 350, 1.0
 
 class GroundError(RadiationError):
     """Nobody knows how high the ground is."""
-
-
-class GroundHeights(Protocol):
-    """Whoever knows how high the ground is."""
-
-    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
-        """Return the altitude of the ground above the ellipsoid, (n,); NaN where unknown."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.readings.ground import LEVEL, GroundHeights, ground_over
+from rocsafe_geo.solids.ground_heights import GroundHeights
+from rocsafe_radiation.readings.ground import LEVEL, ground_over
 from rocsafe_radiation.readings.survey import Observation, Survey, survey_of
 
 
