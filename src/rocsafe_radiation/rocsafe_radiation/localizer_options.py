@@ -172,7 +172,8 @@ class LocalizerOptions:
 
         Raises
         ------
-        ValueError: if it is out of range.
+        ValueError
+            If it is out of range.
         """
         return GeoPosition(
             latitude_deg=self.origin_latitude_deg,
@@ -185,7 +186,8 @@ class LocalizerOptions:
 
         Raises
         ------
-        ValueError: in one line, if the origin or the terrain is wrong.
+        ValueError
+            In one line, if the origin or the terrain is wrong.
         """
         file = self.terrain_file
         heights = read_heights(file, self.terrain_shift_m) if file else None
@@ -200,7 +202,8 @@ class LocalizerOptions:
 
         Raises
         ------
-        ValueError: naming the level that is none.
+        ValueError
+            Naming the level that is none.
         """
         return AlarmLevels(
             dose_rates_usvh=self.alarm_dose_rates_usvh,

@@ -97,7 +97,8 @@ def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace)
 
     Raises
     ------
-    GroundError: in one line, why there is none.
+    GroundError
+        In one line, why there is none.
     """
     if readings.frame is None:
         raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')

@@ -27,9 +27,12 @@ class Ground:
 
     Attributes
     ----------
-    corner_m: east and north of the south-western node.
-    cell_m: distance of nodes.
-    ups_m: up of the mission's frame, shape (rows to the north, columns to the east).
+    corner_m
+        East and north of the south-western node.
+    cell_m
+        Distance of nodes.
+    ups_m
+        Up of the mission's frame, shape (rows to the north, columns to the east).
     """
 
     corner_m: tuple[float, float] = (0.0, 0.0)
@@ -127,7 +130,8 @@ def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: FloatArray)
 
     Raises
     ------
-    GroundError: if it is known nowhere there.
+    GroundError
+        If it is known nowhere there.
     """
     low, high = places_m.min(axis=0) - MARGIN_M, places_m.max(axis=0) + MARGIN_M
     cell = max(SMALLEST_CELL_M, float((high - low).max()) / MOST_CELLS_A_SIDE)

@@ -47,10 +47,13 @@ class ReadingLog:
 
     Parameters
     ----------
-    origin: of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
+    origin
+        Of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
         frame is about the first reading.
-    sensitivity_cps_per_usvh: of the detectors; 0: from counts and dose rate.
-    heights: who knows the height of the ground; None: it is level, at the origin's altitude.
+    sensitivity_cps_per_usvh
+        Of the detectors; 0: from counts and dose rate.
+    heights
+        Who knows the height of the ground; None: it is level, at the origin's altitude.
     """
 
     def __init__(
