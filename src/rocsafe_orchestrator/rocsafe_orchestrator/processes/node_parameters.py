@@ -108,7 +108,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
-        **known_terrain_parameters(scenario),
+        **known_terrain_parameters(scenario, run),
         **_origin(scenario),
     }
 
