@@ -20,7 +20,7 @@ def test_a_plain_camera_needs_no_list():
     assert parameters == {
         'camera_backend': 'flat', 'scene_file': '', 'camera_oversampling': 2,
         'camera_horizontal_fov_deg': 70.0, 'image_width_px': 640, 'image_height_px': 480,
-        'jpeg_quality': 90, 'ground': 'procedural', 'cameras': [],
+        'jpeg_quality': 90, 'ground': 'scene', 'cameras': [],
     }  # fmt: skip
 
 

@@ -7,7 +7,7 @@ from test.scene.scenes import THINGS, describe, plain_map
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_scene.engine.thrift import forget
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.scene import map_cache, scene_cache
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)

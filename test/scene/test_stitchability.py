@@ -9,7 +9,7 @@ import pytest
 from test.scene.scenes import plain_map, small_environment
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_scene.ground.ground_picture import painted_map
+from rocsafe_scene.ground.ground_map import painted_map
 from rocsafe_scene.ground.terrain import OUTER_HALF_M
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import Environment

@@ -18,10 +18,10 @@ from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.engine.outputs import Frame
 from rocsafe_scene.engine.studio import Studio, open_renderer
 from rocsafe_scene.mesh.classes import CLASSES
+from rocsafe_scene.painting.canvas import Image
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObject
 from rocsafe_scene.scene.scene_file import read_scene
-from rocsafe_scene.scenery.canvas import Image
 
 # Far above the numbers of things; 65535 stays free, which stands for what 16 bits cannot hold.
 GROUND_NUMBERS = 65_279

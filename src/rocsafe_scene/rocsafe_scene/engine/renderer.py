@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import node_matrix, pinhole_lens
+from rocsafe_scene.engine.lens import flat_lens, node_matrix, pinhole_lens
 from rocsafe_scene.engine.outputs import Frame
 from rocsafe_scene.engine.pipe import Pipe, open_pipe
 from rocsafe_scene.engine.shade import Shade
@@ -32,6 +32,7 @@ _PLANES = (
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
 # Of the distances at which simpler meshes take over.
 _FINEST, _COARSEST = 0.55, 2.0
+_MAP_LOD_SCALE = 0.1
 
 
 class Renderer:
@@ -109,6 +110,19 @@ class Eye:
         """Draw things in the detail that a camera of another focal length resolves."""
         scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
         self._camera.setLodScale(scale)
+
+    def use_parallel_projection(self, width_m: float, depth_m: float) -> None:
+        """Draw without perspective, everything in full detail; depths are then without meaning.
+
+        Parameters
+        ----------
+        width_m
+            Width and height of the picture on the ground, metres.
+        depth_m
+            Distance up to which things are drawn, metres.
+        """
+        self._camera.setLens(flat_lens(width_m, width_m, depth_m))
+        self._camera.setLodScale(_MAP_LOD_SCALE)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
         """Return what is seen from a pose.

@@ -18,7 +18,7 @@ from rocsafe_scene.engine.outputs import Frame
 from rocsafe_scene.engine.pipe import Pipe, open_pipe
 from rocsafe_scene.engine.software_stage import KNOW, LOOK, SoftwareStage
 from rocsafe_scene.engine.target import OneThread, make_buffer, pixels_of
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.mesh import Floats, unit
 from rocsafe_scene.scene.environment import Environment
 from rocsafe_scene.scene.sunlight import Lighting

@@ -15,7 +15,7 @@ from panda3d import core
 
 from rocsafe_scene.engine import upload
 from rocsafe_scene.errors import SceneError
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.coarse import clustered
 from rocsafe_scene.mesh.mesh import Floats, Mesh, rotation_of, unit

@@ -13,7 +13,7 @@ from rocsafe_scene.engine import upload
 from rocsafe_scene.engine.pipe import Pipe
 from rocsafe_scene.engine.shading import Wardrobe
 from rocsafe_scene.engine.thrift import forget
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.coarse import clustered
 from rocsafe_scene.mesh.grain import LEAF_TEXEL_M, LEAVES_PX, grain_tile, leaf_tile

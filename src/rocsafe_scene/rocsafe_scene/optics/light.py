@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from rocsafe_scene.optics.distortion import Plane
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 
 Light = NDArray[np.float32]
 

@@ -12,10 +12,10 @@ from rocsafe_scene.ground.ground_kinds import GroundWork
 from rocsafe_scene.ground.terrain import INNER_HALF_M, OUTER_HALF_M
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.scenery.canvas import Canvas, Image
-from rocsafe_scene.scenery.marks import Layer
-from rocsafe_scene.scenery.noise import CM_PER_M, Window
-from rocsafe_scene.scenery.turf import detail, turf
+from rocsafe_scene.painting.canvas import Canvas, Image
+from rocsafe_scene.painting.marks import Layer
+from rocsafe_scene.painting.noise import CM_PER_M, Window
+from rocsafe_scene.painting.turf import detail, turf
 
 # Texels are 2^k cm wide: 4 cm where vehicles fly, 32 cm around; labels 16 cm and 64 cm.
 INNER_OCTAVE, OUTER_OCTAVE = 2, 5
@@ -23,8 +23,7 @@ _LABEL_STEP = 2
 _TILE_PX = 512
 _PAD_PX = 8
 _WORKERS = 2
-# The painted ground is made for the flat camera, which knows no light: less saturated here, a
-# little warmer; blue, green, red.
+# Mixes blue, green, red of the paint into the colours that the engine lights.
 _NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
@@ -99,6 +98,11 @@ def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> Image:
     canvas = Canvas(window, octave, turf(seed, octave, window))
     canvas.paint(layer)
     painted = canvas.finished(detail(seed, octave, inner), _PAD_PX)
+    return natural(painted)
+
+
+def natural(painted: Image) -> Image:
+    """Return painted colours less saturated and a little warmer: the engine adds the light."""
     return np.asarray(cv2.transform(painted, _NATURAL))
 
 

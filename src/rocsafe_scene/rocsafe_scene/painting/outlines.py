@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rocsafe_scene.scenery.marks import (
+from rocsafe_scene.painting.marks import (
     Coordinates,
     Paint,
     Points,

@@ -4,8 +4,8 @@
 import cv2
 import numpy as np
 
-from rocsafe_scene.scenery.canvas import Image
-from rocsafe_scene.scenery.noise import Field, Window, fractal_at
+from rocsafe_scene.painting.canvas import Image
+from rocsafe_scene.painting.noise import Field, Window, fractal_at
 
 # Amplitudes by octave, of spacing 2^k cm.
 _TONE = {7: 0.5, 8: 0.7, 9: 0.8, 10: 1.0, 11: 1.1, 12: 1.2, 13: 1.0}

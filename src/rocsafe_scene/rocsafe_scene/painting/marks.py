@@ -123,33 +123,6 @@ def normals_of(line: Points) -> Points:
     return unit
 
 
-@dataclass(frozen=True, slots=True)
-class Placing:
-    """Where a thing stands and how it is turned: local x forward, y left -> east, north."""
-
-    east_m: float
-    north_m: float
-    yaw_rad: float = 0.0
-
-    def to_world(self, points: Coordinates) -> Points:
-        """Return local points (n, 2) in the world."""
-        local = np.asarray(points, float)
-        cos, sin = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        turned = local @ np.array([[cos, sin], [-sin, cos]])
-        return turned + np.array([self.east_m, self.north_m])
-
-    def moved(self, x_m: float, y_m: float, turn_rad: float = 0.0) -> 'Placing':
-        """Return the placing of a part that stands at local (x, y), turned."""
-        east, north = self.to_world([[x_m, y_m]])[0]
-        return Placing(float(east), float(north), self.yaw_rad + turn_rad)
-
-
-def rectangle(placing: Placing, length_m: float, width_m: float, paint: Paint) -> Shape:
-    """Return a rectangle centred on and turned with `placing`."""
-    x, y = 0.5 * length_m, 0.5 * width_m
-    return polygon(placing.to_world([[-x, -y], [x, -y], [x, y], [-x, y]]), paint)
-
-
 class Layer:
     """Marks in painting order, found by place."""
 

@@ -5,8 +5,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_scene.scenery.marks import Bounds, Dots, Layer, Points, Shape
-from rocsafe_scene.scenery.noise import CM_PER_M, Field, Window
+from rocsafe_scene.painting.marks import Bounds, Dots, Layer, Points, Shape
+from rocsafe_scene.painting.noise import CM_PER_M, Field, Window
 
 Image = NDArray[np.uint8]
 
@@ -14,10 +14,6 @@ Image = NDArray[np.uint8]
 _SHIFT = 6
 # Marks smaller than this part of a texel are not worth painting.
 _SMALLEST_TEXELS = 0.4
-# Blue, green, red, grain.
-_SHADOW = (60, 46, 40, 90)
-_FULL = np.array([[255]])
-_SHADOW_OPACITY = 0.62
 # Relative swing of brightness at full grain.
 _STRONGEST_GRAIN = 0.52
 
@@ -44,20 +40,10 @@ class Canvas:
             else:
                 self._glaze(mark, bounds)
 
-    def cast(self, layer: Layer, softness_m: float) -> None:
-        """Darken the union of the marks of `layer`, with soft edges."""
-        mask = np.zeros(self._window.shape, np.uint8)
-        for mark, _ in layer.within(*self._bounds()):
-            if isinstance(mark, Dots):
-                self._dot(mask, Dots(mark.centres, mark.radii_m, _FULL))
-            else:
-                self._fill(mask, mark, (255,))
-        if mask.any():
-            self._blend(self._softened(mask, softness_m), _SHADOW_OPACITY, _SHADOW)
-
     def finished(self, detail: Field, pad: int) -> Image:
         """Return the picture without its `pad`: colours times (1 + grain times `detail`)."""
-        blue, green, red, grain = cv2.split(self._layers[pad:-pad, pad:-pad])
+        rows, columns = (pad + size for size in detail.shape)
+        blue, green, red, grain = cv2.split(self._layers[pad:rows, pad:columns])
         swing = cv2.multiply(
             grain, detail, scale=128.0 * _STRONGEST_GRAIN / 255.0, dtype=cv2.CV_32F
         )

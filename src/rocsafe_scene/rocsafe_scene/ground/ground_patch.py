@@ -9,7 +9,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 
 # More than this is asked for only by a camera that looks at the horizon.
 LARGEST_PATCH_PX = 200_000_000
