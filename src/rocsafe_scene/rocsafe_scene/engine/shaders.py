@@ -32,16 +32,16 @@ def _source(name: str, part: str, switches: tuple[str, ...], shared: tuple[str, 
     return '\n'.join(['#version 330', *defined, *parts, text])
 
 
-class Wardrobe:
+class NodeShaders:
     """What nodes are drawn by: the same in the dry, and with water on it."""
 
     def __init__(self) -> None:
-        self._worn: list[tuple[Any, str, tuple[str, ...]]] = []
+        self._assigned: list[tuple[Any, str, tuple[str, ...]]] = []
         self._is_wet = False
 
-    def dress(self, node: Any, name: str, *switches: str) -> None:
+    def assign(self, node: Any, name: str, *switches: str) -> None:
         """Let `node` be drawn by a program in a variant."""
-        self._worn.append((node, name, switches))
+        self._assigned.append((node, name, switches))
         node.setShader(self._program(name, switches))
 
     def set_wet(self, *, is_wet: bool) -> None:
@@ -49,7 +49,7 @@ class Wardrobe:
         if is_wet == self._is_wet:
             return
         self._is_wet = is_wet
-        for node, name, switches in self._worn:
+        for node, name, switches in self._assigned:
             node.setShader(self._program(name, switches))
 
     def _program(self, name: str, switches: tuple[str, ...]) -> Any:

@@ -13,7 +13,7 @@ BLOCKS = (4, 4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class GroundSplits:
     """The detailed ground cut into blocks.
 
     Attributes
@@ -43,9 +43,9 @@ class Places:
         return 2.0 * np.array(self.half_m) / np.array(BLOCKS)
 
 
-def divided(
+def divide_ground(
     half_m: tuple[float, float], things: Floats, shares: Sequence[float], seed: int
-) -> Places:
+) -> GroundSplits:
     """Return blocks given to splits so that each gets its share of the things and of the ground.
 
     Parameters
@@ -67,4 +67,4 @@ def divided(
         split = int(np.argmin(lack))
         given.flat[block] = split
         got[split] += weight.flat[block]
-    return Places(half_m, given)
+    return GroundSplits(half_m, given)

@@ -9,16 +9,16 @@ import numpy as np
 from rocsafe_dataset.annotations import annotate, large_enough
 from rocsafe_dataset.arrangements import MOVABLE, Arrangement, arrange, bounds_of, box_of
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import LARGEST_NUMBER, Folder, Picture
+from rocsafe_dataset.files import LARGEST_NUMBER, DatasetFolder, LabelledImage
+from rocsafe_dataset.ground_splits import divide_ground
+from rocsafe_dataset.image_poses import Site, draw_pose
 from rocsafe_dataset.options import DatasetOptions
-from rocsafe_dataset.places import divided
-from rocsafe_dataset.takes import Site, take
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_scene.engine.pipe import EGL_PACKAGES
+from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer
 from rocsafe_scene.engine.renderer import Renderer
 from rocsafe_scene.engine.silhouettes import Silhouettes
-from rocsafe_scene.engine.studio import Studio, open_renderer
+from rocsafe_scene.graphics.pipe import EGL_PACKAGES
 from rocsafe_scene.ground.terrain import INNER_HALF_M
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.description import SceneDescription
@@ -30,7 +30,7 @@ _PLANTS = frozenset(('tree', 'hedge', 'shrub', 'fence', 'cordon'))
 _NS_PER_US = 1000
 
 
-class Photographer:
+class DatasetCamera:
     """Takes pictures of one scene into one folder.
 
     Parameters
@@ -43,7 +43,7 @@ class Photographer:
     DatasetError, EngineError: one line.
     """
 
-    def __init__(self, environment: Environment, folder: Folder) -> None:
+    def __init__(self, environment: Environment, folder: DatasetFolder) -> None:
         if environment.objects and environment.objects[-1].number > LARGEST_NUMBER:
             raise DatasetError(
                 f'{len(environment.objects)} objects: masks hold {LARGEST_NUMBER} at most'
@@ -55,7 +55,7 @@ class Photographer:
             raise DatasetError(f'data sets need EGL (apt: {EGL_PACKAGES}); here is only: '
                                f'{renderer.pipe.renderer}')  # fmt: skip
         self._renderer = renderer
-        self._studio = Studio(self._renderer, options.lens, options.oversampling)
+        self._camera = OversampledCamera(self._renderer, options.lens, options.oversampling)
         self._silhouettes = Silhouettes(self._renderer, options.lens)
         self._site = site_of(environment, options)
         place = environment.description.place
@@ -69,14 +69,14 @@ class Photographer:
         place = self._environment.description.place
         sun = sun_direction(state.time, place.latitude_deg, place.longitude_deg)
         light = lighting(sun, state.weather)
-        self._renderer.restage(state.objects, light, state.weather)
+        self._renderer.rearrange(state.objects, light, state.weather)
         for number in numbers:
             self._folder.write(self._picture(number, state), self._frame)
             yield number
 
-    def _picture(self, number: int, state: Arrangement) -> Picture:
-        planned = take(number, self._site, self._folder.options)
-        frame = self._studio.expose(planned.position, planned.rotation)
+    def _picture(self, number: int, state: Arrangement) -> LabelledImage:
+        planned = draw_pose(number, self._site, self._folder.options)
+        frame = self._camera.expose(planned.position, planned.rotation)
         objects = {thing.number: thing for thing in state.objects}
         found = large_enough(frame, self._folder.options.least_pixels)
         # What is in the picture can be hidden by, and hide, whatever else is there.
@@ -84,8 +84,8 @@ class Photographer:
         pose = planned.position, planned.rotation
         shares = self._silhouettes.visible_shares(frame.numbers, bounds, pose)
         ground = float(self._site.terrain.height_at(planned.position[None, :2])[0])
-        return Picture(
-            take=planned,
+        return LabelledImage(
+            pose=planned,
             frame=frame,
             annotations=annotate(frame, objects, shares),
             weather=state.weather,
@@ -95,14 +95,16 @@ class Photographer:
         )
 
 
-def open_photographer(description: SceneDescription, folder: Folder, cache: Path) -> Photographer:
+def open_dataset_camera(
+    description: SceneDescription, folder: DatasetFolder, cache: Path
+) -> DatasetCamera:
     """Return a photographer of a scene file's content.
 
     Raises
     ------
     SceneError, EngineError, DatasetError: one line.
     """
-    return Photographer(build(description, cache=cache), folder)
+    return DatasetCamera(build(description, cache=cache), folder)
 
 
 def site_of(environment: Environment, options: DatasetOptions) -> Site:
@@ -122,7 +124,7 @@ def site_of(environment: Environment, options: DatasetOptions) -> Site:
     ]
     return Site(
         terrain=environment.terrain,
-        places=divided(INNER_HALF_M, aims, options.splits, options.seed),
+        places=divide_ground(INNER_HALF_M, aims, options.splits, options.seed),
         aims=aims,
         boxes=np.array(boxes).reshape(-1, 2, 3),
     )

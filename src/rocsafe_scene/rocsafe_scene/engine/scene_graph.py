@@ -9,10 +9,10 @@ from zlib import crc32
 import numpy as np
 from panda3d import core
 
-from rocsafe_scene.engine import upload
-from rocsafe_scene.engine.pipe import Pipe
-from rocsafe_scene.engine.shading import Wardrobe
-from rocsafe_scene.engine.thrift import forget
+from rocsafe_scene.engine.shaders import NodeShaders
+from rocsafe_scene.graphics import upload
+from rocsafe_scene.graphics.memory import drop_mapped_pages
+from rocsafe_scene.graphics.pipe import Pipe
 from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.coarse import clustered
@@ -49,7 +49,7 @@ _THINGS, _LEAVES, _GROUND, _SKY = 20, 25, 30, 40
 _CLOUDS = {'clear': 0.8, 'overcast': 0.25, 'wet': 0.2, 'fog': 0.0, 'dusk': 0.9}
 
 
-class Stage:
+class SceneGraph:
     """All that is drawn, under one root.
 
     Parameters
@@ -69,7 +69,7 @@ class Stage:
         self.root.setShaderInput('leaf_scale', 1.0 / (LEAVES_PX * LEAF_TEXEL_M))
         self.root.setShaderInput('looks', _look_table())
         self._pipe = pipe
-        self._wardrobe = Wardrobe()
+        self._shaders = NodeShaders()
         self._moving: list[tuple[SceneObject, Any]] = []
         self._weather = weather
         self.things: dict[int, Any] = {}
@@ -85,7 +85,7 @@ class Stage:
     def light(self, lighting: Lighting, weather: str | None = None) -> None:
         """Set the light, and the weather if another one is given."""
         self._weather = weather or self._weather
-        self._wardrobe.set_wet(is_wet=lighting.wetness > 0.0)
+        self._shaders.set_wet(is_wet=lighting.wetness > 0.0)
         for name in ('sun_direction', 'zenith', 'horizon', 'bounce'):
             self.root.setShaderInput(name, core.LVecBase3f(*getattr(lighting, name)))
         self.root.setShaderInput('sun_light', core.LVecBase3f(*lighting.sun))
@@ -125,7 +125,7 @@ class Stage:
         ground.setShaderInput('meta', core.LVecBase4i(*meta))
         terrain = environment.terrain
         inner, around = ground.attachNewNode('inner'), ground.attachNewNode('around')
-        self._wardrobe.dress(around, 'ground', 'FAR', 'GLOSSY', 'WATER')
+        self._shaders.assign(around, 'ground', 'FAR', 'GLOSSY', 'WATER')
         around.hide(BARE)
         self._lay(inner, environment.inner)
         self._lay(around, environment.outer)
@@ -137,7 +137,7 @@ class Stage:
             water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
             nodes = [upload.geom_node('chunk', mesh)] * 2
             steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), _GRAIN_M)
-            self._dress_steps(steps, 'ground', 'INNER', *moving, *water)
+            self._assign_steps(steps, 'ground', 'INNER', *moving, *water)
         for mesh in upload.grid_meshes(terrain.outer, _OUTER_CELLS, terrain.inner):
             around.attachNewNode(upload.geom_node('chunk', mesh))
         for mesh in upload.grid_meshes(terrain.far, _FAR_CELLS, terrain.outer):
@@ -152,7 +152,7 @@ class Stage:
         host.setActive(True)
         self._pipe.engine.renderFrame()
         host.setActive(False)
-        forget(ground.colours)
+        drop_mapped_pages(ground.colours)
         node.setShaderInput('ground', picture)
         node.setShaderInput('classes', upload.class_texture('classes', ground.classes))
         width, height = ground.size_m
@@ -163,7 +163,7 @@ class Stage:
         grass = self.root.attachNewNode('grass')
         grass.hide(SUN | BARE | ALONE | MOVING)
         grass.setTwoSided(True)
-        self._wardrobe.dress(grass, 'foliage')
+        self._shaders.assign(grass, 'foliage')
         grass.setShaderInput('meta', core.LVecBase4i(class_number('grass'), GROUND_NUMBER, 0, 0))
         grass.setBin('leaves', 0)
         for mesh in tufts:
@@ -198,20 +198,20 @@ class Stage:
                 switches = _switches(thing, piece, shapes[key])
                 if has_motion and name == 'object' and 'FAR' not in switches:
                     switches = (*switches, 'MOTION')
-                self._dress_steps(steps, name, *switches)
+                self._assign_steps(steps, name, *switches)
             if thing.path is not None:
                 self._moving.append((thing, parent))
 
-    def _dress_steps(self, steps: list[Any], name: str, *switches: str) -> None:
+    def _assign_steps(self, steps: list[Any], name: str, *switches: str) -> None:
         """Let nodes be drawn by a program, all but the first without what only shows near by."""
         for number, node in enumerate(steps):
             distant = ('DISTANT',) if number and name != 'foliage' else ()
-            self._wardrobe.dress(node, name, *switches, *distant)
+            self._shaders.assign(node, name, *switches, *distant)
 
     def _add_sky(self) -> None:
         dome = ball(6000.0, 24).flipped()
         self.sky = self.root.attachNewNode(upload.geom_node('sky', dome))
-        self._wardrobe.dress(self.sky, 'sky')
+        self._shaders.assign(self.sky, 'sky')
         self.sky.setBin('fixed', _SKY)
         self.sky.setDepthWrite(False)
         self.sky.hide(SUN | BARE | ALONE | MOVING)

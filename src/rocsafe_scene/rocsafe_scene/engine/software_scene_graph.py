@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from panda3d import core
 
-from rocsafe_scene.engine import upload
 from rocsafe_scene.errors import SceneError
+from rocsafe_scene.graphics import upload
 from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.coarse import clustered
@@ -63,7 +63,7 @@ class Triangles:
         return np.asarray(turned + self.places[owner][:, None])
 
 
-class SoftwareStage:
+class SoftwareSceneGraph:
     """All that is drawn, under one root.
 
     Parameters

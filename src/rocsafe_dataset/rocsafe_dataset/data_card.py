@@ -65,7 +65,7 @@ Licence: Apache-2.0, as the software that made them.
 """
 
 
-def card(
+def data_card(
     records: Sequence[Mapping[str, Any]],
     counts: Counter[str],
     options: DatasetOptions,

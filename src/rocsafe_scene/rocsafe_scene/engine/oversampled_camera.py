@@ -9,11 +9,11 @@ import numpy as np
 
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.pipe import open_pipe
-from rocsafe_scene.engine.renderer import Eye, Renderer
-from rocsafe_scene.engine.software_renderer import SoftwareEye, SoftwareRenderer
+from rocsafe_scene.engine.renderer import Renderer, RendererCamera
+from rocsafe_scene.engine.software_renderer import SoftwareRenderer, SoftwareRendererCamera
 from rocsafe_scene.errors import SceneError
+from rocsafe_scene.graphics.pipe import open_pipe
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.description import SceneDescription
@@ -56,7 +56,7 @@ def open_scene(
     return open_renderer(build(description, seed, origin, cache), description)
 
 
-class Studio:
+class OversampledCamera:
     """A camera whose picture is drawn larger and scaled down: clean edges, calm detail.
 
     Depth and labels come from a pass of the picture's own size, so that they stay exact.
@@ -81,7 +81,7 @@ class Studio:
             )
         self.lens = lens
         self._plain = renderer.camera(lens)
-        self._large: Eye | SoftwareEye | None = None
+        self._large: RendererCamera | SoftwareRendererCamera | None = None
         if oversampling > 1:
             large = PinholeCamera(
                 lens.horizontal_fov_rad,
@@ -90,22 +90,22 @@ class Studio:
             )
             self._large = renderer.camera(large)
 
-    def glance(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
-        """Return what is seen from a pose, drawn once; see `Eye.expose`."""
+    def expose_once(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
+        """Return what is seen from a pose, drawn once; see `RendererCamera.expose`."""
         self._plain.resolve(self.lens.focal_px)
         return self._plain.expose(position_enu, rotation_enu_from_optical)
 
-    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
-        """Return what is seen from a pose, see `Eye.expose`."""
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
+        """Return what is seen from a pose, see `RendererCamera.expose`."""
         if self._large is None:
-            return self.glance(position_enu, rotation_enu_from_optical)
+            return self.expose_once(position_enu, rotation_enu_from_optical)
         # Labels of the very leaves that the picture shows.
         self._plain.resolve(self._large.lens.focal_px)
         frame = self._plain.expose(position_enu, rotation_enu_from_optical)
         large = self._large.expose(position_enu, rotation_enu_from_optical)
         size = (self.lens.image_width_px, self.lens.image_height_px)
         image = cv2.resize(large.image, size, interpolation=cv2.INTER_AREA)
-        return Frame(
+        return Rendering(
             image=np.asarray(image),
             depth_m=frame.depth_m,
             numbers=frame.numbers,

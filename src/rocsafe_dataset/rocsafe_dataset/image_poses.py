@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_dataset.ground_splits import GroundSplits
 from rocsafe_dataset.options import SPLITS, DatasetOptions
-from rocsafe_dataset.places import Places
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.mesh import Floats
@@ -27,7 +27,7 @@ _AIM_STD_M = 7.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Take:
+class ImagePose:
     """One picture to be taken.
 
     Attributes
@@ -64,7 +64,7 @@ class Site:
     """
 
     terrain: Terrain
-    places: Places
+    places: GroundSplits
     aims: Floats
     boxes: Floats
 
@@ -75,18 +75,18 @@ def split_of(number: int, options: DatasetOptions) -> int:
     return int(np.searchsorted(np.cumsum(options.splits)[:-1], golden, side='right'))
 
 
-def take(number: int, site: Site, options: DatasetOptions) -> Take:
+def draw_pose(number: int, site: Site, options: DatasetOptions) -> ImagePose:
     """Return how picture `number` is taken."""
     rng = np.random.default_rng([options.seed, 21, number])
     split = split_of(number, options)
-    best: Take | None = None
+    best: ImagePose | None = None
     for _ in range(_ATTEMPTS):
         position, rotation = _pose(rng, site, options, split)
         if _is_inside_something(position, site.boxes):
             continue
         foreign = _foreign_share(position, rotation, site, options.lens, split)
         if best is None or foreign < best.foreign_share:
-            best = Take(
+            best = ImagePose(
                 number=number, split=SPLITS[split], position=position, rotation=rotation,
                 foreign_share=foreign,
             )  # fmt: skip

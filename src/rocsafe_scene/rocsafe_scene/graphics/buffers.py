@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.pipe import Pipe
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.graphics.pipe import Pipe
 
 
 class OneThread:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Frame:
+class Rendering:
     """Pictures of the same moment, aligned to the pixel; row 0 at the top.
 
     Attributes

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 from panda3d import core
 
-from rocsafe_scene.engine.lens import flat_lens, looking, node_matrix
-from rocsafe_scene.engine.pipe import Pipe
-from rocsafe_scene.engine.shading import shader
-from rocsafe_scene.engine.stage import BARE, MOVING, SUN, Stage
-from rocsafe_scene.engine.upload import height_texture
+from rocsafe_scene.engine.scene_graph import BARE, MOVING, SUN, SceneGraph
+from rocsafe_scene.engine.shaders import shader
+from rocsafe_scene.graphics.lens import flat_lens, looking, node_matrix
+from rocsafe_scene.graphics.pipe import Pipe
+from rocsafe_scene.graphics.upload import height_texture
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.sunlight import Lighting
 
@@ -33,7 +33,7 @@ _TO_TEXTURE = core.LMatrix4f(0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5,
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sun:
+class _ShadowMap:
     """A shadow map's name in the shaders, its buffer, and the camera it is drawn by."""
 
     name: str
@@ -42,17 +42,17 @@ class _Sun:
     lens: Any
 
 
-class Shade:
+class ShadowMaps:
     """Shadow maps and canopy of a stage, bound to its shaders."""
 
-    def __init__(self, pipe: Pipe, stage: Stage, lighting: Lighting) -> None:
-        self._pipe, self._stage = pipe, stage
+    def __init__(self, pipe: Pipe, graph: SceneGraph, lighting: Lighting) -> None:
+        self._pipe, self._graph = pipe, graph
         self._suns = [
             self._shadow_map('near', _NEAR_M, _NEAR_PX),
             self._shadow_map('far', _FAR_M, _FAR_PX),
         ]
-        self._moving: _Sun | None = None
-        if stage.has_motion:
+        self._moving: _ShadowMap | None = None
+        if graph.has_motion:
             self._moving = self._shadow_map('moving', _NEAR_M, _MOVING_PX, MOVING)
         self._textures: list[Any] = []
         self.relight(lighting)
@@ -70,7 +70,7 @@ class Shade:
         self._bind_canopy(np.full((8, 8), -1e3, np.float32))
         self.refresh()
         self._bind_canopy(self._canopy())
-        self._stage.inner.setShaderInput('sunlit', self._sunlit())
+        self._graph.inner.setShaderInput('sunlit', self._sunlit())
 
     def refresh(self) -> None:
         """Draw all shadow maps again."""
@@ -80,19 +80,19 @@ class Shade:
         """Draw the shadows of what moves again; those of what stands are as they were."""
         self._draw([self._moving] if self._moving else [])
 
-    def _draw(self, suns: Sequence['_Sun']) -> None:
+    def _draw(self, suns: Sequence['_ShadowMap']) -> None:
         for sun in suns:
             sun.buffer.setActive(True)
         self._pipe.engine.renderFrame()
         for sun in suns:
             sun.buffer.setActive(False)
 
-    def _aim(self, sun: '_Sun', direction: Floats) -> None:
+    def _aim(self, sun: '_ShadowMap', direction: Floats) -> None:
         sun.node.setMat(node_matrix(0.5 * _DEPTH_M * direction, looking(-direction)))
-        to_clip = self._stage.root.getTransform(sun.node).getMat() * sun.lens.getProjectionMat()
-        self._stage.root.setShaderInput(f'{sun.name}_sun', to_clip * _TO_TEXTURE)
+        to_clip = self._graph.root.getTransform(sun.node).getMat() * sun.lens.getProjectionMat()
+        self._graph.root.setShaderInput(f'{sun.name}_sun', to_clip * _TO_TEXTURE)
 
-    def _shadow_map(self, name: str, width_m: float, size: int, mask: Any = SUN) -> '_Sun':
+    def _shadow_map(self, name: str, width_m: float, size: int, mask: Any = SUN) -> '_ShadowMap':
         texture = core.Texture(f'{name} shadow')
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
@@ -109,8 +109,8 @@ class Shade:
         node = self._camera(buffer, lens, np.zeros(3), _DOWN)
         node.node().setCameraMask(mask)
         buffer.setActive(False)
-        self._stage.root.setShaderInput(f'{name}_shadow', texture)
-        return _Sun(name, buffer, node, lens)
+        self._graph.root.setShaderInput(f'{name}_shadow', texture)
+        return _ShadowMap(name, buffer, node, lens)
 
     def _buffer(self, name: str, width: int, height: int, *, is_coloured: bool = True) -> Any:
         properties = core.FrameBufferProperties()
@@ -127,13 +127,13 @@ class Shade:
         self, buffer: Any, lens: Any, position: Floats, rotation: Floats, drawn_by: str = 'plain'
     ) -> Any:
         camera = core.Camera('from above', lens)
-        camera.setScene(self._stage.root)
+        camera.setScene(self._graph.root)
         camera.setCameraMask(SUN if drawn_by == 'plain' else BARE)
         state = core.NodePath('state')
         state.setShader(shader(drawn_by), 1000)
         state.setTwoSided(True, 1000)
         camera.setInitialState(state.getState())
-        node = self._stage.root.attachNewNode(camera)
+        node = self._graph.root.attachNewNode(camera)
         node.setMat(node_matrix(position, rotation))
         buffer.makeDisplayRegion().setCamera(node)
         return node
@@ -158,7 +158,7 @@ class Shade:
 
     def _sunlit(self) -> Any:
         """Return how much sun and sky each place of the inner ground gets, drawn once."""
-        west, south, width, height = self._stage.inner_area
+        west, south, width, height = self._graph.inner_area
         size = round(width / _SUNLIT_TEXEL_M), round(height / _SUNLIT_TEXEL_M)
         buffer = self._buffer('sunlit', *size)
         texture = core.Texture('sunlit')
@@ -178,9 +178,9 @@ class Shade:
     def _bind_canopy(self, heights: Floats) -> None:
         texture = height_texture('canopy', heights)
         self._textures.append(texture)
-        self._stage.root.setShaderInput('canopy', texture)
+        self._graph.root.setShaderInput('canopy', texture)
         area = core.LVecBase4f(-_CANOPY_M, -_CANOPY_M, 0.5 / _CANOPY_M, 0.5 / _CANOPY_M)
-        self._stage.root.setShaderInput('canopy_area', area)
+        self._graph.root.setShaderInput('canopy_area', area)
 
 
 def _blurred(depth: Floats) -> Floats:

@@ -12,7 +12,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import Folder
+from rocsafe_dataset.files import DatasetFolder
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_scene.scene.description import SceneDescription
 
@@ -24,7 +24,7 @@ _TASK_SIZE = 10
 _RENDER_THREADS = 'LP_NUM_THREADS'
 
 
-def claim(folder: Folder, description: SceneDescription) -> None:
+def claim_folder(folder: DatasetFolder, description: SceneDescription) -> None:
     """Make the folder of a data set, or make sure that it holds the same one, begun before.
 
     Raises
@@ -59,7 +59,7 @@ def _require_same(found: dict[str, object], wanted: dict[str, object], path: Pat
             )
 
 
-def open_tasks(folder: Folder) -> list[Task]:
+def open_tasks(folder: DatasetFolder) -> list[Task]:
     """Return what is still to be done: arrangement and numbers of pictures."""
     options = folder.options
     tasks = []
@@ -72,8 +72,12 @@ def open_tasks(folder: Folder) -> list[Task]:
     return tasks
 
 
-def work_off(
-    tasks: Sequence[Task], folder: Folder, description: SceneDescription, cache: Path, workers: int
+def run_tasks(
+    tasks: Sequence[Task],
+    folder: DatasetFolder,
+    description: SceneDescription,
+    cache: Path,
+    workers: int,
 ) -> Iterator[int]:
     """Take all pictures; yield how many were finished, task by task.
 
@@ -108,18 +112,18 @@ def _finished(pool: ProcessPoolExecutor, tasks: Sequence[Task]) -> Iterator[int]
 class _Worker:
     """What a worker process keeps between its tasks; made at the first, to raise there."""
 
-    arguments: tuple[SceneDescription, Folder, Path]
+    arguments: tuple[SceneDescription, DatasetFolder, Path]
     photographer: object = None
 
 
-def _open(description: SceneDescription, folder: Folder, cache: Path) -> None:
+def _open(description: SceneDescription, folder: DatasetFolder, cache: Path) -> None:
     _Worker.arguments = (description, folder, cache)
 
 
 def _work(task: Task) -> int:
-    from rocsafe_dataset.photographer import Photographer, open_photographer
+    from rocsafe_dataset.dataset_camera import DatasetCamera, open_dataset_camera
 
-    if not isinstance(_Worker.photographer, Photographer):
-        _Worker.photographer = open_photographer(*_Worker.arguments)
+    if not isinstance(_Worker.photographer, DatasetCamera):
+        _Worker.photographer = open_dataset_camera(*_Worker.arguments)
     arrangement, numbers = task
     return sum(1 for _ in _Worker.photographer.photograph(arrangement, numbers))

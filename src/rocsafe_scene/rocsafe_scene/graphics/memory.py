@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def trim() -> None:
+def return_freed_memory() -> None:
     """Give back what was freed in many small parts, which the C library otherwise keeps."""
     free = getattr(ctypes.CDLL(None), 'malloc_trim', None)
     if free is not None:
         free(0)
 
 
-def forget(values: NDArray[Any]) -> None:
+def drop_mapped_pages(values: NDArray[Any]) -> None:
     """Drop what of `values` was read from a file they are mapped from; it can be read again."""
     file = getattr(values, '_mmap', None) if isinstance(values, np.memmap) else None
     if isinstance(file, mmap.mmap):
