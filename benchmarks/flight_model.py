@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
 from rocsafe_sim.flight.airframe import Airframe
@@ -30,7 +31,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / 'test' / 'geo'))
 from recorded_surveys import HEIGHT_M, RECORDED, Recorded
 
 HOME = (0.0, 0.0, 0.0)
-NS_PER_S = 1_000_000_000
 STEP_NS = NS_PER_S // 5
 RECORDED_CURRENT_A = {'5 m/s': 28.0, '10 m/s': 28.7, 'wind 8 m/s from north': 29.4}
 # Plan and flight are the same function of time; a flight is timed in whole nanoseconds.

@@ -10,6 +10,8 @@ attenuation, but where the table says otherwise. One core is used.
 
 import os
 
+from rocsafe_geo.arrays import FloatArray
+
 # Threads of the linear algebra would only wait for each other on matrices this small.
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
@@ -27,7 +29,6 @@ from radiation_surveys import (
     OPTIONS,
     PITCH_M,
     SENSITIVITY,
-    Array,
     Row,
     Trial,
     World,
@@ -63,7 +64,7 @@ SMALLEST_GBQ = 1.0
 
 def physics(_: int) -> Iterator[Row]:
     """Target 1."""
-    distances: Array = np.asarray(np.geomspace(0.1, 1e4, 1000), np.float64)
+    distances: FloatArray = np.asarray(np.geomspace(0.1, 1e4, 1000), np.float64)
     exact = 2.57 / distances**2
     worst = np.abs(dose_rate_usvps(2.57, distances, 0.1) / exact - 1.0).max()
     yield 'paper: largest relative error', '<= 1e-12', f'{worst:.1e}'
@@ -104,7 +105,7 @@ def counting(_: int) -> Iterator[Row]:
     yield 'dead time at a load of 0.3', '<= 1 %', f'{error:.2%}'
 
 
-def _poisson_p(counts: Array, mean: float) -> float:
+def _poisson_p(counts: FloatArray, mean: float) -> float:
     """Return the probability of a larger chi-square, by Wilson and Hilferty."""
     low, high = int(mean - 3.0 * math.sqrt(mean)), int(mean + 3.0 * math.sqrt(mean))
     inner = np.array(
@@ -305,7 +306,7 @@ def adaptive(count: int) -> Iterator[Row]:
     yield 'adaptive: trials that never got there', '', f'{missed / len(used):.2f}'
 
 
-def _rates(truth: Array, places: Array) -> Array:
+def _rates(truth: FloatArray, places: FloatArray) -> FloatArray:
     """Return the dose rate at each of `places`, uSv/h."""
     rates = np.full(len(places), BACKGROUND_USVH)
     for x, y, strength in truth:

@@ -39,10 +39,10 @@ from mapping_sets import (
     shared_set,
     turned,
 )
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
@@ -316,7 +316,7 @@ def derailment(options: argparse.Namespace) -> list[Row]:
 
 
 def _by_place(
-    maker: Mapmaker, alignment: Alignment, shots: Sequence[Any], shift_m: NDArray[np.float64]
+    maker: Mapmaker, alignment: Alignment, shots: Sequence[Any], shift_m: FloatArray
 ) -> list[Row]:
     """Return the stated error over the true one at what the map shows, by what is known of it."""
     from mapping_scene import shown_m
@@ -356,7 +356,7 @@ def _by_place(
     ]
 
 
-def _root(values: NDArray[np.float64]) -> float:
+def _root(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
@@ -516,7 +516,7 @@ def _mapped_until(place: Path, kill_s: float) -> None:
     os.waitpid(child, 0)
 
 
-def _poses(place: Path) -> dict[str, NDArray[np.float64]]:
+def _poses(place: Path) -> dict[str, FloatArray]:
     """Return the corners of the photographs of a store, in pixels of the photographs."""
     maker = Mapmaker(MapOptions())
     for shot in read_store(place, print):
@@ -619,7 +619,7 @@ def _uncalibrated(sample: Sample) -> Sample:
     return replace(sample, record=replace(sample.record, camera=wrong))
 
 
-def _internal(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+def _internal(found: FloatArray, true: FloatArray) -> float:
     """Return the RMS distance after the best similarity."""
     a, b = found @ [1, 1j], true @ [1, 1j]
     a, b = a - a.mean(), b - b.mean()
@@ -632,11 +632,11 @@ def _stages(watch: Stopwatch) -> str:
     return ', '.join(f'{name} {cost["cpu_s"]:.1f}' for name, cost in watch.costs.items())
 
 
-def _p95(values: NDArray[np.float64]) -> float:
+def _p95(values: FloatArray) -> float:
     return float(np.quantile(values, 0.95)) if len(values) else math.nan
 
 
-def _rms(off: NDArray[np.float64]) -> float:
+def _rms(off: FloatArray) -> float:
     return float(np.sqrt(np.mean(np.sum(off**2, axis=1))))
 
 

@@ -16,6 +16,7 @@ from mapping_sets import HEIGHT_M, Flight, record_of
 from numpy.typing import NDArray
 from shapely.geometry import Point
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
@@ -49,7 +50,7 @@ class SceneShot:
     jpeg: bytes
     pixels: Floats
     true_m: Floats
-    is_ground: NDArray[np.bool_]
+    is_ground: BoolArray
 
 
 def derailment_shots(folder: Path) -> tuple[LocalFrame, list[SceneShot]]:

@@ -88,6 +88,12 @@ def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
         yield number
 
 
+@pytest.fixture
+def own_domain(ros_domain_id: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the command find its domain where it looks: tests of other folders have theirs there."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(ros_domain_id))
+
+
 @contextmanager
 def reserved_domain() -> Iterator[int]:
     """Hold a domain that nobody else on this machine has, and give its number."""

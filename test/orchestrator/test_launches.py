@@ -17,7 +17,7 @@ from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
-from rocsafe_orchestrator.processes.node_parameters import localizer_parameters
+from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
@@ -159,6 +159,16 @@ def test_empty_lists_are_not_written(
     workspace(table)
     launches(table, run)
     assert 'source_names' not in (run.parameters / 'radiation_field.yaml').read_text()
+
+
+def test_nested_settings_are_written_to_a_file_of_their_own(tmp_path: Path) -> None:
+    """The parameter holds its path."""
+    nested = {'cameras': [{'name': 'camera', 'stream_rate_hz': 2.0}]}
+    write_parameters(tmp_path / 'rav1.yaml', '/rav1/rav', {'seed': 3, 'cameras_file': nested})
+    path = tmp_path / 'rav1-cameras.yaml'
+    written = yaml.safe_load((tmp_path / 'rav1.yaml').read_text())['/rav1/rav']['ros__parameters']
+    assert written == {'seed': 3, 'cameras_file': str(path)}
+    assert yaml.safe_load(path.read_text()) == nested
 
 
 def test_products_are_made_by_a_task_that_is_not_repeated(

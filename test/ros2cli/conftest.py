@@ -21,12 +21,6 @@ def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
         yield number
 
 
-@pytest.fixture
-def own_domain(ros_domain_id: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let the command find its domain where it looks: tests of other folders have theirs there."""
-    monkeypatch.setenv('ROS_DOMAIN_ID', str(ros_domain_id))
-
-
 @pytest.fixture(scope='session')
 def robot(ros_domain_id: int) -> Iterator[Any]:
     """Spin a node that has one of everything."""

@@ -5,7 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from test.sim.test_rays import boxes
+from test.scene.test_rays import boxes
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition

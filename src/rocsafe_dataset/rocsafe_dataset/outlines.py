@@ -3,8 +3,8 @@
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_scene.mesh.mesh import Floats
 
 # A part smaller than this share of the largest is left out.
@@ -13,7 +13,7 @@ _LEAST_SHARE = 0.02
 _TOLERANCE_PX = 0.4
 
 
-def outline(mask: NDArray[np.bool_]) -> Floats:
+def outline(mask: BoolArray) -> Floats:
     """Return one polygon about all parts of `mask`, in pixels from its corner, (n, 2), n >= 3.
 
     Parts are joined by a line there and back between their nearest corners; holes are lost.

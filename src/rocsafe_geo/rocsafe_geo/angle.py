@@ -8,7 +8,7 @@ Every function takes a float or an array and returns the same kind.
 import math
 from typing import TypeVar
 
-from rocsafe_geo.projection import FloatArray
+from rocsafe_geo.arrays import FloatArray
 
 Angle = TypeVar('Angle', float, FloatArray)
 

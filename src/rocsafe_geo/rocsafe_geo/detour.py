@@ -10,11 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from rocsafe_geo.projection import FloatArray
-
-BoolArray = NDArray[np.bool_]
+from rocsafe_geo.arrays import BoolArray, FloatArray
 
 Place = tuple[float, float]
 Ring = tuple[Place, ...]

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Transformer
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_finite
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.projection import FloatArray, columns, transform
+from rocsafe_geo.projection import columns, transform
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_count, require_finite, require_positive
-from rocsafe_geo.projection import FloatArray
 
 MAX_IMAGE_SIDE_PX = 65_535
 

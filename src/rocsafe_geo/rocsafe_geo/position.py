@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Geod, Transformer
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_finite
-from rocsafe_geo.projection import FloatArray, columns, transform
+from rocsafe_geo.projection import columns, transform
 
 _WGS84 = Geod(ellps='WGS84')
 

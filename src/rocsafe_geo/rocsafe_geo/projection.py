@@ -2,10 +2,10 @@
 """The one door to PROJ: columns in, columns out."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pyproj import Transformer
 
-FloatArray = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
 
 
 def columns(*values: ArrayLike) -> tuple[FloatArray, ...]:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The executable ``preflight``: looks at vehicles before a flight, without ROS.
 
-Reads a request as JSON from standard input: `bridge` (parameters of the bridge, with the content of
-the drones file as ``drones_file``), `routes` (name of a vehicle -> home and waypoints; may be left
-out) and `patience_s`. Writes the answer as JSON: for each vehicle its checks and its home. It only reads:
+Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
+drones file among them), `routes` (name of a vehicle -> home and waypoints; may be left out) and
+`patience_s`. Writes the answer as JSON: for each vehicle its checks and its home. It only reads:
 nothing is commanded but the messages that it needs.
 """
 

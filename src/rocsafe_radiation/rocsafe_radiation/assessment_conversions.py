@@ -8,10 +8,10 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
-from numpy.typing import NDArray
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import HazardSource, HazardSourceArray
 from rocsafe_interfaces.srv import SuggestViewpoints
@@ -88,7 +88,7 @@ def belief_message(found: BeliefMap, time_ns: int) -> OccupancyGrid:
 
 
 def _grid_message(
-    percent: NDArray[np.float64], corner_m: tuple[float, float], cell_m: float, time_ns: int
+    percent: FloatArray, corner_m: tuple[float, float], cell_m: float, time_ns: int
 ) -> OccupancyGrid:
     """Return values of 0 to 100 at nodes as cells about them, in the frame of the mission."""
     rows, columns = percent.shape
@@ -123,7 +123,7 @@ def cordon_markers(found: Sequence[Cordon], ground: Ground, time_ns: int) -> Mar
     return MarkerArray(markers=markers)
 
 
-def _ring_marker(cordon: Cordon, corners: NDArray[np.float64], number: int, stamp: Time) -> Marker:
+def _ring_marker(cordon: Cordon, corners: FloatArray, number: int, stamp: Time) -> Marker:
     marker = Marker(type=Marker.LINE_STRIP, action=Marker.ADD, id=number)
     marker.header.stamp, marker.header.frame_id = stamp, MAP_FRAME
     marker.ns = f'{cordon.level_usvh:g} uSv/h {cordon.confidence}'

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from sensor_msgs.msg import NavSatFix
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
-from rocsafe_radiation.detection.counting import NS_PER_S, Sample, WindowReading
+from rocsafe_radiation.detection.counting import Sample, WindowReading
 from rocsafe_radiation.detection.detector import IDEAL
 from rocsafe_radiation.readings.reading_log import FlightReading
 from rocsafe_ros.conversions import has_position, ns_of_stamp, stamp_of_ns

@@ -4,9 +4,10 @@
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.scenery.catalogue import SCENES
 from rocsafe_sim.cameras.camera_settings import CameraSettings, cameras_of
-from rocsafe_sim.clock.cadence import NS_PER_S, period_ns
+from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS

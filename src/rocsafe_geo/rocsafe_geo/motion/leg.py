@@ -16,8 +16,8 @@ from typing import overload
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.limits import MotionLimits
-from rocsafe_geo.projection import FloatArray
 
 _ANY_SPEED_M = 1e12
 """A leg this long reaches any speed."""

@@ -9,11 +9,10 @@ from bisect import bisect_right
 from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.motion.leg import Legs, as_given, limit_arrays, solve_legs
 from rocsafe_geo.motion.limits import MotionLimits
-from rocsafe_geo.projection import FloatArray
 
 PIECES = 15
 # Of each piece: jerk at its begin in parts of the leg's jerk, and its change in parts of it.
@@ -60,7 +59,7 @@ class LegTable:
             2.0 * a + t * (6.0 * j + t * 12.0 * s),
         )
 
-    def progress_m(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
+    def progress_m(self, leg: IndexArray, elapsed_s: FloatArray) -> FloatArray:
         """Return the distances flown along legs, arrays (k,)."""
         t, (x, v, a, j, s) = self._pieces_at(leg, elapsed_s)
         progress = x + t * (v + t * (a + t * (j + t * s)))
@@ -68,16 +67,14 @@ class LegTable:
         is_done = elapsed_s >= self.legs.duration_s[leg]
         return np.where(is_done, distance, np.clip(progress, 0.0, distance))
 
-    def speed_mps(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
+    def speed_mps(self, leg: IndexArray, elapsed_s: FloatArray) -> FloatArray:
         """Return the speeds along legs, arrays (k,)."""
         t, (_, v, a, j, s) = self._pieces_at(leg, elapsed_s)
         speed = v + t * (2.0 * a + t * (3.0 * j + t * 4.0 * s))
         is_done = elapsed_s >= self.legs.duration_s[leg]
         return np.where(is_done, 0.0, np.clip(speed, 0.0, self.legs.speed_mps[leg]))
 
-    def _pieces_at(
-        self, leg: NDArray[np.intp], elapsed_s: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _pieces_at(self, leg: IndexArray, elapsed_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return time since the begin of the piece, and its coefficients, shape (5, k)."""
         elapsed = np.maximum(elapsed_s, 0.0)
         begins = self.begin_s[leg]
@@ -123,7 +120,7 @@ def leg_speed_mps(
 
 def _tabled(
     elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> tuple[LegTable, NDArray[np.intp], FloatArray, tuple[int, ...]]:
+) -> tuple[LegTable, IndexArray, FloatArray, tuple[int, ...]]:
     """Return a table of the legs, and which leg and time are meant by each value."""
     distance = np.asarray(distance_m, float)
     table = LegTable(solve_legs(distance.ravel(), limit_arrays(limits)))

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_finite, require_positive
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
 from rocsafe_geo.motion.leg import LimitArrays, leg_duration_s, solve_legs
 from rocsafe_geo.motion.limits import MotionLimits
 from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Enu
-from rocsafe_geo.projection import FloatArray
 
 GRAVITY_MPS2 = 9.80665
 # Swung outwards by its own lag, a vehicle passes corners nearer than its autopilot wants to:

@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.corner import overlap_s
 from rocsafe_geo.motion.leg import solve_legs
 from rocsafe_geo.motion.leg_table import LegTable
 from rocsafe_geo.motion.limits import MotionLimits
 from rocsafe_geo.motion.state import STILL, Enu, MotionState
-from rocsafe_geo.projection import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

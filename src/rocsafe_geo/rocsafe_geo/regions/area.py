@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m
 
@@ -148,7 +148,7 @@ def _own_frame(ring: Ring) -> LocalFrame:
     return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, 0.0))
 
 
-def _east_north(ring: Ring, frame: LocalFrame) -> NDArray[np.float64]:
+def _east_north(ring: Ring, frame: LocalFrame) -> FloatArray:
     """Return (east, north) in metres, shape (n, 2)."""
     return frame.to_enu(
         [corner.latitude_deg for corner in ring],

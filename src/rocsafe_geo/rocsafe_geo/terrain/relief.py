@@ -7,11 +7,8 @@ clears the samples clears all that lies between them.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
-BoolArray = NDArray[np.bool_]
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
 # Samples along a leg, at most.
 _MOST_SAMPLES = 48

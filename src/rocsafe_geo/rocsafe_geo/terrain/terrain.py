@@ -4,15 +4,14 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pyproj import CRS, Transformer
 
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.projection import columns as as_columns
 from rocsafe_geo.terrain.relief import Relief
-
-FloatArray = NDArray[np.float64]
 
 # Cells between two places of a relief that are looked up in the coordinate system.
 _KNOT = 16
@@ -207,14 +206,14 @@ def _bilinear(grid: FloatArray, row: FloatArray, column: FloatArray) -> FloatArr
     return between
 
 
-def _range(values: FloatArray, count: int) -> NDArray[np.intp]:
+def _range(values: FloatArray, count: int) -> IndexArray:
     """Return the pixels that values span, one more on either side."""
     first = int(np.clip(np.floor(values.min()) - 1, 0, count))
     last = int(np.clip(np.ceil(values.max()) + 1, 0, count))
     return np.arange(first, last)
 
 
-def _refined(values: FloatArray, counts: NDArray[np.intp]) -> FloatArray:
+def _refined(values: FloatArray, counts: IndexArray) -> FloatArray:
     """Return (rows, columns, 2) of values at every `_KNOT`-th row and column, linear between."""
     for axis in (0, 1):
         spots = np.arange(counts[axis])

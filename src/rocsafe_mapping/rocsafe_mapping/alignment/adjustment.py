@@ -13,10 +13,11 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.normal import factored
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, footprint
+from rocsafe_mapping.alignment.photo import Photo, footprint
 from rocsafe_mapping.alignment.projection import Carried
 from rocsafe_mapping.alignment.state import LEAST_TIE_STD_PX, Lens, Noise, State
 from rocsafe_mapping.alignment.surface import level_grid

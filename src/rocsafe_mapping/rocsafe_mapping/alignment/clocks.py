@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_mapping.alignment.photo import Photo, Pose
 
-NS_PER_S = 1e9
 LEAST_PHOTOS, LEAST_SPEED_MPS = 5, 0.5
 # A lag is believed if it is so many times its standard error and leaves so little of the scatter.
 CERTAINTY, LEFT_SHARE = 5.0, 0.6

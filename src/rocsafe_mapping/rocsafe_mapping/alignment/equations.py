@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.photo import Photo, Pose
 from rocsafe_mapping.alignment.projection import LENS_SIZE, POSE_SIZE, Carried
 from rocsafe_mapping.alignment.rotation import tilt_and_yaw, turned
 from rocsafe_mapping.alignment.state import RADIAL_STD, Lens, State

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.matching import Pair
 from rocsafe_mapping.alignment.pair_graph import (
     ROUNDS,
-    BoolArray,
     ComplexArray,
     Edge,
     averaged,
@@ -25,7 +25,7 @@ from rocsafe_mapping.alignment.pair_graph import (
     groups_of,
     spanned,
 )
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose, rays_of_pixels
+from rocsafe_mapping.alignment.photo import Photo, Pose, rays_of_pixels
 
 ANGLE_SCALE_RAD = math.radians(2.0)
 LOG_SCALE = 0.03

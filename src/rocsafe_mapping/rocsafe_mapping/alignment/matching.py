@@ -9,9 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.features import Features, Gray
 from rocsafe_mapping.alignment.parallax import carried, off_plane
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, camera_matrix
+from rocsafe_mapping.alignment.photo import Photo, camera_matrix
 from rocsafe_mapping.alignment.refinement import refined
 
 RATIO = 0.82
@@ -51,7 +52,7 @@ class Pair:
     second: str
     first_px: FloatArray
     second_px: FloatArray
-    is_held_out: NDArray[np.bool_]
+    is_held_out: BoolArray
     method: str
 
     def __len__(self) -> int:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.matching import Pair
-from rocsafe_mapping.alignment.photo import FloatArray
 
 ComplexArray = NDArray[np.complex128]
-BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 ROUNDS = 12
 # Values that move by less have converged: radians, logarithms, or heights.

@@ -2,9 +2,8 @@
 """Ties of points that stand off the ground's plane: they show how high it is there."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 
 # How far along the parallax such ties lie, and how far across it.
 MOST_PARALLAX_PX, ACROSS_PX = 26.0, 3.0
@@ -22,7 +21,7 @@ def carried(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 def off_plane(
     homography: FloatArray, first_px: FloatArray, second_px: FloatArray, middle_px: FloatArray
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return which matches (n,) look like points that stand off the plane of a homography.
 
     Such points lie beside their predicted place, along the way between the cameras. Nothing is
@@ -42,11 +41,11 @@ def off_plane(
     off = second_px - carried(homography, first_px)
     along = off @ (way / length)
     across = off @ (np.array([-way[1], way[0]]) / length)
-    found: NDArray[np.bool_] = _band(along, across)
+    found: BoolArray = _band(along, across)
     by_chance = int(_band(across, along).sum())
     return found if found.sum() > CERTAINTY * (by_chance + 1) else none
 
 
-def _band(along: FloatArray, across: FloatArray) -> NDArray[np.bool_]:
+def _band(along: FloatArray, across: FloatArray) -> BoolArray:
     far = np.abs(along)
     return (far > ACROSS_PX) & (far < MOST_PARALLAX_PX) & (np.abs(across) < ACROSS_PX)

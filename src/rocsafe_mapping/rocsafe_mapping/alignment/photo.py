@@ -9,15 +9,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import rotation_of_quaternion
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.errors import PlacementError
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
-FloatArray = NDArray[np.float64]
 # What a fix, a barometer and an attitude are worth where the record does not say.
 DEFAULT_HORIZONTAL_STD_M = 2.5
 DEFAULT_VERTICAL_STD_M = 1.5

@@ -4,9 +4,9 @@
 import cv2
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.features import Gray
 from rocsafe_mapping.alignment.parallax import carried
-from rocsafe_mapping.alignment.photo import FloatArray
 
 WINDOW_PX = 21
 # A descriptor is wrong by less than this; farther off the pictures agreed by chance.

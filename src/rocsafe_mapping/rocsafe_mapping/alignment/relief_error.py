@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from rocsafe_mapping.alignment.photo import FloatArray, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.photo import Pose
 from rocsafe_mapping.alignment.surface import Surface
 
 # The spread about a node is that of all ties until so many lie there.

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment import initial
 from rocsafe_mapping.alignment.adjustment import adjusted
 from rocsafe_mapping.alignment.clocks import in_time, lags_s
 from rocsafe_mapping.alignment.matching import Pair
-from rocsafe_mapping.alignment.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.photo import Photo, Pose
 from rocsafe_mapping.alignment.state import State
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.sparse import csr_matrix, diags, identity, kron, vstack
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.normal import factored
-from rocsafe_mapping.alignment.photo import FloatArray
 
 # How far the ground is believed to leave its plane, and to bend from cell to cell, metres.
 RELIEF_STD_M = 6.0

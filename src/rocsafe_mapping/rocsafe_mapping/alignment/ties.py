@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.matching import Pair
-from rocsafe_mapping.alignment.photo import FloatArray, Photo
+from rocsafe_mapping.alignment.photo import Photo
 from rocsafe_mapping.alignment.projection import (
     Carried,
     Transfer,
@@ -124,7 +125,7 @@ def ties_of(
 
 def _offsets(
     pixels: Sequence[FloatArray],
-    chosen: Sequence[NDArray[np.bool_]],
+    chosen: Sequence[BoolArray],
     middles: FloatArray,
     aspect: FloatArray,
     index: Index,

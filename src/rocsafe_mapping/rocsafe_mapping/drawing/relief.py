@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.labels import Labels
 from rocsafe_mapping.drawing.plane_sweep import COMPARED_PX, NOT_SEEN, Look, likeness
@@ -43,7 +42,6 @@ UNLIKE_STANDS = 0.45
 # The outermost pixel of a photograph does not count: its window hangs over the edge by half.
 EDGE_PX = 3
 BAND_ROWS = 256
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

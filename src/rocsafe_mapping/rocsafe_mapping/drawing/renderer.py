@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.labels import NOBODY
@@ -207,7 +207,7 @@ class Renderer:
 
 
 def _spread_to(
-    is_here: NDArray[np.bool_], offset: FloatArray, step: int, window: Window
+    is_here: BoolArray, offset: FloatArray, step: int, window: Window
 ) -> tuple[tuple[slice, slice], FloatArray]:
     """Return where in `window` coarse pixels have any share, and its first column and row."""
     slices, lows = [], []

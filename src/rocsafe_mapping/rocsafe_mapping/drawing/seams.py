@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.sparse.linalg import spsolve
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.labels import NOBODY, Labels
 from rocsafe_mapping.drawing.seam_cost import SEARCH_LENGTH_COST, seam_cost
@@ -120,7 +120,7 @@ def _overlapping(windows: list[Window]) -> list[tuple[int, int]]:
     return pairs
 
 
-def _log_ratio(first: CoarseView, second: CoarseView) -> tuple[NDArray[np.float64], float] | None:
+def _log_ratio(first: CoarseView, second: CoarseView) -> tuple[FloatArray, float] | None:
     """Return log(second / first) of the common colours, and how many pixels tell it."""
     shared = first.window.cut(second.window)
     if shared.is_empty:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.solution import Solution
 from rocsafe_mapping.alignment.survey import BY_FEATURES
 from rocsafe_mapping.drawing.picture import ReadImage

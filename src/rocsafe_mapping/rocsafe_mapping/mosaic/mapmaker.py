@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment import residuals_px, standing_m, stated_error_m
 from rocsafe_mapping.alignment.photo import (
-    FloatArray,
     GroundFrame,
     Photo,
     footprint,

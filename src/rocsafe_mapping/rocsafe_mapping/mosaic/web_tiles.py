@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.labels import NOBODY
 from rocsafe_mapping.drawing.sheet import LATTICE_PX, Sheet, drawn, scores

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.state import State
 from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS

@@ -13,6 +13,7 @@ from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optica
 from rocsafe_geo.position import distance_m
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.storage.shot_store import SpoolError
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mavlink.camera.camera_trigger import CameraTrigger, TriggerLog
 from rocsafe_mavlink.camera.numbering import ShotNumbering
 from rocsafe_mavlink.camera.pairing import ImagePair, ImagePairing
@@ -24,7 +25,6 @@ from rocsafe_mavlink.wire.dialect import Message
 COLUMNS = ('index', 'unix_s', 'latitude_deg', 'longitude_deg', 'altitude_ellipsoid_m',
            'height_above_home_m', 'roll_rad', 'pitch_rad', 'yaw_rad', 'source',
            'is_interpolated')  # fmt: skip
-NS_PER_S = 1e9
 # A report is under way for less; clocks that differ by more are not set by the same source.
 SET_ALIKE_S = 5.0
 

@@ -7,6 +7,7 @@ from enum import IntEnum
 from itertools import pairwise
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
@@ -16,7 +17,6 @@ from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, Motion, VehicleTelemetry
 
-Enu = tuple[float, float, float]
 _SILENT = (Contact.STALE, Contact.LOST)
 
 

@@ -138,12 +138,25 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 def write_parameters(path: Path, node: str, parameters: Mapping[str, Any]) -> None:
     """Write the ROS parameter file of `node`, a full name such as ``/rav1/rav``, to `path`.
 
-    Empty lists are left out: they have no type of their own in a parameter file, and every such
-    parameter is empty by default.
+    A value that is a mapping, e.g. of ``cameras_file``, is written to a YAML file of its own
+    beside it, ``rav1-cameras.yaml``, and the parameter is the path of that file. Empty lists are
+    left out: they have no type of their own in a parameter file, and every such parameter is
+    empty by default.
     """
-    given = {key: value for key, value in parameters.items() if value != []}
+    given = {
+        key: _write_value_file(path, key, value) if isinstance(value, Mapping) else value
+        for key, value in parameters.items()
+        if value != []
+    }
     content = {node: {'ros__parameters': given}}
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+
+
+def _write_value_file(parameter_file: Path, key: str, values: Mapping[str, Any]) -> str:
+    """Write the nested settings of parameter `key` and return the path of their file."""
+    path = parameter_file.with_name(f'{parameter_file.stem}-{key.removesuffix("_file")}.yaml')
+    path.write_text(yaml.safe_dump(dict(values), sort_keys=False), encoding='utf-8')
+    return str(path)
 
 
 def _vehicle_participants(scenario: Scenario) -> list[str]:

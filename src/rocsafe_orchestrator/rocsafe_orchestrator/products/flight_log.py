@@ -10,6 +10,7 @@ from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     FlightLog,
@@ -25,7 +26,6 @@ _FIX = 'sensor_msgs/msg/NavSatFix'
 _STATE = 'rocsafe_interfaces/msg/VehicleState'
 _MISSION = 'rocsafe_interfaces/msg/MissionState'
 _TRUTH_SUFFIX = '/ground_truth/fix'
-_NS_PER_S = 1_000_000_000
 
 
 class RecordingError(ValueError):
@@ -176,4 +176,4 @@ def _vehicle_of(topic: str) -> str:
 
 def _stamp_ns(message: Any) -> int:
     stamp = message.header.stamp
-    return int(stamp.sec) * _NS_PER_S + int(stamp.nanosec)
+    return int(stamp.sec) * NS_PER_S + int(stamp.nanosec)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
@@ -16,7 +17,6 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_scenario.scenario import Scenario
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 # States of VehicleState.msg in which a vehicle is in the air.
 AIRBORNE_STATES = frozenset({3, 4, 5, 6, 7})

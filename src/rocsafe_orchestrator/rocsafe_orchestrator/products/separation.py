@@ -7,14 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import ecef_m
-from rocsafe_orchestrator.products.run_record import (
-    FlightLog,
-    FloatArray,
-    IntArray,
-    Track,
-    VehicleSample,
-)
+from rocsafe_orchestrator.products.run_record import FlightLog, IntArray, Track, VehicleSample
 
 Span = tuple[int, int]
 

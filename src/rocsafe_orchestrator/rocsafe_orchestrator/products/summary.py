@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rocsafe_geo.storage.json_values import finite
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,
@@ -28,7 +29,6 @@ from rocsafe_orchestrator.products.separation import (
 )
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 
-NS_PER_S = 1_000_000_000
 S_PER_H = 3600.0
 
 

@@ -15,12 +15,12 @@ from typing import BinaryIO
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
 
 LIBRARY = 'rocsafe_orchestrator'
 MISSION_FILE = 'mission.mcap'
 SEGMENT_PATTERN = 'mission.part-*.mcap'
-NS_PER_S = 1_000_000_000
 # A stamp further ahead of the recorder's time than this is no matter of message order.
 STAMP_LEAD_LIMIT_NS = NS_PER_S
 

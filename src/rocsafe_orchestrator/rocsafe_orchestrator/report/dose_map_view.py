@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 import rasterio
-from numpy.typing import NDArray
 from PIL import Image
 from rasterio.enums import Resampling
 from rasterio.errors import RasterioError
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
 from rocsafe_orchestrator.report import formats
@@ -35,7 +35,6 @@ CORDON_HEADS = (
     'Level', 'Meant for', 'Area, mean', 'Area, upper 95 %', 'Stay at its edge: 1 mSv', '20 mSv'
 )  # fmt: skip
 
-Array = NDArray[np.float64]
 # From background to a metre beside a strong source: with fewer, all but its place has one colour.
 DECADES = 7.0
 
@@ -44,8 +43,8 @@ DECADES = 7.0
 class DosePicture:
     """A dose map ready to be drawn: its pixels, and its bounds east and south of the origin, m."""
 
-    mean_usvh: Array
-    upper_usvh: Array
+    mean_usvh: FloatArray
+    upper_usvh: FloatArray
     bounds: tuple[float, float, float, float]
 
 
@@ -132,7 +131,7 @@ def _cordons(path: Path) -> list[dict[str, Any]]:
 
 def _map(
     title: str,
-    values: Array,
+    values: FloatArray,
     scale: DoseScale,
     bounds: tuple[float, float, float, float],
     marks: Iterable[Markup],
@@ -156,7 +155,7 @@ def _map(
     return element('figure', drawing, element('figcaption', title), class_='dose-map')
 
 
-def _data_uri(values: Array, scale: DoseScale) -> str:
+def _data_uri(values: FloatArray, scale: DoseScale) -> str:
     """Return the colours of `values` as a PNG with a palette."""
     span = np.log(scale.high_usvh / scale.low_usvh)
     shares = np.log(np.maximum(values, scale.low_usvh) / scale.low_usvh) / span

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.separation import Span, airborne_spans_ns
 from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
@@ -12,7 +13,6 @@ from rocsafe_orchestrator.report import formats
 from rocsafe_orchestrator.report.charts import Flight
 from rocsafe_orchestrator.report.markup import Markup, element
 
-_NS_PER_S = 1_000_000_000
 # A list that nobody reads to its end says less.
 _MOST_EVENTS = 60
 _MOST_NAMES = 5
@@ -48,7 +48,7 @@ def flights(record: RunRecord, zero_ns: int) -> tuple[Flight, ...]:
 
 def _flight(name: str, spans: tuple[Span, ...], planned_s: float | None, zero_ns: int) -> Flight:
     aloft = tuple(
-        ((begin - zero_ns) / _NS_PER_S, (end - zero_ns) / _NS_PER_S) for begin, end in spans
+        ((begin - zero_ns) / NS_PER_S, (end - zero_ns) / NS_PER_S) for begin, end in spans
     )
     return Flight(
         vehicle=name,
@@ -109,11 +109,11 @@ def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterato
     top = summary.highest_reading
     if top is not None:
         dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
-        seconds = (top.time_ns - zero_ns) / _NS_PER_S
+        seconds = (top.time_ns - zero_ns) / NS_PER_S
         yield Event(seconds, f'{top.vehicle} measures the highest dose rate, {dose_rate}')
     if record.photographs:
         last = record.photographs[-1]
-        seconds = (last.time_ns - zero_ns) / _NS_PER_S
+        seconds = (last.time_ns - zero_ns) / NS_PER_S
         yield Event(seconds, f'{last.vehicle} takes the last photograph')
     for sample in record.log.mission if record.log else ():
         if sample.phase.is_over:

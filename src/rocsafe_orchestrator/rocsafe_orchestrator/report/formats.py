@@ -4,11 +4,12 @@
 import math
 from datetime import datetime, timezone
 
+from rocsafe_geo.time_units import NS_PER_S
+
 UNKNOWN = '–'
 # Between a number and its unit, so that no line breaks there.
 GAP = '\u00a0'
 _THIN_GAP = '\u202f'
-_NS_PER_S = 1_000_000_000
 _DOSE_RATE_UNITS = ((1e6, 'Sv/h'), (1e3, 'mSv/h'), (1.0, 'µSv/h'))
 _DOSE_UNITS = ((1e6, 'Sv'), (1e3, 'mSv'), (1.0, 'µSv'))
 _LEAST_SHOWN = 0.001
@@ -121,7 +122,7 @@ def latitude_longitude(latitude_deg: float, longitude_deg: float) -> str:
 
 def moment(time_ns: int) -> str:
     """Return a time in UTC as ``1 June 2025, 10:00:00 UTC``."""
-    at = datetime.fromtimestamp(time_ns // _NS_PER_S, tz=timezone.utc)
+    at = datetime.fromtimestamp(time_ns // NS_PER_S, tz=timezone.utc)
     return f'{at.day} {at:%B %Y, %H:%M:%S} UTC'
 
 

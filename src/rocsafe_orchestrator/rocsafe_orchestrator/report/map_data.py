@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.report.plan_data import (
     Point,
@@ -24,13 +25,11 @@ from rocsafe_orchestrator.report.plan_data import (
     route_lines,
 )
 
-FloatArray = NDArray[np.float64]
 # Tracks keep what is seen at the closest zoom.
 TRACK_TOLERANCE_M = 0.1
 # All readings on the page, and all positions of the replay.
 MOST_READINGS = 9000
 MOST_REPLAY_POSITIONS = 12_000
-_NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +179,7 @@ def _photos(record: RunRecord, frame: LocalFrame, start_ns: int) -> tuple[PhotoP
     places = points(frame, (shot.position for shot in shots))
     return tuple(
         PhotoPoint(
-            x, y, (shot.time_ns - start_ns) / _NS_PER_S, shot.shot_id, shot.vehicle,
+            x, y, (shot.time_ns - start_ns) / NS_PER_S, shot.shot_id, shot.vehicle,
             shot.viewpoint_id, _footprint(shot, (x, y)),
         )
         for (x, y), shot in zip(places, shots, strict=True)
@@ -221,7 +220,7 @@ def _replay(
         places = np.array(
             _xy(frame, track.latitude_deg[kept], track.longitude_deg[kept], track.altitude_m[kept])
         )
-        times = (track.time_ns[kept] - start_ns) / _NS_PER_S
+        times = (track.time_ns[kept] - start_ns) / NS_PER_S
         replay[name] = ReplayTrack(time_s=times, x=places[:, 0], y=places[:, 1])
     return replay
 
@@ -239,5 +238,5 @@ def _dose_points(
         tops = [max(group, key=lambda reading: reading.dose_rate_usvh) for group in groups]
         columns = np.array([(r.latitude_deg, r.longitude_deg, r.altitude_m) for r in tops]).T
         for (x, y), top in zip(_xy(frame, *columns), tops, strict=True):
-            seconds = (top.time_ns - start_ns) / _NS_PER_S
+            seconds = (top.time_ns - start_ns) / NS_PER_S
             yield DosePoint(x, y, seconds, top.dose_rate_usvh, vehicle)

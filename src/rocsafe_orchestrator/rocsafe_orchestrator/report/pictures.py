@@ -16,6 +16,7 @@ from rasterio.enums import Resampling
 from rasterio.errors import RasterioError
 from rasterio.transform import xy
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.run_record import Photograph
 
@@ -120,7 +121,7 @@ def _rgba(raster: 'rasterio.DatasetReader', width: int, height: int) -> NDArray[
     return rgba
 
 
-def map_xy(places: NDArray[np.float64], crs: object, frame: LocalFrame) -> NDArray[np.float64]:
+def map_xy(places: FloatArray, crs: object, frame: LocalFrame) -> FloatArray:
     """Return places (n, 2) of `crs` as map coordinates: east and south of the origin, metres."""
     to_wgs84 = Transformer.from_crs(crs, 'EPSG:4326', always_xy=True)
     longitudes, latitudes = to_wgs84.transform(places[:, 0], places[:, 1])
@@ -130,7 +131,7 @@ def map_xy(places: NDArray[np.float64], crs: object, frame: LocalFrame) -> NDArr
 
 
 def _matrix(
-    corners: NDArray[np.float64], width: int, height: int
+    corners: FloatArray, width: int, height: int
 ) -> tuple[float, float, float, float, float, float]:
     """Return the affine map that takes the picture's first three corners to `corners`."""
     across = (corners[1] - corners[0]) / width

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report import formats
@@ -50,7 +51,6 @@ LIMITS = (
     ),
     'Positions are WGS84, altitudes above the ellipsoid, not above the sea.',
 )
-_NS_PER_S = 1_000_000_000
 
 
 def header(record: RunRecord, summary: RunSummary) -> Markup:
@@ -138,7 +138,7 @@ def gallery(record: RunRecord, pictures: Mapping[str, str], zero_ns: int) -> Mar
     """Return a contact sheet; each picture can be selected on the map."""
 
     def shot(photograph: Photograph) -> Markup:
-        time = formats.clock(max((photograph.time_ns - zero_ns) / _NS_PER_S, 0.0))
+        time = formats.clock(max((photograph.time_ns - zero_ns) / NS_PER_S, 0.0))
         text = f'{photograph.shot_id}, viewpoint {photograph.viewpoint_id}, {time}'
         return element(
             'button',

@@ -10,9 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rocsafe_geo.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +58,7 @@ class BeliefGrid:
     agent: name of the agent, different from all others.
     """
 
-    def __init__(self, prior: Array, agent: str) -> None:
+    def __init__(self, prior: FloatArray, agent: str) -> None:
         if not ((prior > 0.0) & (prior < 1.0)).all():
             raise ValueError('prior must lie between 0 and 1 in every cell')
         if not agent:
@@ -74,7 +73,7 @@ class BeliefGrid:
         """All that this agent has seen or been told."""
         return tuple(self._seen.values())
 
-    def probabilities(self) -> Array:
+    def probabilities(self) -> FloatArray:
         """Return the probability of something in each cell, shape (rows, columns)."""
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(self._log_odds, -500.0, 500.0))))
 
@@ -95,7 +94,7 @@ class BeliefGrid:
         for sighting in other.sightings:
             self._take(sighting)
 
-    def decided(self, probability: float) -> NDArray[np.bool_]:
+    def decided(self, probability: float) -> BoolArray:
         """Return which cells are decided either way with at least `probability`."""
         believed = self.probabilities()
         return np.asarray((believed >= probability) | (believed <= 1.0 - probability))

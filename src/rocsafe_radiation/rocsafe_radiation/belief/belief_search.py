@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
 from rocsafe_radiation.localization.localize import (
     BELIEF_METHOD,
@@ -27,7 +27,6 @@ from rocsafe_radiation.localization.localize import (
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 CELL_HEIGHTS = 0.5
 SMALLEST_CELL_M = 2.0
 LARGEST_GRID = 40_000
@@ -50,7 +49,7 @@ class BeliefMap:
 
     corner_m: tuple[float, float]
     cell_m: float
-    probabilities: Array
+    probabilities: FloatArray
 
 
 def believe(
@@ -111,7 +110,7 @@ class _Grid:
         corner = (float(low[0] + cell / 2.0), float(low[1] + cell / 2.0))
         return cls(corner_m=corner, cell_m=cell, shape=(rows, columns))
 
-    def cells(self, places: Array) -> list[tuple[int, int]]:
+    def cells(self, places: FloatArray) -> list[tuple[int, int]]:
         """Return row and column of the cell below each place, shape (n, 2)."""
         offsets = (places - np.array(self.corner_m)) / self.cell_m + 0.5
         columns = np.clip(offsets[:, 0].astype(int), 0, self.shape[1] - 1)
@@ -127,7 +126,7 @@ def _beliefs(
     smallest_usvh: float,
 ) -> list[BeliefGrid]:
     """Return the grid of each agent."""
-    prior: Array = np.full(grid.shape, min(0.1, EXPECTED_SOURCES / math.prod(grid.shape)))
+    prior: FloatArray = np.full(grid.shape, min(0.1, EXPECTED_SOURCES / math.prod(grid.shape)))
     beliefs = {name: BeliefGrid(prior, name) for name in dict.fromkeys(names)}
     background = survey.exposures * _median_level_usvh(survey)
     height = survey.height_m(options.source_up_m)
@@ -153,7 +152,7 @@ def _median_level_usvh(survey: Survey) -> float:
     return max(float(np.median(survey.counts / survey.exposures)), 1e-6)
 
 
-def poisson_below(limits: Array, means: Array) -> Array:
+def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:
     """Return the probability of fewer counts than `limits`: good to 0.006.
 
     Fewer than n counts come in a time in which the n-th has not come yet, a time with the gamma
@@ -165,14 +164,14 @@ def poisson_below(limits: Array, means: Array) -> Array:
     return np.where(limits < 0.5, 0.0, below)
 
 
-def _are_peaks(survey: Survey, background: Array, radius_m: float) -> NDArray[np.bool_]:
+def _are_peaks(survey: Survey, background: FloatArray, radius_m: float) -> BoolArray:
     """Return which readings exceed the background at least half as much as any around them.
 
     A strong source is felt from afar: only where it is felt most it may be below.
     """
     rates = (survey.counts - background) / survey.exposures
     places = survey.positions_enu_m[:, :2]
-    peaks: NDArray[np.bool_] = np.empty(survey.size, dtype=bool)
+    peaks: BoolArray = np.empty(survey.size, dtype=bool)
     for start in range(0, survey.size, BLOCK):
         block = slice(start, start + BLOCK)
         squares = ((places[block, None] - places[None]) ** 2).sum(axis=2)
@@ -181,7 +180,7 @@ def _are_peaks(survey: Survey, background: Array, radius_m: float) -> NDArray[np
     return peaks
 
 
-def _clusters(believed: NDArray[np.bool_]) -> list[list[tuple[int, int]]]:
+def _clusters(believed: BoolArray) -> list[list[tuple[int, int]]]:
     """Return the cells of each connected patch, corners connecting, too."""
     left = set(map(tuple, np.argwhere(believed).tolist()))
     clusters = []
@@ -200,9 +199,9 @@ def _clusters(believed: NDArray[np.bool_]) -> list[list[tuple[int, int]]]:
 
 def _about(
     clusters: list[list[tuple[int, int]]], shape: tuple[int, int], margin: int
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return which cells lie at most `margin` cells from a patch, shape (rows, columns)."""
-    near: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+    near: BoolArray = np.zeros(shape, dtype=bool)
     for row, column in itertools.chain.from_iterable(clusters):
         top, left = max(row - margin, 0), max(column - margin, 0)
         near[top : row + margin + 1, left : column + margin + 1] = True
@@ -211,7 +210,7 @@ def _about(
 
 def _source(
     cluster: list[tuple[int, int]],
-    probabilities: Array,
+    probabilities: FloatArray,
     grid: _Grid,
     survey: Survey,
     options: LocalizationOptions,
@@ -244,7 +243,9 @@ def _source(
     )
 
 
-def _strength(centre: Array, survey: Survey, options: LocalizationOptions) -> tuple[float, float]:
+def _strength(
+    centre: FloatArray, survey: Survey, options: LocalizationOptions
+) -> tuple[float, float]:
     """Return the strength that explains the readings around, and the deviation of its log.
 
     Farther ones tell more of the background, which half of the readings know too high.
@@ -261,7 +262,9 @@ def _strength(centre: Array, survey: Survey, options: LocalizationOptions) -> tu
     return strength, 1.0 / math.sqrt(max(strength**2 * float(weights @ added), 1e-9))
 
 
-def _localization(survey: Survey, sources: list[SourceEstimate], others: Array) -> Localization:
+def _localization(
+    survey: Survey, sources: list[SourceEstimate], others: FloatArray
+) -> Localization:
     """Return what was found; `others`: probabilities of the cells away from all of `sources`."""
     count = len(sources)
     # Cells are independent: nothing more when none of the others holds a source.

@@ -18,13 +18,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 STRENGTHS = 9
 # The range of strengths spans so many decades above the smallest that is looked for.
 DECADES = 4.0
@@ -49,8 +48,10 @@ class SequentialEvidence:
 
     log_ratio: float
     log_ratio_smallest: float
-    places_m: Array = field(default_factory=lambda: np.empty((0, 2)), compare=False, repr=False)
-    doubts: Array = field(default_factory=lambda: np.empty(0), compare=False, repr=False)
+    places_m: FloatArray = field(
+        default_factory=lambda: np.empty((0, 2)), compare=False, repr=False
+    )
+    doubts: FloatArray = field(default_factory=lambda: np.empty(0), compare=False, repr=False)
 
 
 def sequential_evidence(
@@ -85,19 +86,21 @@ def sequential_evidence(
     )
 
 
-def _within(grid: Array, survey: Survey) -> Array:
+def _within(grid: FloatArray, survey: Survey) -> FloatArray:
     """Return the places of `grid` over the ground surveyed, at least one."""
     places = survey.positions_enu_m[:, :2]
     inside = ((grid >= places.min(axis=0)) & (grid <= places.max(axis=0))).all(axis=1)
     return grid[inside] if inside.any() else grid
 
 
-def _level(survey: Survey, natural: Array) -> float:
+def _level(survey: Survey, natural: FloatArray) -> float:
     """Return the background without a source, uSv/h: the mean, by maximum likelihood."""
     return max(float(survey.counts.sum() / natural.sum()), 1e-9)
 
 
-def _log_ratios(survey: Survey, added: Array, natural: Array, level: float) -> Array:
+def _log_ratios(
+    survey: Survey, added: FloatArray, natural: FloatArray, level: float
+) -> FloatArray:
     """Return the log of the ratio of each place: each side with its own best background.
 
     `added` are the counts that a source at each place adds, shape (places, n).
@@ -116,7 +119,7 @@ def _log_ratios(survey: Survey, added: Array, natural: Array, level: float) -> A
     return np.asarray(np.log(expected / null) @ counts - excess)
 
 
-def _log_mean(logs: Array) -> float:
+def _log_mean(logs: FloatArray) -> float:
     """Return the logarithm of the mean of exponentials."""
     top = float(logs.max())
     return top + math.log(float(np.exp(logs - top).mean()))

@@ -11,13 +11,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 LARGEST_GRID = 5000
 PITCH_STEP_M = 0.5
 
@@ -31,7 +30,7 @@ class Waypoint:
 
 
 def next_waypoints(
-    found: Localization, candidates_enu_m: Array, exposure: float, kernel: Kernel, count: int
+    found: Localization, candidates_enu_m: FloatArray, exposure: float, kernel: Kernel, count: int
 ) -> tuple[Waypoint, ...]:
     """Return up to `count` of the `candidates_enu_m`, shape (n, 3), the most telling first.
 
@@ -45,7 +44,7 @@ def next_waypoints(
     """
     if not found.sources or count < 1:
         return ()
-    covariance: Array = np.zeros((4 * len(found.sources),) * 2)
+    covariance: FloatArray = np.zeros((4 * len(found.sources),) * 2)
     for index, source in enumerate(found.sources):
         block = slice(4 * index, 4 * index + 4)
         covariance[block, block] = source.joint_covariance
@@ -62,7 +61,7 @@ def next_waypoints(
     return tuple(chosen)
 
 
-def candidate_places(survey: Survey, source_height_m: float) -> Array:
+def candidate_places(survey: Survey, source_height_m: float) -> FloatArray:
     """Return places at the height of a survey above its ground, half a height apart, (n, 3)."""
     height = survey.height_m(source_height_m)
     low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)
@@ -82,9 +81,11 @@ def log_volume(found: Localization) -> float:
     )
 
 
-def _scaled_slopes(found: Localization, places: Array, exposure: float, kernel: Kernel) -> Array:
+def _scaled_slopes(
+    found: Localization, places: FloatArray, exposure: float, kernel: Kernel
+) -> FloatArray:
     """Return the slopes of expected counts over their standard deviation, shape (n, 4 K)."""
-    rates: Array = np.full(len(places), found.background_usvh)
+    rates: FloatArray = np.full(len(places), found.background_usvh)
     parts = []
     for source in found.sources:
         offsets = places - source.position_enu_m

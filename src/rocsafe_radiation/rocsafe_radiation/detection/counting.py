@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_radiation.detection.detector import (
     DetectorModel,
     Measurement,
@@ -15,7 +16,6 @@ from rocsafe_radiation.detection.detector import (
     window_generator,
 )
 
-NS_PER_S = 1_000_000_000
 Place = tuple[float, float, float]
 
 
@@ -47,7 +47,7 @@ class WindowReading:
 
 
 # The dose rate of Cs-137 that makes as many counts as the field, at n samples, uSv/h, shape (n,).
-DoseRates = Callable[[Sequence[Sample]], NDArray[np.float64]]
+DoseRates = Callable[[Sequence[Sample]], FloatArray]
 
 
 class WindowCounter:

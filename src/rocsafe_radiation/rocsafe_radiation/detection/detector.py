@@ -13,11 +13,10 @@ import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.nuclide import nuclide
 
-Array = NDArray[np.float64]
 NO_DEAD_TIME, NON_PARALYSABLE, PARALYSABLE = 'none', 'non-paralysable', 'paralysable'
 # Beyond this share of time dead, a reading is a lower limit.
 SATURATION_SHARE = 0.3
@@ -72,7 +71,7 @@ class DetectorModel:
         """Return the counts per dose of a nuclide over those of Cs-137, in the open."""
         return self._mean_response(nuclide_name) / self._mean_response('Cs-137')
 
-    def live_share(self, true_rates_cps: Array) -> Array:
+    def live_share(self, true_rates_cps: FloatArray) -> FloatArray:
         """Return the share of hits that is counted at each true rate, shape (n,)."""
         load = np.asarray(true_rates_cps) * self.dead_time_s
         if self.dead_time_model == NON_PARALYSABLE:

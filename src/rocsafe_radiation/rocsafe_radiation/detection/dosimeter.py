@@ -4,7 +4,8 @@
 import math
 from dataclasses import dataclass
 
-NS_PER_S = 1_000_000_000
+from rocsafe_geo.time_units import NS_PER_S
+
 S_PER_H = 3600.0
 DOSE_RATE, DOSE = 'dose rate', 'dose'
 # Levels by name, microsievert per hour and microsievert: EPR-First Responders and GSR Part 7 of

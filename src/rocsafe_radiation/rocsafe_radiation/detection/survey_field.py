@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from rocsafe_radiation.detection.counting import NS_PER_S, Sample
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_radiation.detection.counting import Sample
 from rocsafe_radiation.detection.detector import DETECTORS, IDEAL, DetectorModel
 from rocsafe_radiation.physics.background import Background
 from rocsafe_radiation.physics.field import RadiationField
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class SurveyField:
     field: RadiationField
     background: Background
     detector: str = IDEAL
-    _responses: Array = dataclasses.field(init=False, repr=False, compare=False)
+    _responses: FloatArray = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.detector != IDEAL and self.detector not in DETECTORS:
@@ -52,7 +52,7 @@ class SurveyField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> Array:
+    ) -> FloatArray:
         """Return the dose rate at n points, microsievert per hour, shape (n,).
 
         Raises
@@ -70,7 +70,7 @@ class SurveyField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> Array:
+    ) -> FloatArray:
         """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
 
         Raises
@@ -83,7 +83,7 @@ class SurveyField:
         counted = self._responses @ by_source
         return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
 
-    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> Array:
+    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> FloatArray:
         """Return the same for each sample of a flight, shape (n,).
 
         Parameters
@@ -101,7 +101,9 @@ class SurveyField:
             ]
         )
 
-    def _natural(self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike) -> Array:
+    def _natural(
+        self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike
+    ) -> FloatArray:
         """Return the background, or zero where there is none."""
         if self.background == Background():
             return np.zeros(1)

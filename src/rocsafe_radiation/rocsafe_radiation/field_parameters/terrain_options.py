@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.terrain.terrain import LocalGround, Terrain
@@ -16,7 +17,6 @@ from rocsafe_radiation.field_parameters.field_assembly import places_of
 from rocsafe_radiation.field_parameters.provider import provider_of
 from rocsafe_radiation.readings.ground import GroundHeights
 
-Array = NDArray[np.float64]
 Places = tuple[GeoPosition, ...]
 # File, seed and places of known ground, the mission's origin first -> heights of the ground.
 HeightsProvider = Callable[[str, int, Places], GroundHeights]
@@ -34,7 +34,7 @@ class TerrainHeights:
             LocalGround(terrain, LocalFrame(known[0]), [*known]).shift_m if known else 0.0
         )
 
-    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> Array:
+    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
         """Return the altitude of the ground, (n,); NaN where the model has none."""
         return self._terrain.altitudes_m(latitudes_deg, longitudes_deg) + self._shift_m
 

@@ -4,15 +4,17 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
+
 # Bumps a spacing of one height apart along the longer side of a survey, half as many if two: what
 # a fit takes grows with the cube of their number.
 LARGEST_HEIGHTS_A_SIDE = 14
 
 
-def smooth_basis(positions_enu_m: Array, height_m: float, spacing_heights: float) -> Array:
+def smooth_basis(
+    positions_enu_m: FloatArray, height_m: float, spacing_heights: float
+) -> FloatArray:
     """Return the value of each bump at each of n places, shape (n, bumps).
 
     Bumps are Gaussians on a square grid, each with the standard deviation 0.7 times the spacing:
@@ -32,7 +34,7 @@ def smooth_basis(positions_enu_m: Array, height_m: float, spacing_heights: float
     return np.asarray(basis[:, basis.max(axis=0) > 0.3])
 
 
-def _nodes(axis: Array, spacing: float) -> Array:
+def _nodes(axis: FloatArray, spacing: float) -> FloatArray:
     low, high = float(axis.min()), float(axis.max())
     count = max(1, math.ceil((high - low) / spacing) + 1)
     start = (low + high) / 2.0 - (count - 1) * spacing / 2.0

@@ -20,8 +20,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS
-from rocsafe_radiation.localization.hypothesis_values import Array, OrderSearch
+from rocsafe_radiation.localization.hypothesis_values import OrderSearch
 from rocsafe_radiation.localization.likelihood import (
     LEVEL_PARAMETERS,
     SOURCE_PARAMETERS,
@@ -128,6 +129,6 @@ def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> flo
     return float(bounded[weighed_evidence < LEAST_EVIDENCE].sum())
 
 
-def _without(likelihood: Likelihood, fit: Fit, index: int) -> Array:
+def _without(likelihood: Likelihood, fit: Fit, index: int) -> FloatArray:
     start = likelihood.head_size + SOURCE_PARAMETERS * index
     return np.delete(fit.parameters, range(start, start + SOURCE_PARAMETERS))

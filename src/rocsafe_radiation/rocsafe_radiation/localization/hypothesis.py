@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.candidates import (
     best_separated,
@@ -31,7 +31,6 @@ from rocsafe_radiation.localization.reading_weights import background_level_usvh
 from rocsafe_radiation.localization.wall_shadow import LINE
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 # What is changed of a setting.
 Nuisance = dict[str, Any]
 # Chi-square of two degrees of freedom at 0.95.
@@ -61,7 +60,7 @@ class Trial:
     def __init__(self, survey: Survey, setting: Setting) -> None:
         self._survey = survey
         self._setting = setting
-        self._bases: dict[float, Array] = {}
+        self._bases: dict[float, FloatArray] = {}
         self._grid = candidate_grid(survey, setting.source_up_m)
         self._kernel = grid_kernel(survey, setting, self._grid)
 
@@ -110,7 +109,7 @@ class Trial:
         return Likelihood(self._survey, setting, self._bases[spacing])
 
 
-def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[Array]:
+def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[FloatArray]:
     """Return starts with the sources of `hints` on even ground, and its wall or any."""
     if hints is None or order >= len(hints.fits):
         return []
@@ -126,7 +125,9 @@ def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> li
     return [np.concatenate([background, sources.ravel()])]
 
 
-def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterator[Array]:
+def _walled(
+    likelihood: Likelihood, background: FloatArray, sources: FloatArray
+) -> Iterator[FloatArray]:
     """Yield starts with a wall on each side of the sources, and these drawn towards it."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
     for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
@@ -137,7 +138,9 @@ def _walled(likelihood: Likelihood, background: Array, sources: Array) -> Iterat
         yield np.concatenate([head, moved.ravel()])
 
 
-def _moved_edges(likelihood: Likelihood, head: Array, sources: Array) -> Iterator[Array]:
+def _moved_edges(
+    likelihood: Likelihood, head: FloatArray, sources: FloatArray
+) -> Iterator[FloatArray]:
     """Yield starts with the shadow of the wall beginning nearer and farther."""
     for factor in EDGE_FACTORS:
         moved = head.copy()
@@ -146,7 +149,7 @@ def _moved_edges(likelihood: Likelihood, head: Array, sources: Array) -> Iterato
 
 
 def _with_one_more(
-    likelihood: Likelihood, fit: Fit, hints: list[Array], grid: Array, kernel: Array
+    likelihood: Likelihood, fit: Fit, hints: list[FloatArray], grid: FloatArray, kernel: FloatArray
 ) -> Fit | None:
     """Return the best fit found with one more source, None without any start."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
@@ -173,8 +176,12 @@ def _evidence(fit: Fit) -> float:
 
 
 def _added(
-    likelihood: Likelihood, parameters: Array, grid: Array, kernel: Array, height: float
-) -> list[Array]:
+    likelihood: Likelihood,
+    parameters: FloatArray,
+    grid: FloatArray,
+    kernel: FloatArray,
+    height: float,
+) -> list[FloatArray]:
     gains, strengths = score_candidates(likelihood, parameters, kernel)
     up = likelihood.setting.source_up_m
     return [
@@ -183,7 +190,7 @@ def _added(
     ]
 
 
-def _split(likelihood: Likelihood, parameters: Array, distance_m: float) -> list[Array]:
+def _split(likelihood: Likelihood, parameters: FloatArray, distance_m: float) -> list[FloatArray]:
     """Return starts with one source replaced by a pair of half its strength."""
     sources = likelihood.sources(parameters)
     starts = []

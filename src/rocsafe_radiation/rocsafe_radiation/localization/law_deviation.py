@@ -12,12 +12,11 @@ The shield takes w, what a `WallShadow` with five numbers says.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import SHARP_EDGE
 from rocsafe_radiation.localization.wall_shadow import SHIELD_STDS, WallShadow
 
-Array = NDArray[np.float64]
 TILT_LENGTH_M = 100.0
 LARGEST_LOG = 30.0
 # Beyond, it would be no law of a source any more.
@@ -42,17 +41,17 @@ class LawDeviation:
     edge_sharpness: float = SHARP_EDGE
 
     @property
-    def stds(self) -> Array:
+    def stds(self) -> FloatArray:
         """Standard deviation of each number as known before: the tilt, the shield."""
         tilt = [self.tilt_std] * (self.tilt_std > 0.0)
         return np.array([*tilt, *(SHIELD_STDS * self.has_shield)], np.float64)
 
     @property
-    def limits(self) -> Array:
+    def limits(self) -> FloatArray:
         """Largest size of each number that a law can have."""
         return LARGEST_STDS * self.stds
 
-    def features(self, numbers: Array, offsets: Array) -> Array:
+    def features(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return the slope of the logarithm by each number, (numbers, sources, n).
 
         `offsets` are the ways from sources to readings, (sources, 3, n).
@@ -65,7 +64,7 @@ class LawDeviation:
             found += [*-wall.by_line(offsets), -wall.by_depth, -wall.by_reach, -wall.by_shape]
         return np.stack(found)
 
-    def slopes(self, numbers: Array, offsets: Array) -> Array:
+    def slopes(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return how the logarithm changes with the place of each source, (sources, 3, n)."""
         distances = _distances(offsets)[:, None]
         total = np.zeros(offsets.shape)
@@ -77,7 +76,7 @@ class LawDeviation:
             total[:, :2] += wall.by_way()
         return total
 
-    def factors(self, numbers: Array, offsets: Array) -> Array:
+    def factors(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
         """Return by what the dose rates are multiplied, shape (sources, n)."""
         logs = np.zeros((len(offsets), offsets.shape[2]))
         if self.tilt_std > 0.0:
@@ -86,10 +85,10 @@ class LawDeviation:
             logs -= self._wall(numbers, offsets).losses
         return np.asarray(np.exp(np.clip(logs, -LARGEST_LOG, LARGEST_LOG)))
 
-    def _wall(self, numbers: Array, offsets: Array) -> WallShadow:
+    def _wall(self, numbers: FloatArray, offsets: FloatArray) -> WallShadow:
         shield = numbers[-len(SHIELD_STDS) :]
         return WallShadow(shield, offsets, self.height_m, self.edge_sharpness)
 
 
-def _distances(offsets: Array) -> Array:
+def _distances(offsets: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.einsum('kcn,kcn->kn', offsets, offsets)))

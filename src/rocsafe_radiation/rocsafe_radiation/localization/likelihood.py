@@ -20,14 +20,13 @@ alike. Readings that are not shaded then place the source, and the others do not
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS, Setting
 from rocsafe_radiation.localization.law_deviation import LawDeviation
 from rocsafe_radiation.localization.reading_weights import SHADES, chances_of, log_sums, weights_of
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 SOURCE_PARAMETERS = 4
 UP = 2
 # Of the logarithm of the background level, uSv/h: anything that occurs.
@@ -49,15 +48,15 @@ LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
 class Fit:
     """A maximum: parameters, its logarithmic likelihood with priors, and the information there."""
 
-    parameters: Array
+    parameters: FloatArray
     log_likelihood: float
-    information: Array
+    information: FloatArray
 
 
 class Likelihood:
     """The likelihood of one survey in one setting."""
 
-    def __init__(self, survey: Survey, setting: Setting, basis: Array) -> None:
+    def __init__(self, survey: Survey, setting: Setting, basis: FloatArray) -> None:
         self.survey = survey
         self.setting = setting
         heights = survey.heights_m
@@ -99,20 +98,20 @@ class Likelihood:
         is_narrow = setting.background_spacing_heights < WIDE_SPACING_HEIGHTS
         return is_narrow and setting.background_std > 0.0
 
-    def source_count(self, parameters: Array) -> int:
+    def source_count(self, parameters: FloatArray) -> int:
         """Return the number of sources that `parameters` describe."""
         return (len(parameters) - self.head_size) // SOURCE_PARAMETERS
 
-    def sources(self, parameters: Array) -> Array:
+    def sources(self, parameters: FloatArray) -> FloatArray:
         """Return east, north, height and log strength of each source, shape (sources, 4)."""
         return parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
 
-    def background_usvh(self, parameters: Array) -> Array:
+    def background_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the background at each reading, shape (n,)."""
         logs = parameters[0] + self.basis @ parameters[1 : self.head_size]
         return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)) * self._shape)
 
-    def expected(self, parameters: Array) -> Array:
+    def expected(self, parameters: FloatArray) -> FloatArray:
         """Return the expected counts of each reading, shape (n,)."""
         rates = self.background_usvh(parameters)
         sources = self.sources(parameters)
@@ -120,7 +119,7 @@ class Likelihood:
             rates = rates + self.source_rates_usvh(parameters).sum(axis=0)
         return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
 
-    def source_rates_usvh(self, parameters: Array) -> Array:
+    def source_rates_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the dose rate of each source at each reading, shape (sources, n)."""
         sources = self.sources(parameters)
         offsets = self._offsets(sources)
@@ -130,14 +129,14 @@ class Likelihood:
             values *= self._deviation.factors(parameters[self.law], offsets)
         return np.asarray(values)
 
-    def objective(self, parameters: Array) -> float:
+    def objective(self, parameters: FloatArray) -> float:
         """Return the logarithm of likelihood and priors."""
         logs = self._log_shares(self._shaded(parameters))
         misses = parameters - self._prior_means(parameters)
         prior = 0.5 * float(self._prior_precisions(parameters) @ (misses * misses))
         return float(log_sums(logs).sum()) + self._constant - prior
 
-    def _shaded(self, parameters: Array) -> Array:
+    def _shaded(self, parameters: FloatArray) -> FloatArray:
         """Return the expected counts with each share of the sources left, shape (shares, n)."""
         if len(self._shares) == 1:
             return self.expected(parameters)[None]
@@ -146,16 +145,16 @@ class Likelihood:
         added = self.source_rates_usvh(parameters).sum(axis=0) * exposures
         return np.asarray(np.maximum(background + self._shares[:, None] * added, SMALLEST_COUNTS))
 
-    def _log_shares(self, expected: Array) -> Array:
+    def _log_shares(self, expected: FloatArray) -> FloatArray:
         """Return the weighed log likelihood of each reading by shares, with their chances."""
         terms = self.weights * (self.survey.counts * np.log(expected) - expected)
         return np.asarray(terms + self._log_chances)
 
-    def dispersion(self, parameters: Array) -> float:
+    def dispersion(self, parameters: FloatArray) -> float:
         """Return by how many standard deviations Pearson's chi^2 exceeds what Poisson allows."""
         return self.misfit(parameters)[0]
 
-    def misfit(self, parameters: Array) -> tuple[float, float]:
+    def misfit(self, parameters: FloatArray) -> tuple[float, float]:
         """Return the same and Pearson's chi^2 over the degrees of freedom."""
         shaded = self._shaded(parameters)
         expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
@@ -165,13 +164,13 @@ class Likelihood:
         spread = float(np.sqrt((2.0 + 1.0 / np.maximum(expected, 1e-3)).sum()))
         return (chi2 - degrees) / spread, chi2 / degrees
 
-    def _determined(self, parameters: Array) -> float:
+    def _determined(self, parameters: FloatArray) -> float:
         """Return how many parameters the readings determine, and not what is known before."""
         information, _ = self.information_and_gradient(parameters)
         known = self._prior_precisions(parameters)
         return len(parameters) - float(known @ np.diag(np.linalg.inv(information)))
 
-    def fit(self, start: Array, iterations: int = 40) -> Fit:
+    def fit(self, start: FloatArray, iterations: int = 40) -> Fit:
         """Return the maximum near `start`."""
         parameters, value = start, self.objective(start)
         damping = 1e-2
@@ -191,7 +190,7 @@ class Likelihood:
         information, _ = self.information_and_gradient(parameters)
         return Fit(parameters=parameters, log_likelihood=value, information=information)
 
-    def information_and_gradient(self, parameters: Array) -> tuple[Array, Array]:
+    def information_and_gradient(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the expected information and the gradient of the objective."""
         slopes = self._slopes(parameters)
         misses = parameters - self._prior_means(parameters)
@@ -204,7 +203,9 @@ class Likelihood:
         information[np.diag_indices_from(information)] += precisions
         return information, gradient
 
-    def _summed(self, slopes: Array, residuals: Array, precision: Array) -> tuple[Array, Array]:
+    def _summed(
+        self, slopes: FloatArray, residuals: FloatArray, precision: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return gradient and information; residuals and precision of each share, (shares, n)."""
         if len(self._shares) == 1:
             return slopes.T @ residuals[0], (slopes * precision[0][:, None]).T @ slopes
@@ -218,7 +219,7 @@ class Likelihood:
         gradient = natural.T @ residuals.sum(axis=0) + added.T @ (self._shares @ residuals)
         return gradient, information
 
-    def _slopes(self, parameters: Array) -> Array:
+    def _slopes(self, parameters: FloatArray) -> FloatArray:
         """Return how the expected counts change with each parameter, shape (n, parameters)."""
         exposures, setting = self.survey.exposures, self.setting
         slopes = np.empty((self.survey.size, len(parameters)))
@@ -240,22 +241,24 @@ class Likelihood:
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
         return np.asarray(slopes * exposures[:, None])
 
-    def _deviate(self, numbers: Array, offsets: Array, parts: Array, slopes: Array) -> None:
+    def _deviate(
+        self, numbers: FloatArray, offsets: FloatArray, parts: FloatArray, slopes: FloatArray
+    ) -> None:
         """Change the slopes of sources to those of a law that deviates, and add its own."""
         parts *= self._deviation.factors(numbers, offsets)[:, None]
         parts[:, :3] += parts[:, 3:] * self._deviation.slopes(numbers, offsets)
         features = self._deviation.features(numbers, offsets)
         slopes[:, self.law] = np.einsum('kn,jkn->nj', parts[:, 3], features)
 
-    def _offsets(self, sources: Array) -> Array:
+    def _offsets(self, sources: FloatArray) -> FloatArray:
         """Return the way from each source to each reading, shape (sources, 3, n)."""
         return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
-    def _step(self, information: Array, gradient: Array, damping: float) -> Array:
+    def _step(self, information: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
         matrix = information.copy()
         diagonal = np.diag_indices_from(matrix)
         matrix[diagonal] += damping * matrix[diagonal] + 1e-12
-        step: Array = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
+        step: FloatArray = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
         head = step[: self.head_size]
         np.clip(head, -LARGEST_LOG_STEP, LARGEST_LOG_STEP, out=head)
         sources = step[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
@@ -263,7 +266,7 @@ class Likelihood:
         np.clip(sources, -limits, limits, out=sources)
         return step
 
-    def _inside(self, parameters: Array) -> Array:
+    def _inside(self, parameters: FloatArray) -> FloatArray:
         """Return `parameters` with all sources moved into the ground that readings can tell of."""
         sources = parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
         np.clip(sources[:, :2], self._low, self._high, out=sources[:, :2])
@@ -271,13 +274,13 @@ class Likelihood:
         np.clip(parameters[self.law], -limits, limits, out=parameters[self.law])
         return parameters
 
-    def _prior_means(self, parameters: Array) -> Array:
+    def _prior_means(self, parameters: FloatArray) -> FloatArray:
         means = np.zeros_like(parameters)
         means[0], means[1] = LEVEL_MEAN, HEIGHT_MEAN
         means[self.head_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
         return means
 
-    def _prior_precisions(self, parameters: Array) -> Array:
+    def _prior_precisions(self, parameters: FloatArray) -> FloatArray:
         precisions = np.zeros_like(parameters)
         precisions[0], precisions[1] = LEVEL_STD**-2, HEIGHT_STD**-2
         precisions[LEVEL_PARAMETERS : self.head_size] = self.nuisance_stds**-2.0

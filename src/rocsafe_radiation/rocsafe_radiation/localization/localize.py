@@ -5,8 +5,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.hypothesis import ELLIPSE_95
@@ -17,7 +17,6 @@ from rocsafe_radiation.localization.source_count import LARGEST_DISPERSION, LARG
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
@@ -70,13 +69,13 @@ class SourceEstimate:
     detection_llr: what the logarithm of the likelihood loses without it, all else unchanged.
     """
 
-    position_enu_m: Array
+    position_enu_m: FloatArray
     dose_rate_at_1m_usvh: float
-    joint_covariance: Array
+    joint_covariance: FloatArray
     detection_llr: float
 
     @property
-    def covariance_m2(self) -> Array:
+    def covariance_m2(self) -> FloatArray:
         """Covariance of the position, shape (3, 3)."""
         return self.joint_covariance[:3, :3]
 
@@ -198,7 +197,7 @@ def _described(found: OrderSearch, reading_count: int) -> Localization:
     )
 
 
-def _stated_covariance(likelihood: Likelihood, fit: Fit) -> Array:
+def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
     """Return the covariance of the parameters, larger where the model does not explain enough.
 
     Misfits beyond what the model allows make the place less sure by their variance, as if all
@@ -217,7 +216,7 @@ def _stated_covariance(likelihood: Likelihood, fit: Fit) -> Array:
 
 
 def _estimate(
-    likelihood: Likelihood, found: OrderSearch, covariance: Array, index: int
+    likelihood: Likelihood, found: OrderSearch, covariance: FloatArray, index: int
 ) -> SourceEstimate:
     start = likelihood.head_size + SOURCE_PARAMETERS * index
     own = covariance[start : start + SOURCE_PARAMETERS, start : start + SOURCE_PARAMETERS]

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Array, Fit, Likelihood
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Fit, Likelihood
 
 # Readings within so many distances of the source from its nearest reading make the line.
 REACH_DISTANCES = 3.0
@@ -23,7 +24,7 @@ NEAREST_HEIGHTS = 0.2
 LARGEST_LOG_DEFICIT = 6.0
 
 
-def mirror_images(likelihood: Likelihood, parameters: Array) -> list[Array]:
+def mirror_images(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArray]:
     """Return `parameters` with one source each on the other side of its nearest readings' line."""
     images = []
     for index, source in enumerate(likelihood.sources(parameters)):
@@ -36,7 +37,7 @@ def mirror_images(likelihood: Likelihood, parameters: Array) -> list[Array]:
     return images
 
 
-def covariance_with_images(likelihood: Likelihood, fit: Fit) -> Array:
+def covariance_with_images(likelihood: Likelihood, fit: Fit) -> FloatArray:
     """Return the covariance of the parameters of `fit`, likely mirror images included.
 
     Each image that explains the readings nearly as well adds, by its probability, the square of
@@ -54,7 +55,7 @@ def covariance_with_images(likelihood: Likelihood, fit: Fit) -> Array:
     return covariance
 
 
-def _image(likelihood: Likelihood, place: Array) -> Array | None:
+def _image(likelihood: Likelihood, place: FloatArray) -> FloatArray | None:
     """Return the mirror image of `place`, None if the nearest readings are on no line."""
     places = likelihood.survey.positions_enu_m[:, :2]
     distances = np.hypot(*(places - place).T)

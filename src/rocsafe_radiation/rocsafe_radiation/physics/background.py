@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.readings.ground import GroundHeights
 
-Array = NDArray[np.float64]
 METRES_PER_DEGREE = 111_320.0
 # Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it
 # doubles every 1.5 to 2 km).
@@ -58,8 +57,8 @@ class Background:
             raise ValueError(f'length_m = {self.length_m} must be within 1 and 1e5')
 
     def dose_rates_usvh(
-        self, latitudes_deg: Array, longitudes_deg: Array, altitudes_m: Array
-    ) -> Array:
+        self, latitudes_deg: FloatArray, longitudes_deg: FloatArray, altitudes_m: FloatArray
+    ) -> FloatArray:
         """Return the background at n points, microsievert per hour, shape (n,)."""
         altitudes = np.asarray(altitudes_m, np.float64)
         heights = np.maximum(altitudes - self._ground_m(latitudes_deg, longitudes_deg), 0.0)
@@ -69,14 +68,16 @@ class Background:
             rates = rates + COSMIC_USVH * np.exp(np.clip(altitudes / COSMIC_GROWTH_M, -1.0, 6.0))
         return np.asarray(rates)
 
-    def _ground_m(self, latitudes_deg: Array, longitudes_deg: Array) -> Array | float:
+    def _ground_m(
+        self, latitudes_deg: FloatArray, longitudes_deg: FloatArray
+    ) -> FloatArray | float:
         """Return the altitude of the ground below points."""
         if self.ground is None:
             return self.ground_altitude_m
         known = self.ground.altitudes_m(latitudes_deg, longitudes_deg)
         return np.where(np.isfinite(known), known, self.ground_altitude_m)
 
-    def _waves(self, latitudes_deg: Array, longitudes_deg: Array) -> Array:
+    def _waves(self, latitudes_deg: FloatArray, longitudes_deg: FloatArray) -> FloatArray:
         """Return a sum of plane waves of random direction, length and phase, shape (n,)."""
         latitudes = np.atleast_1d(np.asarray(latitudes_deg, np.float64))
         longitudes = np.atleast_1d(np.asarray(longitudes_deg, np.float64))
@@ -94,7 +95,7 @@ class Background:
 
 
 @cache
-def _drawn_waves(seed: int) -> tuple[Array, Array]:
+def _drawn_waves(seed: int) -> tuple[FloatArray, FloatArray]:
     """Return wave numbers for a length of 1 m, shape (WAVES, 2), and phases, shape (WAVES,)."""
     generator = np.random.default_rng([seed, 0xBAC6])
     numbers = generator.normal(size=(WAVES, 2))

@@ -4,12 +4,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE
 from rocsafe_radiation.physics.transmission import air_transmission, air_transmission_and_slope
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +25,7 @@ class Kernel:
     nuclide: str = DEFAULT_NUCLIDE
     source_radius_m: float = 0.1
 
-    def values(self, squares_m2: Array) -> Array:
+    def values(self, squares_m2: FloatArray) -> FloatArray:
         """Return the dose rate at each squared distance, uSv/h."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
         if not self.is_lossy:
@@ -36,7 +34,7 @@ class Kernel:
         values /= squares
         return values
 
-    def values_and_slopes(self, squares_m2: Array) -> tuple[Array, Array]:
+    def values_and_slopes(self, squares_m2: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the same, and its derivative by the squared distance."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
         if not self.is_lossy:

@@ -9,8 +9,8 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.photons import (
     LOWEST_ENERGY_KEV,
     air_energy_absorption_m2_kg,
@@ -23,8 +23,6 @@ BECQUEREL_PER_GBQ = 1e9
 MICRO = 1e6
 # What a source of unknown nuclide counts as: the commonest of orphan sources, of middle energy.
 DEFAULT_NUCLIDE = 'Cs-137'
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,10 +39,10 @@ class Nuclide:
 
     name: str
     half_life_s: float
-    energies_kev: Array
-    intensities: Array
+    energies_kev: FloatArray
+    intensities: FloatArray
 
-    def kerma_constants_ugy(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> Array:
+    def kerma_constants_ugy(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> FloatArray:
         """Return the air kerma rate of each line, microgray m^2/(h GBq), shape (n,).
 
         I E (mu_en/rho) / (4 pi r^2) at r = 1 m in vacuum; lines below `cutoff_kev` give 0.
@@ -56,7 +54,7 @@ class Nuclide:
         kept = self.energies_kev >= cutoff_kev
         return np.asarray(per_becquerel_gy * BECQUEREL_PER_GBQ * SECONDS_PER_HOUR * MICRO * kept)
 
-    def line_dose_constants_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> Array:
+    def line_dose_constants_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> FloatArray:
         """Return the ambient dose equivalent rate of each line, uSv m^2/(h GBq), shape (n,)."""
         doses = self.kerma_constants_ugy(cutoff_kev) * dose_per_kerma_sv_gy(self.energies_kev)
         return np.asarray(doses)
@@ -77,7 +75,7 @@ class Nuclide:
         """Return what is left after `age_s` seconds, 2^(-age/half-life)."""
         return float(2.0 ** (-age_s / self.half_life_s))
 
-    def dose_shares(self) -> Array:
+    def dose_shares(self) -> FloatArray:
         """Return the share of each line in the dose rate near the source, shape (n,)."""
         doses = self.line_dose_constants_usvh()
         return np.asarray(doses / doses.sum())

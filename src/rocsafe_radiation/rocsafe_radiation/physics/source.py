@@ -4,9 +4,7 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
 from rocsafe_radiation.physics.source_shape import PointShape, SourceShape
@@ -51,7 +49,7 @@ class RadiationSource:
         except ValueError as error:
             raise ValueError(f'source {self.name}: {error}') from error
 
-    def places(self, time_s: float = 0.0) -> NDArray[np.float64]:
+    def places(self, time_s: float = 0.0) -> FloatArray:
         """Return latitude, longitude, altitude of each of its equal parts, shape (parts, 3)."""
         return (self.shape or PointShape(place=self.position)).places(time_s)
 

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.nuclide import nuclide
 from rocsafe_radiation.physics.photons import AIR, geometric_progression, material
 
-Array = NDArray[np.float64]
 # Linear interpolation between steps is good to 1e-5 at 60 keV and better above.
 STEP_M = 0.25
 # Air leaves less than 1e-8 of any line beyond.
@@ -21,7 +20,7 @@ BLOCK = 16384
 SHIELDED_BLOCK = 4096
 
 
-def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
+def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
     """Return dose rate in air over that without air, for a nuclide, shape of `distances_m`.
 
     The sum over the lines of share * exp(-mu r) * B(mu r), with the build-up B of air.
@@ -40,7 +39,9 @@ def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
     return result.reshape(np.shape(distances_m))
 
 
-def air_transmission_and_slope(nuclide_name: str, distances_m: Array) -> tuple[Array, Array]:
+def air_transmission_and_slope(
+    nuclide_name: str, distances_m: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return the same and its derivative by the distance, 1/m."""
     values, slopes = _table(nuclide_name)
     places = np.minimum(distances_m * (1.0 / STEP_M), float(len(slopes) - 1))
@@ -49,12 +50,12 @@ def air_transmission_and_slope(nuclide_name: str, distances_m: Array) -> tuple[A
     return values[indices] + (places - indices) * steps, steps * (1.0 / STEP_M)
 
 
-def exact_air_transmission(nuclide_name: str, distances_m: Array) -> Array:
+def exact_air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
     """Return the same, line by line."""
     return shielded_transmission(nuclide_name, {AIR: distances_m})
 
 
-def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, Array]) -> Array:
+def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, FloatArray]) -> FloatArray:
     """Return dose rate behind materials over that without any.
 
     `lengths_m` maps names of materials, air among them, to the lengths of n rays within, each of
@@ -64,14 +65,14 @@ def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, Array]) -> 
     names = tuple(lengths_m)
     lengths = np.stack([np.asarray(lengths_m[name], np.float64) for name in names])
     flat = lengths.reshape(len(names), -1)
-    result: Array = np.empty(flat.shape[1])
+    result: FloatArray = np.empty(flat.shape[1])
     for start in range(0, flat.shape[1], SHIELDED_BLOCK):
         rays = slice(start, start + SHIELDED_BLOCK)
         result[rays] = _shielded(nuclide_name, names, flat[:, rays])
     return result.reshape(lengths.shape[1:])
 
 
-def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: Array) -> Array:
+def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: FloatArray) -> FloatArray:
     """Return the transmission of each ray, with `lengths` of shape (materials, rays)."""
     shares, mu, terms = _lines(nuclide_name, names)
     depths = mu @ lengths
@@ -82,7 +83,7 @@ def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: Array) -> Arra
 
 
 @cache
-def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[Array, Array, Array]:
+def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return of each line that gives dose: its share, mu of each material and build-up terms."""
     source = nuclide(nuclide_name)
     shares = source.dose_shares()
@@ -94,9 +95,9 @@ def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[Array, Array, Arr
 
 
 @cache
-def _table(nuclide_name: str) -> tuple[Array, Array]:
+def _table(nuclide_name: str) -> tuple[FloatArray, FloatArray]:
     """Return the transmission at each step and its difference to the next."""
-    distances: Array = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
+    distances: FloatArray = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
     values = exact_air_transmission(nuclide_name, distances)
     slopes = np.diff(values)
     slopes[-1] = 0.0

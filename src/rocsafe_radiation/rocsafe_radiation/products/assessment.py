@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_radiation.belief.belief_search import BeliefMap, believe
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.decision.stopping import StoppingRule, Verdict
@@ -27,7 +27,6 @@ from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordo
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 # As many bytes of a message; files hold finer maps.
 LARGEST_CELLS = 40_000
 
@@ -166,7 +165,7 @@ def _doubtful(picture: Picture, count: int, area: Polygon | None) -> tuple[Waypo
     )
 
 
-def _are_within(places: Array, area: Polygon | None) -> NDArray[np.bool_]:
+def _are_within(places: FloatArray, area: Polygon | None) -> BoolArray:
     if area is None:
         return np.ones(len(places), dtype=bool)
     return np.asarray(shapely.contains_xy(area, places[:, 0], places[:, 1]), dtype=bool)

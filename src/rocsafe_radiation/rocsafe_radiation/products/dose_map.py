@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.residual_kriging import residual
 from rocsafe_radiation.readings.survey import Survey
 
-Array = NDArray[np.float64]
 # Where responders measure: IAEA, EPR-First Responders.
 HEIGHT_M = 1.0
 SAMPLES = 40
@@ -39,9 +38,9 @@ class DoseMap:
 
     corner_m: tuple[float, float]
     cell_m: float
-    mean_usvh: Array
-    std_usvh: Array
-    upper_usvh: Array
+    mean_usvh: FloatArray
+    std_usvh: FloatArray
+    upper_usvh: FloatArray
 
 
 def dose_map(
@@ -82,7 +81,9 @@ def dose_map(
     )
 
 
-def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Array, Array]:
+def _bounds(
+    found: Localization, survey: Survey, level_usvh: float
+) -> tuple[FloatArray, FloatArray]:
     """Return the south-western and the north-eastern corner of what the map shows."""
     places = survey.positions_enu_m[:, :2]
     low, high = places.min(axis=0) - MARGIN_M, places.max(axis=0) + MARGIN_M
@@ -94,7 +95,7 @@ def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Arr
     return low, high
 
 
-def _ups(survey: Survey, east: Array, north: Array) -> Array | None:
+def _ups(survey: Survey, east: FloatArray, north: FloatArray) -> FloatArray | None:
     """Return how high the nodes lie, one metre above the ground; None if that is level."""
     if survey.ground.is_level:
         return None
@@ -104,11 +105,11 @@ def _ups(survey: Survey, east: Array, north: Array) -> Array | None:
 def _drawn(
     found: Localization,
     kernel: Kernel,
-    east: Array,
-    north: Array,
-    ups: Array | None,
+    east: FloatArray,
+    north: FloatArray,
+    ups: FloatArray | None,
     generator: np.random.Generator,
-) -> Array:
+) -> FloatArray:
     background = max(0.0, generator.normal(found.background_usvh, found.background_std_usvh))
     sources = [_shifted(source, generator) for source in found.sources]
     return grid_dose_rates_usvh(sources, background, kernel, east, north, ups)
@@ -129,15 +130,15 @@ def grid_dose_rates_usvh(
     sources: Sequence[SourceEstimate],
     background_usvh: float,
     kernel: Kernel,
-    east: Array,
-    north: Array,
-    ups: Array | None = None,
-) -> Array:
+    east: FloatArray,
+    north: FloatArray,
+    ups: FloatArray | None = None,
+) -> FloatArray:
     """Return the dose rate at all nodes, shape (north, east).
 
     `ups` says how high these are, of the same shape; None: all 1 m above level ground.
     """
-    total: Array = np.full((north.size, east.size), background_usvh)
+    total: FloatArray = np.full((north.size, east.size), background_usvh)
     for source in sources:
         x, y, up = source.position_enu_m
         columns, rows = (east - x) ** 2, (north - y) ** 2

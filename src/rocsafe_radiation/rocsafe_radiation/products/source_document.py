@@ -5,8 +5,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.products.assessment import Picture
@@ -60,7 +60,7 @@ def source_geojson(found: Localization, frame: LocalFrame) -> dict[str, Any]:
     return {'type': 'FeatureCollection', 'features': features}
 
 
-def place_of(enu: NDArray[np.float64], frame: LocalFrame | None) -> dict[str, float]:
+def place_of(enu: FloatArray, frame: LocalFrame | None) -> dict[str, float]:
     """Return a place in degrees with `frame`, else in metres."""
     if frame is None:
         east, north, up = enu.tolist()
@@ -87,7 +87,7 @@ def _source(source: SourceEstimate, frame: LocalFrame | None) -> dict[str, Any]:
     }
 
 
-def _ellipse(source: SourceEstimate) -> NDArray[np.float64]:
+def _ellipse(source: SourceEstimate) -> FloatArray:
     """Return the corners of the ellipse, anticlockwise, east, north, up."""
     long_m, short_m, angle = source.ellipse_95()
     turns = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS, endpoint=False)

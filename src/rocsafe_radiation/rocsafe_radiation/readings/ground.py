@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.errors import RadiationError
 
-Array = NDArray[np.float64]
 # Around readings; farther away the ground goes on level.
 MARGIN_M, LEAST_MARGIN_M = 150.0, 75.0
 MOST_CELLS_A_SIDE, SMALLEST_CELL_M = 350, 1.0
@@ -23,7 +23,7 @@ class GroundError(RadiationError):
 class GroundHeights(Protocol):
     """Whoever knows how high the ground is."""
 
-    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> Array:
+    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
         """Return the altitude of the ground above the ellipsoid, (n,); NaN where unknown."""
         ...
 
@@ -43,7 +43,7 @@ class Ground:
 
     corner_m: tuple[float, float] = (0.0, 0.0)
     cell_m: float = 1.0
-    ups_m: Array = field(default_factory=lambda: np.zeros((1, 1)))
+    ups_m: FloatArray = field(default_factory=lambda: np.zeros((1, 1)))
 
     def __post_init__(self) -> None:
         if self.ups_m.ndim != 2 or not self.ups_m.size or not np.isfinite(self.ups_m).all():
@@ -56,14 +56,14 @@ class Ground:
         """Whether it is level, at 0."""
         return self.ups_m.size == 1 and float(self.ups_m[0, 0]) == 0.0
 
-    def reaches(self, places_m: Array) -> bool:
+    def reaches(self, places_m: FloatArray) -> bool:
         """Return whether it is known around all places (n, 2)."""
         low = np.array(self.corner_m)
         high = low + self.cell_m * (np.array(self.ups_m.shape[::-1]) - 1.0)
         inside = (places_m >= low + LEAST_MARGIN_M) & (places_m <= high - LEAST_MARGIN_M)
         return bool(inside.all())
 
-    def ups_at(self, places_m: Array) -> Array:
+    def ups_at(self, places_m: FloatArray) -> FloatArray:
         """Return the height of the ground at places (..., 2)."""
         if self.ups_m.size == 1:
             return np.full(places_m.shape[:-1], self.ups_m[0, 0])
@@ -72,7 +72,7 @@ class Ground:
         north = corners[2] + over * (corners[3] - corners[2])
         return np.asarray(south + down * (north - south))
 
-    def slopes_at(self, places_m: Array) -> Array:
+    def slopes_at(self, places_m: FloatArray) -> FloatArray:
         """Return by how much the ground rises a metre to the east and north, (..., 2)."""
         if self.ups_m.size == 1:
             return np.zeros(places_m.shape)
@@ -84,7 +84,7 @@ class Ground:
         north = (1.0 - over) * (corners[2] - corners[0]) + over * (corners[3] - corners[1])
         return np.stack([east * inside_x, north * inside_y], axis=-1) / self.cell_m
 
-    def raised(self, sources: Array) -> Array:
+    def raised(self, sources: FloatArray) -> FloatArray:
         """Return east, north, up of places given by east, north and height above, (k, 3)."""
         if self.is_level:
             return sources
@@ -92,7 +92,7 @@ class Ground:
         places[:, 2] += self.ups_at(places[:, :2])
         return places
 
-    def follow(self, slopes: Array, sources: Array) -> None:
+    def follow(self, slopes: FloatArray, sources: FloatArray) -> None:
         """Add to slopes by east and north what comes of the height that changes with the place.
 
         `slopes` (k, parameters, n) begin with those by east, north and up of each source.
@@ -100,15 +100,19 @@ class Ground:
         if not self.is_level:
             slopes[:, :2] += self.slopes_at(sources[:, :2])[:, :, None] * slopes[:, 2:3]
 
-    def tilted(self, covariance: Array, place_m: Array) -> Array:
+    def tilted(self, covariance: FloatArray, place_m: FloatArray) -> FloatArray:
         """Return a covariance of east, north, height above ground, ... as one of up instead."""
         turn = np.eye(len(covariance))
         turn[2, :2] = self.slopes_at(place_m[:2])
         return np.asarray(turn @ covariance @ turn.T)
 
     def _cells(
-        self, places_m: Array
-    ) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array, Array, Array]]:
+        self, places_m: FloatArray
+    ) -> tuple[
+        tuple[FloatArray, FloatArray],
+        tuple[FloatArray, FloatArray],
+        tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    ]:
         """Return row and column, the way into the cell, and the heights of its corners."""
         rows, columns = self.ups_m.shape
         column = np.clip((places_m[..., 0] - self.corner_m[0]) / self.cell_m, 0.0, columns - 1.0)
@@ -124,7 +128,7 @@ class Ground:
 LEVEL = Ground()
 
 
-def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: Array) -> Ground:
+def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: FloatArray) -> Ground:
     """Return the ground under and around places (n, 2) of `frame`.
 
     Where nobody knows it, it is as high as the nearest known ground to the east or west, or else
@@ -154,7 +158,7 @@ def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: Array) -> G
     )
 
 
-def _filled(ups: Array) -> Array:
+def _filled(ups: FloatArray) -> FloatArray:
     """Return heights with gaps closed along rows, then along columns."""
     for table in (ups, ups.T):
         for row in table:

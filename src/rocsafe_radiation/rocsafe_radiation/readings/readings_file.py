@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.errors import RadiationError
@@ -216,7 +216,7 @@ def _number(text: str | None) -> float:
     return value if math.isfinite(value) else math.nan
 
 
-def _frame(array: NDArray[np.float64], ground_altitude_m: float) -> LocalFrame:
+def _frame(array: FloatArray, ground_altitude_m: float) -> LocalFrame:
     """Return a frame about the middle of all readings, at the ground or the lowest of them."""
     is_known = math.isfinite(ground_altitude_m)
     return LocalFrame(
@@ -228,7 +228,7 @@ def _frame(array: NDArray[np.float64], ground_altitude_m: float) -> LocalFrame:
     )
 
 
-def _observations(array: NDArray[np.float64], frame: LocalFrame | None) -> tuple[Observation, ...]:
+def _observations(array: FloatArray, frame: LocalFrame | None) -> tuple[Observation, ...]:
     places = frame.to_enu(*array[:, :3].T) if frame else array[:, :3]
     return tuple(
         Observation(

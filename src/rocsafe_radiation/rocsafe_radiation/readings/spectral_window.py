@@ -7,9 +7,9 @@ the peak.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
+
 # Counts of readings this near say the same of the ground.
 SMOOTHING_M = 8.0
 # So many counts foretell the background to 7 %, well below what one reading of the peak can tell.
@@ -20,8 +20,8 @@ BLOCK = 1024
 
 
 def background_shape(
-    positions_enu_m: Array, reference_counts: Array, smoothing_m: float = SMOOTHING_M
-) -> Array:
+    positions_enu_m: FloatArray, reference_counts: FloatArray, smoothing_m: float = SMOOTHING_M
+) -> FloatArray:
     """Return the background at each reading relative to its mean, shape (n,).
 
     `reference_counts` of the window above, shape (n,), are averaged over neighbours with a
@@ -44,7 +44,9 @@ def background_shape(
     return np.asarray(np.maximum(smooth / mean, 0.1))
 
 
-def _sums(places: Array, counts: Array, smoothing_m: float) -> tuple[Array, Array]:
+def _sums(
+    places: FloatArray, counts: FloatArray, smoothing_m: float
+) -> tuple[FloatArray, FloatArray]:
     """Return around each place the weighted sum of `counts` and the sum of weights."""
     sums, totals = np.empty(len(places)), np.empty(len(places))
     for start in range(0, len(places), BLOCK):

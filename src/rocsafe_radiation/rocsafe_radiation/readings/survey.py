@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.readings.ground import LEVEL, Ground
 
-Array = NDArray[np.float64]
 # A reading without statistics of its own counts as that of a large scintillator, so that errors
 # of position and model, not counts, limit what is believed of it.
 NOMINAL_COUNTS_PER_USVH = 550.0 * 0.2
@@ -52,10 +51,10 @@ class Survey:
     ground: below.
     """
 
-    positions_enu_m: Array
-    counts: Array
-    exposures: Array
-    background_shape: Array | None = None
+    positions_enu_m: FloatArray
+    counts: FloatArray
+    exposures: FloatArray
+    background_shape: FloatArray | None = None
     ground: Ground = LEVEL
 
     def __post_init__(self) -> None:
@@ -76,7 +75,7 @@ class Survey:
         return len(self.counts)
 
     @property
-    def heights_m(self) -> Array:
+    def heights_m(self) -> FloatArray:
         """Height of each reading above the ground below it, shape (n,)."""
         ups = self.positions_enu_m[:, 2]
         if self.ground.is_level:

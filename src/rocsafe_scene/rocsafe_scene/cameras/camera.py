@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.scenery.canvas import Image
@@ -47,7 +48,7 @@ class Camera(Protocol):
     def photograph(
         self,
         position_enu: Enu,
-        rotation_enu_from_optical: NDArray[np.float64],
+        rotation_enu_from_optical: FloatArray,
         time_ns: int = 0,
         *,
         is_quick: bool = False,

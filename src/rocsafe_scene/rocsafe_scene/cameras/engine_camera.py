@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.engine.outputs import Frame
 from rocsafe_scene.engine.studio import Studio, open_renderer
@@ -21,7 +23,6 @@ from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObje
 from rocsafe_scene.scene.scene_file import read_scene
 from rocsafe_scene.scenery.canvas import Image
 
-_NS_PER_S = 1e9
 # Far above the numbers of things; 65535 stays free, which stands for what 16 bits cannot hold.
 GROUND_NUMBERS = 65_279
 
@@ -63,7 +64,7 @@ class EngineScene:
 
     def set_time(self, time_ns: int) -> None:
         """Put what moves where it is at a simulated time."""
-        self.renderer.set_time(max(0, time_ns - self._start_ns) / _NS_PER_S)
+        self.renderer.set_time(max(0, time_ns - self._start_ns) / NS_PER_S)
 
 
 class EngineCamera:
@@ -99,7 +100,7 @@ class EngineCamera:
     def photograph(
         self,
         position_enu: Enu,
-        rotation_enu_from_optical: NDArray[np.float64],
+        rotation_enu_from_optical: FloatArray,
         time_ns: int = 0,
         *,
         is_quick: bool = False,
@@ -113,7 +114,7 @@ class EngineCamera:
 
 
 def _sun_time(start_ns: int) -> datetime | None:
-    return datetime.fromtimestamp(start_ns / _NS_PER_S, timezone.utc) if start_ns else None
+    return datetime.fromtimestamp(start_ns / NS_PER_S, timezone.utc) if start_ns else None
 
 
 def told_numbers(frame: Frame) -> NDArray[np.uint32]:

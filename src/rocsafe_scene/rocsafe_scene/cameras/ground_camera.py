@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
 from rocsafe_scene.cameras.camera import Truth
@@ -44,7 +44,7 @@ class GroundCamera:
     def photograph(
         self,
         position_enu: Enu,
-        rotation_enu_from_optical: NDArray[np.float64],
+        rotation_enu_from_optical: FloatArray,
         time_ns: int = 0,  # noqa: ARG002 - nothing moves in a picture
         *,
         is_quick: bool = False,  # noqa: ARG002 - it always is
@@ -75,7 +75,7 @@ class GroundCamera:
         )
 
 
-def _around(corners: NDArray[np.float64], resolution_m: float) -> GroundBounds:
+def _around(corners: FloatArray, resolution_m: float) -> GroundBounds:
     margin = _MARGIN_TEXELS * resolution_m
     west, south = (corners.min(axis=0) - margin).tolist()
     east, north = (corners.max(axis=0) + margin).tolist()

@@ -5,6 +5,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, IndexArray
+
 Image = NDArray[np.uint8]
 
 # Edges of less contrast, absolute and of the brightness around, are left as they are.
@@ -49,7 +51,7 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
     return result
 
 
-def _differs(values: NDArray[np.uint32]) -> NDArray[np.bool_]:
+def _differs(values: NDArray[np.uint32]) -> BoolArray:
     """Return whether a value differs from that to the left or above."""
     found = np.zeros(values.shape, bool)
     found[:, 1:] = values[:, 1:] != values[:, :-1]
@@ -63,9 +65,7 @@ def _steps(values: Image) -> Image:
     return np.asarray(cv2.subtract(cv2.dilate(values, kernel), cv2.erode(values, kernel)))
 
 
-def _along(
-    bright: Image, rows: NDArray[np.intp], columns: NDArray[np.intp]
-) -> NDArray[np.float32]:
+def _along(bright: Image, rows: IndexArray, columns: IndexArray) -> NDArray[np.float32]:
     """Return the direction in which each edge runs, x right and y down, pixels, (n, 2)."""
     across_x = cv2.Sobel(bright, cv2.CV_16S, 1, 0)[rows, columns].astype(np.float32)
     across_y = cv2.Sobel(bright, cv2.CV_16S, 0, 1)[rows, columns].astype(np.float32)
@@ -75,7 +75,7 @@ def _along(
 
 
 def _at(
-    image: Image, rows: NDArray[np.intp], columns: NDArray[np.intp], shift: NDArray[np.float32]
+    image: Image, rows: IndexArray, columns: IndexArray, shift: NDArray[np.float32]
 ) -> NDArray[np.float32]:
     """Return colours at places beside pixels, (n, 3)."""
     x = (columns + shift[:, 0]).astype(np.float32)

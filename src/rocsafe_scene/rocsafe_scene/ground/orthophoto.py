@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.ground.picture import GroundBounds, Patch, require_patch_size
@@ -76,7 +76,7 @@ class OrthophotoGround:
         )
         return Patch(image, _homography(corners, (full - (left, top)) / shrink - 0.5))
 
-    def _file_pixels(self, ground: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _file_pixels(self, ground: FloatArray) -> FloatArray:
         """Return (column, row) in the file, from its outer corner, of ground points (n, 2)."""
         enu = np.column_stack([ground, np.zeros(len(ground))])
         latitudes, longitudes, _ = self._frame.to_geodetic(enu).T
@@ -121,7 +121,7 @@ def _opened(path: Path) -> Any:
     return file
 
 
-def _homography(ground: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDArray[np.float64]:
+def _homography(ground: FloatArray, pixels: FloatArray) -> FloatArray:
     """Return the homography through four pairs of points: over a picture maps are as good as flat.
 
     A transverse Mercator map bends by less than 1 mm over 100 m.
@@ -129,7 +129,7 @@ def _homography(ground: NDArray[np.float64], pixels: NDArray[np.float64]) -> NDA
     import cv2
 
     centre = ground.mean(axis=0)
-    inner: NDArray[np.float64] = cv2.getPerspectiveTransform(
+    inner: FloatArray = cv2.getPerspectiveTransform(
         (ground - centre).astype(np.float32), pixels.astype(np.float32)
     )
     shift = np.array([[1.0, 0.0, -centre[0]], [0.0, 1.0, -centre[1]], [0.0, 0.0, 1.0]])

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.scenery.canvas import Image
 
@@ -44,7 +44,7 @@ class Patch:
     """
 
     image: Image
-    pixel_from_ground: NDArray[np.float64]
+    pixel_from_ground: FloatArray
 
 
 class Ground(Protocol):
@@ -68,7 +68,7 @@ def require_patch_size(columns: int, rows: int) -> None:
         )
 
 
-def south_up_homography(west_m: float, south_m: float, pixel_m: float) -> NDArray[np.float64]:
+def south_up_homography(west_m: float, south_m: float, pixel_m: float) -> FloatArray:
     """Return ground -> pixel where columns run east and rows run north from an outer corner."""
     per_m = 1.0 / pixel_m
     return np.array(

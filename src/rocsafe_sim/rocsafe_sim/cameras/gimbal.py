@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 from rocsafe_geo.angle import wrap_rad
 from rocsafe_geo.limits import require_between, require_finite, require_positive
+from rocsafe_geo.time_units import NS_PER_S
 
 NADIR_RAD = -0.5 * math.pi
-_NS_PER_S = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,7 +92,7 @@ class Gimbal:
     def direction(self, time_ns: int) -> Direction:
         """Return where it points at a time; before its last order it stood still."""
         order = self.order
-        reach = self.limits.rate_radps * max(0.0, (time_ns - order.start_ns) / _NS_PER_S)
+        reach = self.limits.rate_radps * max(0.0, (time_ns - order.start_ns) / NS_PER_S)
         pitch = order.target.pitch_rad - order.start.pitch_rad
         yaw = wrap_rad(order.target.yaw_rad - order.start.yaw_rad)
         return Direction(

@@ -4,10 +4,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import rotation_body_from_optical, rotation_enu_from_body
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera, Truth
 from rocsafe_scene.optics.motion import (
     CameraMotion,
@@ -20,8 +21,6 @@ from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scenery.canvas import Image
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
-
-_NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +51,7 @@ class Picture:
     image: Image
     truth: Truth | None
     position_enu: Enu
-    rotation_enu_from_optical: NDArray[np.float64]
+    rotation_enu_from_optical: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,7 +120,7 @@ class MountedCamera:
     def span_ns(self) -> int:
         """Time over which motion shows in a picture; 0 if it does not."""
         effects = self.settings.effects
-        return round(_NS_PER_S * max(effects.shutter_s, effects.readout_s))
+        return round(NS_PER_S * max(effects.shutter_s, effects.readout_s))
 
     def direction(self, time_ns: int) -> Direction:
         """Return where it looks from the vehicle at a time."""
@@ -131,7 +130,7 @@ class MountedCamera:
         """Return how it is held by a vehicle of an attitude: a gimbal keeps it level."""
         return Attitude(yaw_rad=attitude.yaw_rad) if self.gimbal else attitude
 
-    def rotation(self, held: Attitude, time_ns: int) -> NDArray[np.float64]:
+    def rotation(self, held: Attitude, time_ns: int) -> FloatArray:
         """Return the rotation (3, 3) from the optical frame to east, north, up at a time."""
         body = rotation_enu_from_body(held.yaw_rad, held.pitch_rad, held.roll_rad)
         looks = self.direction(time_ns)
@@ -163,7 +162,7 @@ class MountedCamera:
         )
 
     def _rates(
-        self, exposure: Exposure, rotation: NDArray[np.float64], truth: Truth | None
+        self, exposure: Exposure, rotation: FloatArray, truth: Truth | None
     ) -> Rates | None:
         """Return how fast what each drawn pixel shows moves; None if nothing does."""
         if not self.span_ns:
@@ -184,4 +183,4 @@ class MountedCamera:
             for stand, shift_ns in ((before, -half_ns), (after, half_ns))
         )
         places = (before.position_enu, after.position_enu)
-        return motion_between(places, (early, late), self.span_ns / _NS_PER_S)
+        return motion_between(places, (early, late), self.span_ns / NS_PER_S)

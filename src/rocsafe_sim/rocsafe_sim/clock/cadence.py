@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """When something periodic is due in simulated time."""
 
-NS_PER_S = 1_000_000_000
+from rocsafe_geo.time_units import NS_PER_S
 
 
 class Cadence:

@@ -4,14 +4,13 @@
 import math
 from collections.abc import Iterator
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.battery import low_battery_s
 from rocsafe_sim.flight.orders import Order, OrderKind, timeline_of
 from rocsafe_sim.flight.route import Route
 from rocsafe_sim.flight.segment import Mode, Pose
 from rocsafe_sim.flight.timeline import ShotTime
-
-NS_PER_S = 1_000_000_000
 
 
 class Course:

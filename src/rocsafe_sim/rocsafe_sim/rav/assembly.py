@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera
 from rocsafe_scene.cameras.ground_camera import GroundCamera
 from rocsafe_scene.errors import EngineError
@@ -20,7 +21,6 @@ from rocsafe_scene.scene.map_cache import default_folder
 from rocsafe_scene.scenery.catalogue import make_scene
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
-from rocsafe_sim.clock.cadence import NS_PER_S
 from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise

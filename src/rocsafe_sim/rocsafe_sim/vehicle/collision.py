@@ -7,8 +7,9 @@ neither the step of the simulation nor a restart changes what is hit, and when.
 
 from dataclasses import dataclass
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.course import NS_PER_S, Course
+from rocsafe_sim.flight.course import Course
 from rocsafe_sim.flight.orders import OrderKind
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.surroundings import GROUND, Surroundings

@@ -5,9 +5,10 @@ import math
 from dataclasses import replace
 
 from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.course import NS_PER_S, Course
+from rocsafe_sim.flight.course import Course
 from rocsafe_sim.flight.orders import Order, OrderKind
 from rocsafe_sim.flight.route import Route, horizontal_m
 from rocsafe_sim.flight.segment import Mode
