@@ -10,11 +10,11 @@ from test.fakes.camera import GREYS, RATE_HZ, Camera, HttpCamera, RtspCamera, nu
 from test.mavlink.telemetry import ready
 from test.mavlink.test_camera import exposure, feedback
 
-from rocsafe_mavlink.camera import video_stream
-from rocsafe_mavlink.camera.camera_trigger import Photographer
-from rocsafe_mavlink.camera.numbering import Film
-from rocsafe_mavlink.camera.sources import open_source
-from rocsafe_mavlink.camera.video_stream import Frame, VideoStream, dates_of, is_catching_up
+from rocsafe_mavlink.assembly import open_source
+from rocsafe_mavlink.camera import video_source as video_stream
+from rocsafe_mavlink.camera.geotagging import Geotagger
+from rocsafe_mavlink.camera.numbering import ShotNumbering
+from rocsafe_mavlink.camera.video_source import VideoFrame, VideoSource, dates_of, is_catching_up
 
 # Of a viewer that looks at a stream for some seconds before it shows it, on a busy machine.
 DEADLINE_S = 60.0
@@ -71,7 +71,7 @@ def test_camera_is_opened_again(kind, monkeypatch):
 
 def shots_get_their_frames(stream):
     """Check photographs: of shots now, of one of long ago, and by a clock that was never set."""
-    made, told, moments_s = Photographer(Film(), stream, None), [], []
+    made, told, moments_s = Geotagger(ShotNumbering(), stream, None), [], []
     for index, behind_s in enumerate((0.0, 0.0, 60.0, 0.0)):
         # The machine may stand still, and so the camera: then there is none of that moment.
         now_s = until(lambda: (moment_s := time.time()) and stream.at(moment_s) and moment_s)
@@ -91,11 +91,11 @@ def shots_get_their_frames(stream):
 
 def test_frames_that_waited_are_dated_by_the_clock_of_the_stream():
     """Read all at once after opening; one without a clock is dated by arrival."""
-    waited = [Frame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
-    later = [Frame(98.2 + 0.1 * n, 0.1 * n, n) for n in range(20, 30)]
+    waited = [VideoFrame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
+    later = [VideoFrame(98.2 + 0.1 * n, 0.1 * n, n) for n in range(20, 30)]
     dates = [taken_s for taken_s, _ in dates_of([*waited, *later])]
     assert dates == pytest.approx([98.2 + 0.1 * n for n in range(30)])
-    silent = [Frame(100.0 + n, -1e17, n) for n in range(3)]
+    silent = [VideoFrame(100.0 + n, -1e17, n) for n in range(3)]
     assert [taken_s for taken_s, _ in dates_of(silent)] == [100.0, 101.0, 102.0]
     assert dates_of([]) == []
 
@@ -108,7 +108,7 @@ def test_video_gives_the_frame_of_the_moment(tmp_path):
         writer.write(np.full((48, 64, 3), value, np.uint8))
     writer.release()
     now_s = time.time()
-    stream = VideoStream(path, lambda: now_s)
+    stream = VideoSource(path, lambda: now_s)
     until(lambda: len(stream._frames) >= 3)
     stream.close()
     frames = list(stream._frames)[:3]
@@ -123,16 +123,16 @@ def test_video_gives_the_frame_of_the_moment(tmp_path):
 
 def test_frames_that_waited_do_not_tell_the_clock():
     """Until one came when it was due: the newest of them is less under way than all before."""
-    waited = [Frame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
+    waited = [VideoFrame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
     assert all(is_catching_up(waited[:count], 100.52) for count in range(1, 21))
-    later = [*waited, Frame(100.52, 2.0, 20), Frame(100.62, 2.1, 21)]
+    later = [*waited, VideoFrame(100.52, 2.0, 20), VideoFrame(100.62, 2.1, 21)]
     assert not is_catching_up(later, 100.62)
-    silent = [Frame(100.0 + n, -1e17, n) for n in range(2)]
+    silent = [VideoFrame(100.0 + n, -1e17, n) for n in range(2)]
     assert not is_catching_up(silent, 101.0)
 
 
 def test_frames_that_came_at_once_are_dated_when_no_more_come():
     """A file is read faster than it was filmed."""
-    waited = [Frame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
+    waited = [VideoFrame(100.5 + 0.001 * n, 0.1 * n, n) for n in range(20)]
     assert not is_catching_up(waited, 101.1)
     assert not is_catching_up([], 0.0)

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the pictures of a real camera come from: a folder that is watched, or a video stream."""
 
-from collections.abc import Callable
 from pathlib import Path
 
-from rocsafe_mavlink.camera.source import Picture, PictureSource
-from rocsafe_mavlink.camera.video_stream import VideoStream
+from rocsafe_mavlink.camera.source import CameraImage
 
 SUFFIXES = ('.jpg', '.jpeg')
 END_OF_JPEG = b'\xff\xd9'
 LARGEST_FILE = 64 * 1024 * 1024
-STREAM_PREFIXES = ('rtsp://', 'http://', 'https://', '/dev/video')
 
 
-class WatchedFolder:
+class FolderSource:
     """JPEG files as they appear in a folder, each once and only when it is whole."""
 
     is_stream = False
@@ -23,7 +20,7 @@ class WatchedFolder:
         self._known: set[str] = set()
         self._sizes: dict[str, int] = {}
 
-    def take(self) -> list[Picture]:
+    def take(self) -> list[CameraImage]:
         """Return the files that have become whole since the last call, by their time."""
         found = []
         for path in self._folder.glob('*'):
@@ -34,14 +31,14 @@ class WatchedFolder:
                     found.append(picture)
         return sorted(found, key=lambda picture: (picture.unix_s, picture.name))
 
-    def at(self, _unix_s: float) -> Picture | None:
+    def at(self, _unix_s: float) -> CameraImage | None:
         """Return nothing: files come when they come."""
         return None
 
     def close(self) -> None:
         """Do nothing: no file is held."""
 
-    def _whole(self, path: Path) -> Picture | None:
+    def _whole(self, path: Path) -> CameraImage | None:
         """Return the picture if its file has stopped growing and ends as a JPEG file does."""
         try:
             status = path.stat()
@@ -55,23 +52,4 @@ class WatchedFolder:
         if END_OF_JPEG not in jpeg[-64:]:
             return None
         del self._sizes[path.name]
-        return Picture(name=path.name, unix_s=status.st_mtime, jpeg=jpeg)
-
-
-def open_source(text: str, clock: Callable[[], float]) -> PictureSource | None:
-    """Return where pictures come from; None if `text` is empty.
-
-    Raises
-    ------
-    ValueError: if it is neither a folder nor a stream.
-    """
-    if not text:
-        return None
-    if text.startswith(STREAM_PREFIXES):
-        return VideoStream(text, clock)
-    folder = Path(text)
-    if not folder.is_dir():
-        raise ValueError(
-            f'image folder {text!r} is no folder, nor rtsp://..., http://... or /dev/video...'
-        )
-    return WatchedFolder(folder)
+        return CameraImage(name=path.name, unix_s=status.st_mtime, jpeg=jpeg)

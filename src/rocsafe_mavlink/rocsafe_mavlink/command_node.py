@@ -6,7 +6,7 @@ from typing import Any
 
 from rocsafe_mavlink.conversions import check_message, ring_of
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.errors import OrderRefusedError
+from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.preflight import failures
 from rocsafe_ros import topics
@@ -16,7 +16,7 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 Begin = Callable[[Any, float], None]
 
 
-class OrderServices:
+class CommandServices:
     """Services: hold, resume, return_home, land, go_to, set_speed, preflight, fence and rally.
 
     Parameters
@@ -31,14 +31,15 @@ class OrderServices:
         self._drone = drone
         self._clock = clock
         self._waiting: list[_Answer] = []
-        orders = drone.orders
-        self._serve(topics.HOLD, lambda _request, now_s: orders.hold(now_s))
-        self._serve(topics.RESUME, lambda _request, now_s: orders.resume(now_s))
-        self._serve(topics.RETURN_HOME, lambda _request, now_s: orders.return_home(now_s), True)
-        self._serve(topics.LAND, lambda _request, now_s: orders.land(now_s), True)
+        commands = drone.commands
+        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
+        self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
+        self._serve(topics.RETURN_HOME, lambda _request, now_s: commands.return_home(now_s), True)
+        self._serve(topics.LAND, lambda _request, now_s: commands.land(now_s), True)
         self._serve(topics.GO_TO, self._go_to)
         self._serve(
-            topics.SET_SPEED, lambda request, now_s: orders.change_speed(request.speed_mps, now_s)
+            topics.SET_SPEED,
+            lambda request, now_s: commands.change_speed(request.speed_mps, now_s),
         )
         self._serve(topics.PUSH_FENCE, self._push_fence)
         self._serve(topics.PUSH_RALLY, self._push_rally)
@@ -49,21 +50,13 @@ class OrderServices:
         """Answer the calls whose order is over."""
         waiting, self._waiting = self._waiting, []
         for answer in waiting:
-            error = self._outcome(answer)
+            error = self._drone.commands.outcome(answer.number)
             if error is None:
                 self._waiting.append(answer)
                 continue
             if not error and answer.ends_flight:
                 self._drone.gave_up()
             answer.give(error)
-
-    def _outcome(self, answer: '_Answer') -> str | None:
-        """Return how an order ended, empty: well; None while it is under way."""
-        orders = self._drone.orders
-        if orders.count != answer.number:
-            return 'another order took its place'
-        errand = orders.errand
-        return errand.error if errand is not None and errand.is_over else None
 
     def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
         answers: list[_Answer] = []
@@ -76,10 +69,10 @@ class OrderServices:
             self._drone.step(now_s)
             try:
                 begin(request, now_s)
-            except (OrderRefusedError, ValueError) as refusal:
+            except (CommandRefusedError, ValueError) as refusal:
                 answer.give(str(refusal))
                 return response
-            answer.number = self._drone.orders.count
+            answer.number = self._drone.commands.count
             self._waiting.append(answer)
             return response
 
@@ -94,22 +87,22 @@ class OrderServices:
 
     def _go_to(self, request: Any, now_s: float) -> None:
         place = position_of_point(request.position)
-        self._drone.orders.go_to(place, request.height_m, now_s)
+        self._drone.commands.go_to(place, request.height_m, now_s)
 
     def _push_fence(self, request: Any, _now_s: float) -> None:
         fence = Fence(
             inclusions=tuple(map(ring_of, request.inclusions)),
             exclusions=tuple(map(ring_of, request.exclusions)),
         )
-        self._drone.orders.push_fence(fence)
+        self._drone.commands.push_fence(fence)
 
     def _push_rally(self, request: Any, _now_s: float) -> None:
         points = [position_of_point(point) for point in request.points]
-        self._drone.orders.push_rally(points, request.height_m)
+        self._drone.commands.push_rally(points, request.height_m)
 
     def _on_preflight(self, _request: Any, response: Any) -> Any:
         try:
-            checks = self._drone.checks(self._clock())
+            checks = self._drone.checks_of_plan(self._clock())
         except ValueError as error:
             self._node.get_logger().warning(f'{self._drone.spec.name}: {error}')
             return response

@@ -25,7 +25,7 @@ from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.fix import fix_fault, separation_m
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.vehicle import Battery, Contact, Home, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import Battery, Contact, Home, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import deg_of_e7, e7_of_deg, yaw_of_centidegrees
 
@@ -118,7 +118,7 @@ def test_fix_is_lost_when_time_stands_still():
     vehicle = after(gps(), position(51.2), vehicle=ready(), now_s=NOW_S + 1.2)
     assert 'time stands still' in fix_fault(vehicle, NOW_S + 1.2)
     assert 'no position comes' in fix_fault(ready(), NOW_S + 1.2)
-    assert 'no position comes' in fix_fault(Vehicle(system=1, component=1), NOW_S)
+    assert 'no position comes' in fix_fault(VehicleTelemetry(system=1, component=1), NOW_S)
     assert 'not been heard of' in fix_fault(replace(ready(), ekf_flags=None), NOW_S)
 
 
@@ -162,7 +162,7 @@ def test_silence_is_told(silence_s, contact):
 
 def test_events_tell_what_changed():
     """One event a change, in the vehicle's own words where it has some."""
-    assert kinds(Vehicle(system=1, component=1), heartbeat(0, status=0)) == [
+    assert kinds(VehicleTelemetry(system=1, component=1), heartbeat(0, status=0)) == [
         EventKind.FOUND,
     ]
     assert kinds(ready(), heartbeat(3, armed=True)) == [EventKind.ARMED, EventKind.MODE]

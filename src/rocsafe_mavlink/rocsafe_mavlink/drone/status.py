@@ -10,13 +10,12 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
-from rocsafe_mavlink.drone.member import Member
-from rocsafe_mavlink.flight.flight_journal import Entry
-from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.drone.vehicle_session import VehicleSession
+from rocsafe_mavlink.flight.flight_journal import JournalEntry
 from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE, FlightLimits
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
-from rocsafe_mavlink.knowledge.vehicle import Contact, MissionPhase, Motion, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, Motion, VehicleTelemetry
 
 _SILENT = (Contact.STALE, Contact.LOST)
 
@@ -34,18 +33,7 @@ _QUALITIES = {4: FixQuality.AUGMENTED, 5: FixQuality.GROUND_BASED, 6: FixQuality
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlightSummary:
-    """How a flight ended."""
-
-    outcome: Outcome
-    text: str
-    visited: int
-    distance_m: float
-    duration_s: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Left:
+class RemainingRoute:
     """What is left of a flight: `visited` of `count` stops are behind."""
 
     visited: int = 0
@@ -55,18 +43,22 @@ class Left:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sight:
-    """What an observation is made of."""
+class StatusInputs:
+    """What a status is made from; `frame` is that of the mission."""
 
-    vehicle: Vehicle
-    member: Member
-    entry: Entry | None
+    session: VehicleSession
+    entry: JournalEntry | None
     frame: LocalFrame
     distance_m: float
 
+    @property
+    def vehicle(self) -> VehicleTelemetry:
+        """What the vehicle said of itself."""
+        return self.session.telemetry
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observation:
+class DroneStatus:
     """One vehicle at one moment.
 
     Attributes
@@ -108,54 +100,56 @@ class Observation:
     prediction: Prediction | None
 
 
-def observe(sight: Sight, now_s: float) -> Observation:
+def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
     """Return what there is to say of a vehicle at `now_s`, steady seconds."""
-    vehicle, entry, motion = sight.vehicle, sight.entry, sight.vehicle.motion
-    autopilot = _autopilot(sight.member)
+    vehicle, entry, motion = inputs.vehicle, inputs.entry, inputs.vehicle.motion
+    autopilot = inputs.session.known_autopilot()
     state = FlightState.UNKNOWN if autopilot is None else autopilot.state_of(vehicle, now_s)
     fault = fix_fault(vehicle, now_s)
     contact, plan = vehicle.contact(now_s), None if entry is None else entry.assignment
-    prediction = _prediction(sight, autopilot, now_s) if contact in _SILENT else None
-    return Observation(
+    prediction = _prediction(inputs, autopilot, now_s) if contact in _SILENT else None
+    return DroneStatus(
         contact=contact,
         state=state,
         mode='' if autopilot is None else autopilot.mode_name(vehicle.custom_mode),
         is_armed=vehicle.is_armed,
         motion=motion,
-        position_enu=(0.0, 0.0, 0.0) if motion is None else enu_of(sight.frame, motion),
+        position_enu=(0.0, 0.0, 0.0) if motion is None else enu_of(inputs.frame, motion),
         fix_fault=fault,
         fix_quality=_quality_but_for(fault, vehicle),
         horizontal_std_m=vehicle.gps.horizontal_std_m,
         vertical_std_m=vehicle.gps.vertical_std_m,
         plan_id='' if plan is None else plan.plan_id,
         viewpoint_count=0 if plan is None else len(plan.viewpoint_ids),
-        visited=_visited(sight),
+        visited=_visited(inputs),
         charge=vehicle.battery.fraction,
         voltage_v=vehicle.battery.voltage_v,
         current_a=vehicle.battery.current_a,
-        distance_m=sight.distance_m,
-        text=_text(sight, fault, prediction, now_s),
+        distance_m=inputs.distance_m,
+        text=_text(inputs, fault, prediction, now_s),
         prediction=prediction,
     )
 
 
-def left_of(sight: Sight, limits: FlightLimits) -> Left:
+def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRoute:
     """Return what is left of the plan of a vehicle, to touch-down."""
-    if sight.entry is None or sight.vehicle.home is None:
-        return Left()
-    plan, visited = sight.entry.assignment.plan, _visited(sight)
-    home = GeoPosition(sight.vehicle.home.latitude_deg, sight.vehicle.home.longitude_deg)
+    if inputs.entry is None or inputs.vehicle.home is None:
+        return RemainingRoute()
+    plan, visited = inputs.entry.assignment.plan, _visited(inputs)
+    home = GeoPosition(inputs.vehicle.home.latitude_deg, inputs.vehicle.home.longitude_deg)
     stops = plan.stops[visited:]
-    here = home if sight.vehicle.motion is None else sight.vehicle.motion.position
+    here = home if inputs.vehicle.motion is None else inputs.vehicle.motion.position
     way = [here, *(stop.position for stop in stops), home]
     distance = sum(distance_m(a, b) for a, b in pairwise(way))
     height_m = plan.stops[-1].height_m
     time_s = LEVEL_ALLOWANCE * distance / plan.speed_mps + height_m / limits.descent_mps
     time_s += sum(stop.hold_s for stop in stops)
-    return Left(visited=visited, count=len(plan.stops), distance_m=distance, time_s=time_s)
+    return RemainingRoute(
+        visited=visited, count=len(plan.stops), distance_m=distance, time_s=time_s
+    )
 
 
-def fix_quality(vehicle: Vehicle, now_s: float) -> FixQuality:
+def fix_quality(vehicle: VehicleTelemetry, now_s: float) -> FixQuality:
     """Return how good the position of a vehicle is at `now_s`, steady seconds."""
     return _quality_but_for(fix_fault(vehicle, now_s), vehicle)
 
@@ -166,45 +160,40 @@ def enu_of(frame: LocalFrame, motion: Motion) -> Enu:
     return east, north, motion.height_above_home_m
 
 
-def _quality_but_for(fault: str, vehicle: Vehicle) -> FixQuality:
+def _quality_but_for(fault: str, vehicle: VehicleTelemetry) -> FixQuality:
     return FixQuality.NONE if fault else _QUALITIES.get(vehicle.gps.fix_type, FixQuality.FIX)
 
 
-def _visited(sight: Sight) -> int:
-    noted = 0 if sight.entry is None else sight.entry.visited
-    flight = sight.member.flight
+def _visited(inputs: StatusInputs) -> int:
+    noted = 0 if inputs.entry is None else inputs.entry.visited
+    flight = inputs.session.flight
     return noted if flight is None else max(noted, flight.visited)
-
-
-def _autopilot(member: Member) -> Autopilot | None:
-    try:
-        return member.autopilot()
-    except ValueError:
-        return None
 
 
 def _on_ground(frame: LocalFrame, place: GeoPosition) -> GeoPosition:
     return GeoPosition(place.latitude_deg, place.longitude_deg, frame.origin.altitude_m)
 
 
-def _prediction(sight: Sight, autopilot: Autopilot | None, now_s: float) -> Prediction | None:
+def _prediction(
+    inputs: StatusInputs, autopilot: Autopilot | None, now_s: float
+) -> Prediction | None:
     """Return where a silent vehicle should be; it is taken to do what it last did."""
-    vehicle, motion = sight.vehicle, sight.vehicle.motion
+    vehicle, motion = inputs.vehicle, inputs.vehicle.motion
     if motion is None:
         return None
     is_paused = vehicle.mission.phase is MissionPhase.PAUSED
     is_on_way = autopilot is not None and autopilot.is_in(vehicle, Verb.MISSION) and not is_paused
-    if not is_on_way or sight.entry is None or vehicle.is_on_ground:
+    if not is_on_way or inputs.entry is None or vehicle.is_on_ground:
         return predict(motion.position, (), 0.0, 0.0)
-    plan = sight.entry.assignment.plan
-    way = [stop.position for stop in plan.stops[_visited(sight) :]]
+    plan = inputs.entry.assignment.plan
+    way = [stop.position for stop in plan.stops[_visited(inputs) :]]
     if vehicle.home is not None:
         way.append(GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg))
     return predict(motion.position, way, plan.speed_mps, now_s - motion.heard_s)
 
 
-def _text(sight: Sight, fault: str, prediction: Prediction | None, now_s: float) -> str:
-    vehicle, flight = sight.vehicle, sight.member.flight
+def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s: float) -> str:
+    vehicle, flight = inputs.vehicle, inputs.session.flight
     if vehicle.autopilot is None:
         return 'never heard'
     parts = []

@@ -160,7 +160,7 @@ class MissionStatus:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Vehicle:
+class VehicleTelemetry:
     """All that is known of one autopilot, (system, component).
 
     Attributes

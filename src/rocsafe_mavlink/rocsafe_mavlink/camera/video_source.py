@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import cv2
 
-from rocsafe_mavlink.camera.source import Picture
+from rocsafe_mavlink.camera.source import CameraImage
 
 # Frames that are kept until their shot is known.
 FRAMES_KEPT = 60
@@ -30,7 +30,7 @@ DEVICE_PREFIX = '/dev/'
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class VideoFrame:
     """One picture of a stream.
 
     Attributes
@@ -45,7 +45,7 @@ class Frame:
     pixels: cv2.typing.MatLike
 
 
-class VideoStream:
+class VideoSource:
     """The frames of a stream; a thread reads them, since reading waits for the next.
 
     Parameters
@@ -58,16 +58,16 @@ class VideoStream:
 
     def __init__(self, address: str, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
+        self._frames: deque[VideoFrame] = deque(maxlen=FRAMES_KEPT)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._read, args=(address,), daemon=True)
         self._thread.start()
 
-    def take(self) -> list[Picture]:
+    def take(self) -> list[CameraImage]:
         """Return nothing: a stream is asked for the frame of a time."""
         return []
 
-    def at(self, unix_s: float) -> Picture | None:
+    def at(self, unix_s: float) -> CameraImage | None:
         """Return the frame nearest to `unix_s`; None while there is none that is near."""
         frames = list(self._frames)
         if not self._is_over.is_set() and is_catching_up(frames, self._clock()):
@@ -80,7 +80,7 @@ class VideoStream:
             return None
         is_written, jpeg = cv2.imencode('.jpg', pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
         name = f'{taken_s:.3f}.jpg'
-        return Picture(name=name, unix_s=taken_s, jpeg=jpeg.tobytes()) if is_written else None
+        return CameraImage(name=name, unix_s=taken_s, jpeg=jpeg.tobytes()) if is_written else None
 
     def close(self) -> None:
         """Stop reading."""
@@ -103,10 +103,10 @@ class VideoStream:
         if self._frames and told_s < self._frames[-1].told_s:
             # Opened anew: its clock began again.
             self._frames.clear()
-        self._frames.append(Frame(arrived_s, told_s, pixels))
+        self._frames.append(VideoFrame(arrived_s, told_s, pixels))
 
 
-def is_catching_up(frames: list[Frame], now_s: float) -> bool:
+def is_catching_up(frames: list[VideoFrame], now_s: float) -> bool:
     """Return whether frames that waited while the stream was opened still come at `now_s`.
 
     They come faster than they were taken, each less under way than all before it: none of them
@@ -120,7 +120,7 @@ def is_catching_up(frames: list[Frame], now_s: float) -> bool:
     return newest_s < min(before) - 0.5 * (frames[-1].told_s - frames[-2].told_s)
 
 
-def dates_of(frames: list[Frame]) -> list[tuple[float, cv2.typing.MatLike]]:
+def dates_of(frames: list[VideoFrame]) -> list[tuple[float, cv2.typing.MatLike]]:
     """Return when each of `frames` was taken, time of day, and its pixels.
 
     The frame that was least under way tells what the stream's clock is ahead of the time of day. A

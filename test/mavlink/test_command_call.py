@@ -7,7 +7,7 @@ from test.mavlink.sky import TARGET, US
 from rocsafe_mavlink.protocols.command_call import (
     CallStage,
     CommandCall,
-    Heard,
+    HeardText,
     arm,
     change_speed,
     set_interval,
@@ -56,7 +56,7 @@ def test_answer_to_another_is_none(message):
 
 def test_refusal_carries_the_words_around_it():
     """Half a second before to a second and a half after; older words belong to something else."""
-    call = begun(10.0, [Heard(3.0, 'old'), Heard(9.8, 'just before')])
+    call = begun(10.0, [HeardText(3.0, 'old'), HeardText(9.8, 'just before')])
     call = call.on_message(text('while waiting'), 10.1).on_message(answer(4), 10.2)
     assert not call.is_over
     call = call.on_message(text('Arm: Need Position Estimate'), 11.0)

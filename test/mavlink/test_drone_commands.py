@@ -16,15 +16,16 @@ from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
 from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
-from rocsafe_mavlink.drone.command_services import OperatorOrders
-from rocsafe_mavlink.errors import OrderRefusedError
+from rocsafe_mavlink.drone.commands import DroneCommands
+from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.fence import Fence, fence_items, fence_of
-from rocsafe_mavlink.flight.flight_outcome import Outcome
-from rocsafe_mavlink.flight.operator_commands import Desk
-from rocsafe_mavlink.flight.preflight import FlightLimits, Knowledge, Verdict, preflight
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.preflight import CheckVerdict, FlightLimits, VehicleSettings, preflight
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.vehicle import Home, Landed
+from rocsafe_mavlink.knowledge.telemetry import Home, Landed
+from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
 from rocsafe_mavlink.wire.dialect import Message
 
 TARGET, US = (1, 1), (255, 190)
@@ -32,9 +33,9 @@ PLACE = GeoPosition(*HOME)
 HOME_OF = Home(latitude_deg=HOME[0], longitude_deg=HOME[1], altitude_msl_m=488.0)
 
 
-def commands_of(errand):
-    """Return the numbers of the commands of an errand."""
-    return [step.call.command['command'] for step in errand.steps if hasattr(step, 'call')]
+def numbers_of(sequence):
+    """Return the numbers of the commands of a sequence."""
+    return [step.call.command['command'] for step in sequence.steps if hasattr(step, 'call')]
 
 
 def flying(air, visited=1):
@@ -42,25 +43,25 @@ def flying(air, visited=1):
     air.wait(46.0)
     air.fly(count=6)
     air.until(lambda: air.flight().visited >= visited)
-    return OperatorOrders(TARGET, air.station, FlightLimits())
+    return air.drones[1].commands
 
 
-def done(air, orders):
+def done(air, commands):
     """Let an order come to its end; return its error."""
-    air.until(lambda: orders.errand.is_over, 30.0)
-    return orders.errand.error
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    return commands.outcome(commands.count)
 
 
 def test_hold_within_a_mission_keeps_the_mode():
     """ArduPilot pauses; outside a mission it brakes, since LOITER obeys a stick."""
-    desk = Desk(autopilot=COPTER, target=TARGET, us=US)
+    made = VehicleCommands(autopilot=COPTER, target=TARGET, us=US)
     on_mission = reduce(ready(), heartbeat(AUTO, armed=True), 100.0)[0]
-    assert commands_of(desk.hold(on_mission)) == [193]
+    assert numbers_of(made.hold(on_mission)) == [193]
     guided = reduce(ready(), heartbeat(GUIDED, armed=True), 100.0)[0]
-    (step,) = desk.hold(guided).steps
+    (step,) = made.hold(guided).steps
     assert (step.call.command['command'], step.call.command['param2']) == (176, float(BRAKE))
-    px4 = Desk(autopilot=MULTICOPTER, target=TARGET, us=US)
-    assert commands_of(px4.hold(on_mission)) == [176]
+    px4 = VehicleCommands(autopilot=MULTICOPTER, target=TARGET, us=US)
+    assert numbers_of(px4.hold(on_mission)) == [176]
 
 
 @pytest.mark.parametrize('visited', [0, 6], ids=['climbing', 'returning'])
@@ -70,28 +71,34 @@ def test_what_cannot_pause_brakes(visited):
     Then it goes on as it was.
     """
     air = Air()
-    orders = flying(air, visited)
+    commands = flying(air, visited)
     air.until(lambda: air.copters[1].height_m > 5.0)
-    orders.hold(air.now_s)
-    assert done(air, orders) == ''
+    commands.hold(air.now_s)
+    assert done(air, commands) == ''
     assert air.copters[1].mode == BRAKE
     place = air.copters[1].place, air.copters[1].height_m
     air.wait(5.0)
     assert (air.copters[1].place, air.copters[1].height_m) == place
-    orders.resume(air.now_s)
-    assert done(air, orders) == ''
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
     assert air.copters[1].mode == AUTO
     air.until(lambda: air.flight().is_over)
-    assert (air.flight().outcome, air.flight().visited) == (Outcome.COMPLETED, 6)
+    assert (air.flight().outcome, air.flight().visited) == (FlightOutcome.COMPLETED, 6)
 
 
 def test_go_to_is_written_for_each_autopilot():
     """ArduPilot wants GUIDED first and a height above home, PX4 one command and the sea's."""
-    first, second = Desk(autopilot=COPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    first, second = (
+        VehicleCommands(autopilot=COPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    )
     assert first.call.command['param2'] == float(GUIDED)
     assert (second.call.command['frame'], second.call.command['z']) == (6, 30.0)
     assert second.call.command['x'] == 473977420
-    (only,) = Desk(autopilot=MULTICOPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    (only,) = (
+        VehicleCommands(autopilot=MULTICOPTER, target=TARGET, us=US)
+        .go_to(PLACE, 30.0, HOME_OF)
+        .steps
+    )
     assert (only.call.command['frame'], only.call.command['z']) == (5, 518.0)
     assert OFFBOARD not in {only.call.command.fields.get('param2')}
 
@@ -100,41 +107,42 @@ def test_go_to_is_written_for_each_autopilot():
 def test_orders_are_obeyed_over_a_lossy_link(loss):
     """Held, resumed, slowed: an order ends well only if the vehicle shows it."""
     air = Air()
-    orders = flying(air)
+    commands = flying(air)
     air.loss = loss
-    orders.hold(air.now_s)
-    error = done(air, orders)
+    commands.hold(air.now_s)
+    error = done(air, commands)
     assert not error or loss == 0.4
     if not error:
-        assert air.copters[1].is_paused
-        orders.resume(air.now_s)
-        assert not done(air, orders) or loss == 0.4
+        # Where every pause was lost it was switched to BRAKE.
+        assert air.copters[1].is_paused or air.copters[1].mode == BRAKE
+        commands.resume(air.now_s)
+        assert not done(air, commands) or loss == 0.4
 
 
 def test_landing_takes_the_place_of_a_slower_order():
     """What is urgent does not wait; what is not, does."""
     air = Air()
-    orders = flying(air)
-    orders.change_speed(5.0, air.now_s)
-    with pytest.raises(OrderRefusedError, match='speed is under way'):
-        orders.resume(air.now_s)
-    orders.land(air.now_s)
-    assert orders.count == 2
-    assert done(air, orders) == ''
+    commands = flying(air)
+    commands.change_speed(5.0, air.now_s)
+    with pytest.raises(CommandRefusedError, match='speed is under way'):
+        commands.resume(air.now_s)
+    commands.land(air.now_s)
+    assert commands.count == 2
+    assert done(air, commands) == ''
     assert air.copters[1].mode == 9
 
 
 def test_refusal_carries_the_words_of_the_autopilot():
     """Paused in a mode that cannot pause."""
     air = Air()
-    orders = flying(air)
+    commands = flying(air)
     air.copters[1].is_paused = False
-    orders.resume(air.now_s)
-    assert done(air, orders) == ''
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
     air.copters[1].mode = 6
     air.wait(2.0)
-    orders.resume(air.now_s)
-    assert done(air, orders) == ''
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
     assert air.copters[1].mode == AUTO
 
 
@@ -142,13 +150,13 @@ def test_refusal_carries_the_words_of_the_autopilot():
 def test_route_is_called_none_only_when_all_is_read_that_tells_of_one(unread):
     """A bridge that was started again finds its flight by mission, home and landed state."""
     air = Air()
-    orders = flying(air)
-    member = air.station.member(TARGET)
-    member.flight, member.stored = None, ()
-    member.vehicle = replace(member.vehicle, **unread)
+    commands = flying(air)
+    session = air.drones[1].session
+    session.flight, session.readout.mission = None, OnboardMission(items=())
+    session.telemetry = replace(session.telemetry, **unread)
     wanted = 'it is still being read' if unread else 'no route is being flown'
-    with pytest.raises(OrderRefusedError, match=wanted):
-        orders.resume(air.now_s)
+    with pytest.raises(CommandRefusedError, match=wanted):
+        commands.resume(air.now_s)
 
 
 def test_nothing_is_ordered_by_the_suite_itself():
@@ -193,10 +201,12 @@ def test_link_loss_that_does_nothing_may_forbid_the_flight():
     """Where the policy says that it must return, and the setting is off or not told."""
     limits = FlightLimits(must_return_on_link_loss=True)
     for found in ({'FS_GCS_ENABLE': 0.0}, {}):
-        knowledge = Knowledge(parameters=ParameterReader(autopilot=3, target=TARGET, found=found))
+        knowledge = VehicleSettings(
+            parameters=ParameterReader(autopilot=3, target=TARGET, found=found)
+        )
         checks = preflight(ready(), COPTER, None, limits, 100.0, knowledge)
         verdicts = {check.name: check.verdict for check in checks}
-        assert verdicts['link-loss action'] is Verdict.FAIL
+        assert verdicts['link-loss action'] is CheckVerdict.FAIL
 
 
 @pytest.mark.parametrize(
@@ -205,7 +215,9 @@ def test_link_loss_that_does_nothing_may_forbid_the_flight():
 def test_setting_is_waited_for(asks, value):
     """What was asked for just now is not yet without an answer."""
     reader = ParameterReader(autopilot=3, target=TARGET, found={}, asks=asks)
-    checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, Knowledge(parameters=reader))
+    checks = preflight(
+        ready(), COPTER, None, FlightLimits(), 100.0, VehicleSettings(parameters=reader)
+    )
     assert {check.name: check.value for check in checks}['link-loss action'] == value
 
 
@@ -237,8 +249,8 @@ def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
     air.until(lambda: air.vehicle().autopilot is not None)
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(900.0),))))
     air.wait(delay_s)
-    orders = OperatorOrders(TARGET, air.station, FlightLimits())
-    orders.push_fence(Fence(inclusions=(ring(120.0),)))
+    commands = air.drones[1].commands
+    commands.push_fence(Fence(inclusions=(ring(120.0),)))
     words = []
     while not any('outside' in word for word in words):
         assert air.now_s < 100.0
@@ -249,7 +261,7 @@ def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
 
 def words_of_fence(air):
     """Return what the look at the fence says before a flight of 150 m to the north."""
-    checks = air.station.route_checks(TARGET, plan(), FlightLimits())
+    checks = air.drones[1].commands.route_checks(plan())
     return next((check.value for check in checks if check.name == 'within fence'), 'not read yet')
 
 
@@ -257,14 +269,16 @@ def test_route_that_leaves_the_fence_takes_the_place_of_none():
     """Nor does one that is too high or too far away; one that may be flown does."""
     air = Air()
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(400.0),))))
-    flying(air)
-    air.until(lambda: air.station.member(TARGET).fence is not None)
-    for count, highest_m, word in ((9, 120.0, 'fence'), (3, 20.0, 'heights'), (60, 120.0, 'dist')):
-        with pytest.raises(ValueError, match=word):
-            air.station.fly_instead(TARGET, plan(count), FlightLimits(highest_m=highest_m))
-    air.station.fly_instead(TARGET, plan(4), FlightLimits())
-    air.until(lambda: air.station.member(TARGET).errand.is_over)
-    assert air.station.member(TARGET).errand.error == ''
+    commands = flying(air)
+    air.until(lambda: air.drones[1].session.readout.fence is not None)
+    for count, word in ((9, 'fence'), (60, 'dist')):
+        with pytest.raises(CommandRefusedError, match=word):
+            commands.replace_route(plan(count), air.now_s)
+    low = DroneCommands(air.drones[1].session, FlightLimits(highest_m=20.0))
+    with pytest.raises(CommandRefusedError, match='heights'):
+        low.replace_route(plan(3), air.now_s)
+    commands.replace_route(plan(4), air.now_s)
+    assert done(air, commands) == ''
 
 
 def test_silent_vehicle_is_taken_to_fly_on():
@@ -282,17 +296,17 @@ def test_silent_vehicle_is_taken_to_fly_on():
 def test_orders_that_make_no_sense_are_refused():
     """On the ground, out of contact, out of limits."""
     air = Air()
-    orders = OperatorOrders(TARGET, air.station, FlightLimits())
-    with pytest.raises(OrderRefusedError, match='not in contact'):
-        orders.hold(air.now_s)
-    orders = flying(air)
+    commands = air.drones[1].commands
+    with pytest.raises(CommandRefusedError, match='not in contact'):
+        commands.hold(air.now_s)
+    commands = flying(air)
     for place, height_m, word in (
         (offset(PLACE, 0.0, 9000.0), 30.0, 'distance'),
         (PLACE, 4000.0, 'height_m'),
         (PLACE, math.nan, 'height_m'),
     ):
-        with pytest.raises(OrderRefusedError, match=word):
-            orders.go_to(place, height_m, air.now_s)
-    with pytest.raises(OrderRefusedError, match='speed_mps'):
-        orders.change_speed(math.inf, air.now_s)
+        with pytest.raises(CommandRefusedError, match=word):
+            commands.go_to(place, height_m, air.now_s)
+    with pytest.raises(CommandRefusedError, match='speed_mps'):
+        commands.change_speed(math.inf, air.now_s)
     assert isinstance(air.sent[-1], Message)
