@@ -3,6 +3,7 @@
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -24,15 +25,47 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 POLL_S = 0.02
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give a test that talks to other processes a second try, which the summary lists.
+# Modules whose import says that a test file starts processes.
+PROCESS_MODULES = ('subprocess', 'multiprocessing', 'pty')
 
-    A machine that stands still for seconds fails them all, whatever the code does. What is
-    computed in the test's own process has one try.
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that use nodes or processes, and give those of nodes a second try.
+
+    The mark `process` is found out, so that nobody has to remember it: `make test-fast` leaves
+    these tests out. A machine that stops for seconds fails tests of nodes whatever the code does;
+    the summary lists second tries. Tests that compute in their own process have one try.
     """
     for item in items:
-        if 'ros' in getattr(item, 'fixturenames', ()) or item.get_closest_marker('system'):
+        is_system = item.get_closest_marker('system') is not None
+        if is_system or 'ros_domain_id' in item.fixturenames or _starts_processes(item):
+            item.add_marker(pytest.mark.process)
+        if is_system or 'ros' in item.fixturenames:
             item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+def _starts_processes(item: pytest.Item) -> bool:
+    """Return whether the file of a test, its fixtures or its helpers can start processes."""
+    spaces = [vars(item.module), *(one.func.__globals__ for one in _fixtures(item))]
+    helpers = {
+        getattr(value, '__module__', None) for space in spaces for value in space.values()
+    }
+    spaces += [
+        vars(sys.modules[name])
+        for name in helpers
+        if isinstance(name, str) and name.startswith('test.') and name in sys.modules
+    ]
+    return any(
+        name in space and space['__name__'] != __name__
+        for space in spaces
+        for name in PROCESS_MODULES
+    )
+
+
+def _fixtures(item: pytest.Item) -> Iterator[Any]:
+    """Yield the definitions of the fixtures that a test uses."""
+    for name in item.fixturenames:
+        yield from item._fixtureinfo.name2fixturedefs.get(name, ())[-1:]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -122,8 +155,8 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
 @pytest.fixture(scope='session')
 def drawing() -> None:
     """Skip, with the reason, where nothing can draw."""
-    from rocsafe_scene.engine.pipe import open_pipe
     from rocsafe_scene.errors import EngineError
+    from rocsafe_scene.graphics.pipe import open_pipe
 
     try:
         open_pipe()
