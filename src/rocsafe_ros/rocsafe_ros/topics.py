@@ -2,7 +2,7 @@
 """Every topic, service and action of ROCSAFE: name, type, quality of service, rate.
 
 Names are relative. A name of vehicle scope lives in the namespace of a vehicle (``rav1/fix``), a
-name of fleet scope in that of the suite. The table of the README is made from this module.
+name of fleet scope in that of the suite. The tables of docs/interfaces.md are made from this module.
 """
 
 from collections.abc import Callable
