@@ -21,9 +21,12 @@ class CommandServices:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    clock: returns steady time, seconds.
+    node
+        In the vehicle's namespace.
+    drone
+        The vehicle.
+    clock
+        Returns steady time, seconds.
     """
 
     def __init__(self, node: VehicleScopeNode, drone: Drone, clock: Callable[[], float]) -> None:

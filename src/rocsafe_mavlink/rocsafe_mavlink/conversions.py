@@ -59,7 +59,8 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
 
     Raises
     ------
-    ValueError: naming what cannot be flown.
+    ValueError
+        Naming what cannot be flown.
     """
     home = position_of_point(message.home)
     if not message.viewpoints:

@@ -46,9 +46,12 @@ class TelemetryPublisher:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs were taken, and how many are not yet stored.
+    node
+        In the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs were taken, and how many are not yet stored.
     """
 
     def __init__(

@@ -32,9 +32,12 @@ class FlyRouteServer:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs of the flight will be in the store.
+    node
+        In the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs of the flight will be in the store.
     """
 
     def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:

@@ -30,10 +30,14 @@ class ShotSender:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    geotagger: follows its camera.
-    horizontal_fov_rad: of the camera.
+    node
+        In the vehicle's namespace.
+    drone
+        The vehicle.
+    geotagger
+        Follows its camera.
+    horizontal_fov_rad
+        Of the camera.
     """
 
     def __init__(

@@ -44,21 +44,36 @@ class Autopilot:
 
     Attributes
     ----------
-    name: for people.
-    number: MAV_AUTOPILOT in its heartbeats.
-    is_tested: whether this was tried against the real one.
-    has_home_item: whether item 0 of a mission is home, not the first thing to do.
-    mode_names: by custom mode.
-    modes: custom mode for each verb.
-    states: what an airborne vehicle does in a custom mode; others fly.
-    is_mode_packed: whether a custom mode holds a main and a sub mode.
-    arms_in: mode in which to arm for a mission.
-    pauses_missions: whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
-    repositions_itself: whether DO_REPOSITION changes the mode, and wants a height above the sea.
-    flies_to_takeoff: whether it flies to the place of a take-off item once it has climbed.
-    turns_at_waypoints: whether a waypoint says which way to look; else CONDITION_YAW does.
-    starts_anywhere: whether MISSION_START begins with the item that it names, in the air too.
-    unsent: messages of `stream_rates.WANTED` that it does not have.
+    name
+        For people.
+    number
+        MAV_AUTOPILOT in its heartbeats.
+    is_tested
+        Whether this was tried against the real one.
+    has_home_item
+        Whether item 0 of a mission is home, not the first thing to do.
+    mode_names
+        By custom mode.
+    modes
+        Custom mode for each verb.
+    states
+        What an airborne vehicle does in a custom mode; others fly.
+    is_mode_packed
+        Whether a custom mode holds a main and a sub mode.
+    arms_in
+        Mode in which to arm for a mission.
+    pauses_missions
+        Whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
+    repositions_itself
+        Whether DO_REPOSITION changes the mode, and wants a height above the sea.
+    flies_to_takeoff
+        Whether it flies to the place of a take-off item once it has climbed.
+    turns_at_waypoints
+        Whether a waypoint says which way to look; else CONDITION_YAW does.
+    starts_anywhere
+        Whether MISSION_START begins with the item that it names, in the air too.
+    unsent
+        Messages of `stream_rates.WANTED` that it does not have.
     """
 
     name: str

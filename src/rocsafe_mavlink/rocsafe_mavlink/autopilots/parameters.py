@@ -63,11 +63,16 @@ class ParameterReader:
 
     Attributes
     ----------
-    autopilot: MAV_AUTOPILOT.
-    target: (system, component).
-    found: value by spelling, in the unit of the spelling.
-    asks: rounds of questions.
-    asked_s: steady time of the last round.
+    autopilot
+        MAV_AUTOPILOT.
+    target
+        (system, component).
+    found
+        Value by spelling, in the unit of the spelling.
+    asks
+        Rounds of questions.
+    asked_s
+        Steady time of the last round.
     """
 
     autopilot: int

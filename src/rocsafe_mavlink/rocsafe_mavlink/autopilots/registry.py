@@ -15,7 +15,8 @@ def autopilot_of(number: int, vehicle_type: int) -> Autopilot:
 
     Raises
     ------
-    ValueError: if it is of no kind that is known here.
+    ValueError
+        If it is of no kind that is known here.
     """
     if number not in AUTOPILOTS:
         known = ', '.join(f'{kind.number} ({kind.name})' for kind in AUTOPILOTS.values())

@@ -31,13 +31,20 @@ class CameraTrigger:
 
     Attributes
     ----------
-    index: as the camera counts.
-    unix_s: time of day of the exposure.
-    position: altitude above the ellipsoid, NaN if not known.
-    height_m: above home.
-    attitude: of the vehicle; None if it was not told.
-    source: message that reported it.
-    is_interpolated: whether no report came, and it is taken from the track.
+    index
+        As the camera counts.
+    unix_s
+        Time of day of the exposure.
+    position
+        Altitude above the ellipsoid, NaN if not known.
+    height_m
+        Above home.
+    attitude
+        Of the vehicle; None if it was not told.
+    source
+        Message that reported it.
+    is_interpolated
+        Whether no report came, and it is taken from the track.
     """
 
     index: int

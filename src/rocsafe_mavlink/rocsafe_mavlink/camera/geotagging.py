@@ -35,10 +35,14 @@ class GeotagContext:
 
     Attributes
     ----------
-    vehicle: its name.
-    assignment: the plan it flies; None: none.
-    gps: how good its position is.
-    clock_s: time of the mission less the time of day.
+    vehicle
+        Its name.
+    assignment
+        The plan it flies; None: none.
+    gps
+        How good its position is.
+    clock_s
+        Time of the mission less the time of day.
     """
 
     vehicle: str
@@ -52,9 +56,12 @@ class Geotagger:
 
     Parameters
     ----------
-    film: numbers and keeps the photographs.
-    source: where the pictures come from; None: there are none, only shots are counted.
-    table: CSV file of the shots; None: none is written.
+    film
+        Numbers and keeps the photographs.
+    source
+        Where the pictures come from; None: there are none, only shots are counted.
+    table
+        CSV file of the shots; None: none is written.
     """
 
     def __init__(

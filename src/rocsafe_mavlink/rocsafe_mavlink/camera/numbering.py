@@ -16,12 +16,15 @@ class ShotNumbering:
 
     Attributes
     ----------
-    store: of the photographs without a receipt.
-    next_sequence: number of the next photograph.
+    store
+        Of the photographs without a receipt.
+    next_sequence
+        Number of the next photograph.
 
     Raises
     ------
-    SpoolError: if the folder holds what cannot be read.
+    SpoolError
+        If the folder holds what cannot be read.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -34,7 +37,8 @@ class ShotNumbering:
 
         Raises
         ------
-        SpoolError: if it cannot be kept; its number is then free for the next one.
+        SpoolError
+            If it cannot be kept; its number is then free for the next one.
         """
         self.store.add(shot)
         self.next_sequence = shot.sequence + 1

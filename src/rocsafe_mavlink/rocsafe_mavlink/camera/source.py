@@ -19,7 +19,8 @@ class ImageSource(Protocol):
 
     Attributes
     ----------
-    is_stream: whether it has a picture at any time, and is asked for it; else they are taken.
+    is_stream
+        Whether it has a picture at any time, and is asked for it; else they are taken.
     """
 
     is_stream: bool

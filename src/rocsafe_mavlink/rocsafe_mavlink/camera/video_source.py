@@ -35,9 +35,12 @@ class VideoFrame:
 
     Attributes
     ----------
-    arrived_s: when it was read, time of day.
-    told_s: by the clock of the stream, from its own start.
-    pixels: of it.
+    arrived_s
+        When it was read, time of day.
+    told_s
+        By the clock of the stream, from its own start.
+    pixels
+        Of it.
     """
 
     arrived_s: float
@@ -50,8 +53,10 @@ class VideoSource:
 
     Parameters
     ----------
-    address: what OpenCV opens: ``rtsp://...``, ``http://...``, ``/dev/video0``, a file.
-    clock: returns the time of day.
+    address
+        What OpenCV opens: ``rtsp://...``, ``http://...``, ``/dev/video0``, a file.
+    clock
+        Returns the time of day.
     """
 
     is_stream = True

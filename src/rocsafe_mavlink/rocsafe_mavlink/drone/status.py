@@ -63,20 +63,34 @@ class DroneStatus:
 
     Attributes
     ----------
-    contact: how fresh this is.
-    state: what it does.
-    mode: of the autopilot, in its own words.
-    is_armed: whether its motors may run.
-    motion: where it is; None if it has not said.
-    position_enu: of it in the frame of the mission; its height is above home, NaN if not known.
-    fix_fault: why its position cannot be believed; empty if it can.
-    fix_quality: of its position.
-    horizontal_std_m, vertical_std_m: of its position; NaN if not known.
-    plan_id, viewpoint_count, visited: of its plan.
-    charge, voltage_v, current_a: of its battery; NaN if not known.
-    distance_m: flown.
-    text: for people, why it is as it is.
-    prediction: where it should be, while it is silent.
+    contact
+        How fresh this is.
+    state
+        What it does.
+    mode
+        Of the autopilot, in its own words.
+    is_armed
+        Whether its motors may run.
+    motion
+        Where it is; None if it has not said.
+    position_enu
+        Of it in the frame of the mission; its height is above home, NaN if not known.
+    fix_fault
+        Why its position cannot be believed; empty if it can.
+    fix_quality
+        Of its position.
+    horizontal_std_m, vertical_std_m
+        Of its position; NaN if not known.
+    plan_id, viewpoint_count, visited
+        Of its plan.
+    charge, voltage_v, current_a
+        Of its battery; NaN if not known.
+    distance_m
+        Flown.
+    text
+        For people, why it is as it is.
+    prediction
+        Where it should be, while it is silent.
     """
 
     contact: Contact

@@ -23,8 +23,10 @@ class Fence:
 
     Attributes
     ----------
-    inclusions: the vehicle stays within each.
-    exclusions: and out of each of these.
+    inclusions
+        The vehicle stays within each.
+    exclusions
+        And out of each of these.
     """
 
     inclusions: tuple[Ring, ...] = ()
@@ -78,7 +80,8 @@ def fence_of(items: Sequence[MissionItem]) -> Fence:
 
     Raises
     ------
-    ValueError: if the corners do not add up to polygons.
+    ValueError
+        If the corners do not add up to polygons.
     """
     rings: dict[int, list[Ring]] = {INCLUSION_VERTEX: [], EXCLUSION_VERTEX: []}
     corners = [item for item in items if item.command in rings]

@@ -21,9 +21,12 @@ class Assignment:
 
     Attributes
     ----------
-    plan_id: of whoever gave it.
-    plan: what is flown.
-    viewpoint_ids: of its stops, in order.
+    plan_id
+        Of whoever gave it.
+    plan
+        What is flown.
+    viewpoint_ids
+        Of its stops, in order.
     """
 
     plan_id: str
@@ -44,12 +47,18 @@ class JournalEntry:
 
     Attributes
     ----------
-    assignment: what was given.
-    was_airborne: whether it was seen in the air since.
-    visited: waypoints behind it.
-    distance_m, duration_s: flown.
-    outcome, reason: how it ended; None before.
-    successor: what was being sent to be flown in its place; None: nothing. Which of both lies on
+    assignment
+        What was given.
+    was_airborne
+        Whether it was seen in the air since.
+    visited
+        Waypoints behind it.
+    distance_m, duration_s
+        Flown.
+    outcome, reason
+        How it ended; None before.
+    successor
+        What was being sent to be flown in its place; None: nothing. Which of both lies on
         the vehicle is asked of the vehicle.
     """
 
@@ -87,7 +96,8 @@ def _read(path: Path) -> JournalEntry | None:
 
     Raises
     ------
-    ValueError: if it is damaged.
+    ValueError
+        If it is damaged.
     """
     if not path.exists():
         return None

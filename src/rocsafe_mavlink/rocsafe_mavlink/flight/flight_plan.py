@@ -30,11 +30,16 @@ class FlightWaypoint:
 
     Attributes
     ----------
-    position: latitude and longitude; its altitude is not read.
-    height_m: above home, positive.
-    hold_s: time to stand there.
-    heading_deg: which way it looks there, clockwise from north.
-    is_bend: whether the way only bends there: nothing is photographed, nothing counted.
+    position
+        Latitude and longitude; its altitude is not read.
+    height_m
+        Above home, positive.
+    hold_s
+        Time to stand there.
+    heading_deg
+        Which way it looks there, clockwise from north.
+    is_bend
+        Whether the way only bends there: nothing is photographed, nothing counted.
     """
 
     position: GeoPosition
@@ -55,12 +60,17 @@ class FlightPlan:
 
     Attributes
     ----------
-    waypoints: at least one that is no bend.
-    speed_mps: over ground.
-    takes_photographs: whether the autopilot triggers its camera at each waypoint.
-    home: where the plan has it take off; None: wherever it stands.
-    trigger_distance_m: it triggers after every so many metres along straight lanes instead, and
-        not on the way from one to the next; once at waypoints that lie on none. 0: it does not.
+    waypoints
+        At least one that is no bend.
+    speed_mps
+        Over ground.
+    takes_photographs
+        Whether the autopilot triggers its camera at each waypoint.
+    home
+        Where the plan has it take off; None: wherever it stands.
+    trigger_distance_m
+        It triggers after every so many metres along straight lanes instead, and not on the
+        way from one to the next; once at waypoints that lie on none. 0: it does not.
     """
 
     waypoints: tuple[FlightWaypoint, ...]
@@ -87,9 +97,12 @@ class Mission:
 
     Attributes
     ----------
-    items: as they lie on it.
-    first_item: number of the first after the take-off: where a vehicle in the air begins.
-    waypoint_items: number of the item of each waypoint that counts, ascending.
+    items
+        As they lie on it.
+    first_item
+        Number of the first after the take-off: where a vehicle in the air begins.
+    waypoint_items
+        Number of the item of each waypoint that counts, ascending.
     """
 
     items: tuple[MissionItem, ...]

@@ -58,15 +58,24 @@ class FlightLimits:
 
     Attributes
     ----------
-    lowest_m, highest_m: height above home of a waypoint.
-    furthest_m: distance of a waypoint from home.
-    longest_s: duration of the flight.
-    smallest_charge: of the battery at the start, 0 to 1.
-    fewest_satellites: that the receiver must use.
-    climb_mps, descent_mps: for the duration.
-    longest_to_home_m: from the home of the plan to that of the vehicle.
-    must_return_on_link_loss: whether a vehicle that hears nobody has to come back.
-    reserve: share of the charge that a flight leaves.
+    lowest_m, highest_m
+        Height above home of a waypoint.
+    furthest_m
+        Distance of a waypoint from home.
+    longest_s
+        Duration of the flight.
+    smallest_charge
+        Of the battery at the start, 0 to 1.
+    fewest_satellites
+        That the receiver must use.
+    climb_mps, descent_mps
+        For the duration.
+    longest_to_home_m
+        From the home of the plan to that of the vehicle.
+    must_return_on_link_loss
+        Whether a vehicle that hears nobody has to come back.
+    reserve
+        Share of the charge that a flight leaves.
     """
 
     lowest_m: float = 5.0
@@ -88,9 +97,12 @@ class VehicleSettings:
 
     Attributes
     ----------
-    parameters: its settings; None: not read.
-    fence: the polygons of its fence; None: not read.
-    fence_error: why its fence cannot be read; empty while it may be.
+    parameters
+        Its settings; None: not read.
+    fence
+        The polygons of its fence; None: not read.
+    fence_error
+        Why its fence cannot be read; empty while it may be.
     """
 
     parameters: ParameterReader | None = None

@@ -40,9 +40,12 @@ def separation_m(altitude_m: float, ellipsoid_m: float, given_m: float) -> float
 
     Parameters
     ----------
-    altitude_m: above mean sea level, by the receiver.
-    ellipsoid_m: above the ellipsoid, by the receiver; 0 if it does not tell.
-    given_m: from a parameter; NaN if none was given.
+    altitude_m
+        Above mean sea level, by the receiver.
+    ellipsoid_m
+        Above the ellipsoid, by the receiver; 0 if it does not tell.
+    given_m
+        From a parameter; NaN if none was given.
     """
     measured = ellipsoid_m - altitude_m
     is_told = ellipsoid_m != 0.0 and abs(measured) > SMALLEST_SEPARATION_M

@@ -18,9 +18,12 @@ class Prediction:
 
     Attributes
     ----------
-    position: altitude as last known.
-    passed: places of the way that should be behind it.
-    spread_m: how far off that may be: a fifth of what was flown unseen, and a second's way.
+    position
+        Altitude as last known.
+    passed
+        Places of the way that should be behind it.
+    spread_m
+        How far off that may be: a fifth of what was flown unseen, and a second's way.
     """
 
     position: GeoPosition

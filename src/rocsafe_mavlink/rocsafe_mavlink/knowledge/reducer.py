@@ -53,8 +53,10 @@ def reduce(
 
     Parameters
     ----------
-    now_s: steady time of arrival, seconds.
-    given_separation_m: geoid above ellipsoid where the receiver does not tell; NaN if not known.
+    now_s
+        Steady time of arrival, seconds.
+    given_separation_m
+        Geoid above ellipsoid where the receiver does not tell; NaN if not known.
     """
     if (message.system, message.component) != (vehicle.system, vehicle.component):
         return vehicle, []

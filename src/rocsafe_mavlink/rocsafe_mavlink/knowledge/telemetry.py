@@ -72,11 +72,16 @@ class Gps:
 
     Attributes
     ----------
-    fix_type: 3 and above is a position in space.
-    satellites: in view; -1 if not known.
-    time_us: of the receiver's solution.
-    changed_s: steady time at which `time_us` last changed.
-    horizontal_std_m, vertical_std_m: NaN if the receiver does not tell.
+    fix_type
+        3 and above is a position in space.
+    satellites
+        In view; -1 if not known.
+    time_us
+        Of the receiver's solution.
+    changed_s
+        Steady time at which `time_us` last changed.
+    horizontal_std_m, vertical_std_m
+        NaN if the receiver does not tell.
     """
 
     fix_type: int = FIX_NONE
@@ -93,13 +98,20 @@ class Motion:
 
     Attributes
     ----------
-    position: altitude above the ellipsoid, NaN if the geoid is not known here.
-    altitude_msl_m: above mean sea level.
-    height_above_home_m: as it says.
-    velocity_enu_mps: east, north, up.
-    yaw_rad: REP 103; NaN if not known.
-    boot_s: autopilot's own time.
-    heard_s: steady time.
+    position
+        Altitude above the ellipsoid, NaN if the geoid is not known here.
+    altitude_msl_m
+        Above mean sea level.
+    height_above_home_m
+        As it says.
+    velocity_enu_mps
+        East, north, up.
+    yaw_rad
+        REP 103; NaN if not known.
+    boot_s
+        Autopilot's own time.
+    heard_s
+        Steady time.
     """
 
     position: GeoPosition
@@ -149,9 +161,12 @@ class MissionStatus:
 
     Attributes
     ----------
-    current: item it flies to; -1 if it has not said.
-    reached: highest item it reported reached since it was armed; -1 if none.
-    phase: of its mission.
+    current
+        Item it flies to; -1 if it has not said.
+    reached
+        Highest item it reported reached since it was armed; -1 if none.
+    phase
+        Of its mission.
     """
 
     current: int = -1
@@ -165,15 +180,24 @@ class VehicleTelemetry:
 
     Attributes
     ----------
-    heartbeat_s: steady time of its last heartbeat.
-    autopilot: MAV_AUTOPILOT of its heartbeat, None before the first.
-    vehicle_type: MAV_TYPE of its heartbeat.
-    has_flown: whether it was in the air since it was last seen started.
-    is_prearm_ok: its pre-arm bit; means nothing in a mode that cannot be armed.
-    geoid_separation_m: ellipsoid to mean sea level; NaN if not known; held still while armed.
-    jumped_s: steady time at which the position last moved faster than anything flies.
-    boot_unix_s: time of day at its start, NaN if not known.
-    is_fence_breached: whether it says so.
+    heartbeat_s
+        Steady time of its last heartbeat.
+    autopilot
+        MAV_AUTOPILOT of its heartbeat, None before the first.
+    vehicle_type
+        MAV_TYPE of its heartbeat.
+    has_flown
+        Whether it was in the air since it was last seen started.
+    is_prearm_ok
+        Its pre-arm bit; means nothing in a mode that cannot be armed.
+    geoid_separation_m
+        Ellipsoid to mean sea level; NaN if not known; held still while armed.
+    jumped_s
+        Steady time at which the position last moved faster than anything flies.
+    boot_unix_s
+        Time of day at its start, NaN if not known.
+    is_fence_breached
+        Whether it says so.
     """
 
     system: int

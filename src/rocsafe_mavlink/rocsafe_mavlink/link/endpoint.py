@@ -33,10 +33,14 @@ class Endpoint:
 
     Attributes
     ----------
-    kind: what carries the bytes.
-    host, port: to wait at or to call; not of a serial line.
-    peers: addresses to hear, none: whoever is on this machine.
-    device, baud: of a serial line.
+    kind
+        What carries the bytes.
+    host, port
+        To wait at or to call; not of a serial line.
+    peers
+        Addresses to hear, none: whoever is on this machine.
+    device, baud
+        Of a serial line.
     """
 
     kind: EndpointKind
@@ -70,12 +74,15 @@ def parse_endpoint(text: str, *, allow_network: bool = False) -> Endpoint:
 
     Parameters
     ----------
-    text: see the module.
-    allow_network: whether it may wait for senders on other machines.
+    text
+        See the module.
+    allow_network
+        Whether it may wait for senders on other machines.
 
     Raises
     ------
-    EndpointError: naming the text and what is wrong with it.
+    EndpointError
+        Naming the text and what is wrong with it.
     """
     try:
         endpoint = _parsed(text)

@@ -37,10 +37,14 @@ class LinkRules:
 
     Attributes
     ----------
-    allowed: addresses that are listened to from the start.
-    called: those of them that are greeted before they were heard: we call, they answer.
-    is_discovering: whether any other address may become a peer; for loopback only.
-    is_stream: whether bytes come without borders.
+    allowed
+        Addresses that are listened to from the start.
+    called
+        Those of them that are greeted before they were heard: we call, they answer.
+    is_discovering
+        Whether any other address may become a peer; for loopback only.
+    is_stream
+        Whether bytes come without borders.
     """
 
     allowed: frozenset[Address] = frozenset()
@@ -57,9 +61,12 @@ class Link:
 
     Parameters
     ----------
-    rules: whom to listen to.
-    identity: who we are.
-    gate, signer: signatures; both or none.
+    rules
+        Whom to listen to.
+    identity
+        Who we are.
+    gate, signer
+        Signatures; both or none.
     """
 
     def __init__(
@@ -91,8 +98,10 @@ class Link:
 
         Parameters
         ----------
-        now_s: steady time, seconds.
-        time_s: time of day, seconds since 1970.
+        now_s
+            Steady time, seconds.
+        time_s
+            Time of day, seconds since 1970.
         """
         peer = self._peers.get(address)
         if peer is None and address in self._rules.allowed:
@@ -106,8 +115,10 @@ class Link:
 
         Raises
         ------
-        NotAllowedError: if it may not be sent.
-        ValueError: if a value does not fit into its field.
+        NotAllowedError
+            If it may not be sent.
+        ValueError
+            If a value does not fit into its field.
         """
         self._authority.require(message, now_s)
         number, payload = encode(message)

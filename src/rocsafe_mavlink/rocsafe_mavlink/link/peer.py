@@ -32,9 +32,12 @@ class Peer:
 
     Parameters
     ----------
-    counters: of the link.
-    gate: judge of signatures; None reads everything, signed or not.
-    is_stream: whether bytes come without borders (TCP, serial), not in datagrams.
+    counters
+        Of the link.
+    gate
+        Judge of signatures; None reads everything, signed or not.
+    is_stream
+        Whether bytes come without borders (TCP, serial), not in datagrams.
     """
 
     def __init__(
@@ -57,9 +60,12 @@ class Peer:
 
         Parameters
         ----------
-        data: a datagram, or the next bytes of a stream.
-        now_s: steady time, seconds.
-        time_s: time of day, seconds since 1970, for signatures.
+        data
+            A datagram, or the next bytes of a stream.
+        now_s
+            Steady time, seconds.
+        time_s
+            Time of day, seconds since 1970, for signatures.
         """
         messages = []
         for frame in self._frames(data):

@@ -42,7 +42,8 @@ class UdpTransport:
 
     Raises
     ------
-    EndpointError: if the port cannot be had.
+    EndpointError
+        If the port cannot be had.
     """
 
     def __init__(self, endpoint: Endpoint) -> None:
@@ -99,13 +100,15 @@ class StreamTransport:
 
     Parameters
     ----------
-    address: name under which its bytes are reported.
-    open_line: opens it and returns a descriptor that does not block; raises OSError if it cannot.
+    address
+        Name under which its bytes are reported.
+    open_stream
+        Opens it and returns a descriptor that does not block; raises OSError if it cannot.
     """
 
-    def __init__(self, address: Address, open_line: Callable[[], int]) -> None:
+    def __init__(self, address: Address, open_stream: Callable[[], int]) -> None:
         self._address = address
-        self._open_line = open_line
+        self._open_stream = open_stream
         self._descriptor: int | None = None
         self._retry_at_s = -RETRY_S
 
@@ -131,7 +134,7 @@ class StreamTransport:
             pieces.append((self._address, data))
         return pieces
 
-    def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a line has one end
+    def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a stream has one end
         """Send bytes; False if the line is closed or full."""
         if self._descriptor is None:
             return False
@@ -155,7 +158,7 @@ class StreamTransport:
         if self._descriptor is None and now_s >= self._retry_at_s:
             self._retry_at_s = now_s + RETRY_S
             with contextlib.suppress(OSError):
-                self._descriptor = self._open_line()
+                self._descriptor = self._open_stream()
 
 
 def open_transport(endpoint: Endpoint) -> Transport:
@@ -163,7 +166,8 @@ def open_transport(endpoint: Endpoint) -> Transport:
 
     Raises
     ------
-    EndpointError: if a port cannot be had or a baud rate is not one of the system's.
+    EndpointError
+        If a port cannot be had or a baud rate is not one of the system's.
     """
     if endpoint.kind in (EndpointKind.UDP, EndpointKind.UDP_OUT):
         return UdpTransport(endpoint)
@@ -183,18 +187,18 @@ def address_of(endpoint: Endpoint) -> Address:
 
 
 def _open_tcp(endpoint: Endpoint) -> int:
-    line = socket.socket(_family(endpoint.host), socket.SOCK_STREAM)
-    line.setblocking(False)
-    line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection = socket.socket(_family(endpoint.host), socket.SOCK_STREAM)
+    connection.setblocking(False)
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     try:
-        line.connect((endpoint.host, endpoint.port))
+        connection.connect((endpoint.host, endpoint.port))
     except BlockingIOError:
         # The call is under way; until it is answered, reading finds nothing.
         pass
     except OSError:
-        line.close()
+        connection.close()
         raise
-    return line.detach()
+    return connection.detach()
 
 
 def _open_serial(device: str, speed: int) -> int:

@@ -63,13 +63,20 @@ class CommandCall:
 
     Attributes
     ----------
-    command: the COMMAND_LONG or COMMAND_INT.
-    us: our (system, component), which an answer may name.
-    stage: how far it is.
-    wait_until_s: steady time until which nothing is done.
-    sends: how often it was sent.
-    result: number of the answer, -1 before.
-    heard: what the autopilot said around its refusal.
+    command
+        The COMMAND_LONG or COMMAND_INT.
+    us
+        Our (system, component), which an answer may name.
+    stage
+        How far it is.
+    wait_until_s
+        Steady time until which nothing is done.
+    sends
+        How often it was sent.
+    result
+        Number of the answer, -1 before.
+    heard
+        What the autopilot said around its refusal.
     """
 
     command: Message

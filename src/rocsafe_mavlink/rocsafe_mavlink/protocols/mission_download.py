@@ -29,14 +29,22 @@ class Download:
 
     Attributes
     ----------
-    target: (system, component) of the autopilot.
-    mission_type: mission, fence or rally points.
-    stage: how far it is.
-    count: items that there are, once it is known.
-    items: those read so far.
-    asked_s: steady time of the last question.
-    asks: how often it was asked.
-    error: why it failed.
+    target
+        (system, component) of the autopilot.
+    mission_type
+        Mission, fence or rally points.
+    stage
+        How far it is.
+    count
+        Items that there are, once it is known.
+    items
+        Those read so far.
+    asked_s
+        Steady time of the last question.
+    asks
+        How often it was asked.
+    error
+        Why it failed.
     """
 
     target: tuple[int, int]

@@ -27,11 +27,16 @@ class MissionItem:
 
     Attributes
     ----------
-    command: MAV_CMD.
-    frame: MAV_FRAME of `x_e7`, `y_e7` and `z_m`.
-    x_e7, y_e7: latitude and longitude in 1e-7 degrees.
-    z_m: height above home, or altitude above mean sea level, by the frame.
-    parameters: the first four.
+    command
+        MAV_CMD.
+    frame
+        MAV_FRAME of `x_e7`, `y_e7` and `z_m`.
+    x_e7, y_e7
+        Latitude and longitude in 1e-7 degrees.
+    z_m
+        Height above home, or altitude above mean sea level, by the frame.
+    parameters
+        The first four.
     """
 
     command: int

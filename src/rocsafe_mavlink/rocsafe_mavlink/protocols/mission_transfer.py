@@ -37,15 +37,24 @@ class Transfer:
 
     Attributes
     ----------
-    upload, download: the parts under way.
-    first_compared: items before it belong to the autopilot (1 where item 0 is home).
-    stage: how far it is.
-    tries: uploads begun.
-    error: why it failed, or why the try before this one did.
-    asked_s, clears: of the clearing.
-    is_cleared: whether the autopilot said, after a failure, that its mission is empty.
-    begins_again: whether it is offered anew once an autopilot that was stuck is cleared.
-    clears_after_failure: whether what may be half written is cleared; not while it is flown.
+    upload, download
+        The parts under way.
+    first_compared
+        Items before it belong to the autopilot (1 where item 0 is home).
+    stage
+        How far it is.
+    tries
+        Uploads begun.
+    error
+        Why it failed, or why the try before this one did.
+    asked_s, clears
+        Of the clearing.
+    is_cleared
+        Whether the autopilot said, after a failure, that its mission is empty.
+    begins_again
+        Whether it is offered anew once an autopilot that was stuck is cleared.
+    clears_after_failure
+        Whether what may be half written is cleared; not while it is flown.
     """
 
     upload: Upload
@@ -172,9 +181,12 @@ def transfer(
 
     Parameters
     ----------
-    items: as they shall lie on the autopilot, its own item 0 included where it has one.
-    target: (system, component) of the autopilot.
-    first_compared: 1 where item 0 is the autopilot's home, else 0.
+    items
+        As they shall lie on the autopilot, its own item 0 included where it has one.
+    target
+        (system, component) of the autopilot.
+    first_compared
+        1 where item 0 is the autopilot's home, else 0.
     """
     return Transfer(
         upload=Upload(items=tuple(items), target=target, mission_type=mission_type),

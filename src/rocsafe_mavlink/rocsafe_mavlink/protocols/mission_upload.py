@@ -45,16 +45,26 @@ class Upload:
 
     Attributes
     ----------
-    items: what is sent.
-    target: (system, component) of the autopilot.
-    mission_type: mission, fence or rally points.
-    stage: how far it is.
-    heard_s: steady time of the last sign that it goes on.
-    offers: how often it was offered.
-    highest: highest item that was asked for; -1 if none.
-    error: why it failed.
-    is_passing: whether another try may go better.
-    is_stuck: whether offers are refused for a transfer of another type.
+    items
+        What is sent.
+    target
+        (system, component) of the autopilot.
+    mission_type
+        Mission, fence or rally points.
+    stage
+        How far it is.
+    heard_s
+        Steady time of the last sign that it goes on.
+    offers
+        How often it was offered.
+    highest
+        Highest item that was asked for; -1 if none.
+    error
+        Why it failed.
+    is_passing
+        Whether another try may go better.
+    is_stuck
+        Whether offers are refused for a transfer of another type.
     """
 
     items: tuple[MissionItem, ...]

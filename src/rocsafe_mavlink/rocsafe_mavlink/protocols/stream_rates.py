@@ -34,7 +34,8 @@ class StreamRates:
 
     Parameters
     ----------
-    position_rate_hz: positions a second; None: as in `WANTED`.
+    position_rate_hz
+        Positions a second; None: as in `WANTED`.
     """
 
     def __init__(self, position_rate_hz: float | None = None) -> None:

@@ -21,9 +21,12 @@ class TextJoiner:
 
     Attributes
     ----------
-    held: what came of a text whose end has not; None: nothing.
-    pieces: how many that are.
-    held_s: steady time of the last.
+    held
+        What came of a text whose end has not; None: nothing.
+    pieces
+        How many that are.
+    held_s
+        Steady time of the last.
     """
 
     held: Message | None = None

@@ -24,11 +24,13 @@ class TimestampStore:
 
     Parameters
     ----------
-    path: file that keeps them; None keeps them in memory only.
+    path
+        File that keeps them; None keeps them in memory only.
 
     Raises
     ------
-    ValueError: if the file does not hold what was written there.
+    ValueError
+        If the file does not hold what was written there.
     """
 
     def __init__(self, path: Path | None = None) -> None:
