@@ -3,7 +3,7 @@
 
 ``udp://HOST:PORT`` waits there for vehicles; ``udp://HOST:PORT?peer=HOST:PORT`` hears that address
 only (``peer`` may be repeated); ``udpout://HOST:PORT`` and ``tcp://HOST:PORT`` call a vehicle;
-``serial:///dev/ttyACM0?baud=57600`` is a wire.
+``serial:///dev/ttyACM0?baud=57600`` is a serial port.
 """
 
 import ipaddress
@@ -19,7 +19,7 @@ LARGEST_BAUD = 4_000_000
 
 
 class EndpointKind(Enum):
-    """What carries the bytes."""
+    """Carrier of the bytes."""
 
     UDP = 'udp'
     UDP_OUT = 'udpout'
@@ -34,13 +34,13 @@ class Endpoint:
     Attributes
     ----------
     kind
-        What carries the bytes.
+        Carrier of the bytes.
     host, port
-        To wait at or to call; not of a serial line.
+        Where to wait or whom to call; not of a serial port.
     peers
-        Addresses to hear, none: whoever is on this machine.
+        Addresses to hear; empty: any on this machine.
     device, baud
-        Of a serial line.
+        Of a serial port.
     """
 
     kind: EndpointKind
@@ -52,17 +52,17 @@ class Endpoint:
 
     @property
     def is_stream(self) -> bool:
-        """Whether bytes come without borders."""
+        """Whether the bytes come without message borders."""
         return self.kind in (EndpointKind.TCP, EndpointKind.SERIAL)
 
     @property
     def is_loopback(self) -> bool:
-        """Whether nobody on another machine can reach it."""
+        """Whether it cannot be reached from another machine."""
         return self.kind is not EndpointKind.UDP or is_loopback(self.host)
 
 
 def is_loopback(host: str) -> bool:
-    """Whether `host` is this machine and no other."""
+    """Whether `host` is this machine."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes in and out, without waiting: UDP, TCP and serial lines.
+"""Bytes in and out, without waiting: UDP, TCP and serial ports.
 
-A line that breaks is opened again at a later call; what was to be sent meanwhile is lost, as on a
-radio. Nothing here knows MAVLink.
+A connection that breaks is opened again at a later call; what was to be sent meanwhile is lost, as
+on a radio. Nothing here knows MAVLink.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
 from rocsafe_mavlink.link.link import Address
 
-# One look takes at most this many pieces, so that a flood cannot hold its caller.
+# One call takes at most this many pieces, so that a flood cannot block its caller.
 LARGEST_TAKE = 256
 LARGEST_PIECE = 65_535
 RETRY_S = 1.0
@@ -25,7 +25,7 @@ Piece = tuple[Address, bytes]
 
 
 class Transport(Protocol):
-    """What a link needs of the world."""
+    """Carries bytes for a station."""
 
     def take(self, now_s: float) -> list[Piece]:
         """Return what has come since the last call: sender and bytes."""
@@ -34,7 +34,7 @@ class Transport(Protocol):
         """Send to a peer; return whether it went out."""
 
     def close(self) -> None:
-        """Give the socket or device back."""
+        """Close the socket or device."""
 
 
 class UdpTransport:
@@ -43,7 +43,7 @@ class UdpTransport:
     Raises
     ------
     EndpointError
-        If the port cannot be had.
+        If the port cannot be opened.
     """
 
     def __init__(self, endpoint: Endpoint) -> None:
@@ -66,7 +66,7 @@ class UdpTransport:
         return int(self._socket.getsockname()[1])
 
     def take(self, now_s: float) -> list[Piece]:  # noqa: ARG002 - nothing to open again
-        """Return the datagrams that wait."""
+        """Return the datagrams that have arrived."""
         pieces: list[Piece] = []
         for _ in range(LARGEST_TAKE):
             try:
@@ -74,13 +74,13 @@ class UdpTransport:
             except BlockingIOError:
                 break
             except OSError:
-                # An earlier datagram was refused at the other end: nobody is there yet.
+                # An earlier datagram was refused: nobody listens at the other end yet.
                 continue
             pieces.append((sender[:2], data))
         return pieces
 
     def send(self, address: Address, data: bytes) -> bool:
-        """Send one datagram; False if it could not even be handed to the system."""
+        """Send one datagram; return False if the system did not take it."""
         try:
             if self._is_connected:
                 self._socket.send(data)
@@ -96,7 +96,7 @@ class UdpTransport:
 
 
 class StreamTransport:
-    """Bytes of one line, opened again when it breaks.
+    """Bytes of one connection, opened again when it breaks.
 
     Parameters
     ----------
@@ -114,11 +114,11 @@ class StreamTransport:
 
     @property
     def is_open(self) -> bool:
-        """Whether the line is open."""
+        """Whether the connection is open."""
         return self._descriptor is not None
 
     def take(self, now_s: float) -> list[Piece]:
-        """Return the bytes that wait; open the line if it is not open."""
+        """Return the bytes that have arrived; open the connection if it is not open."""
         self._ensure_open(now_s)
         pieces: list[Piece] = []
         while self._descriptor is not None and len(pieces) < LARGEST_TAKE:
@@ -135,11 +135,11 @@ class StreamTransport:
         return pieces
 
     def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a stream has one end
-        """Send bytes; False if the line is closed or full."""
+        """Send bytes; return False if the connection is closed or full."""
         if self._descriptor is None:
             return False
         try:
-            # A frame cut in two is a damaged one to its reader, and counted there.
+            # A frame that is cut in two is counted as damaged by its reader.
             return os.write(self._descriptor, data) == len(data)
         except BlockingIOError:
             return False
@@ -148,7 +148,7 @@ class StreamTransport:
             return False
 
     def close(self) -> None:
-        """Close the line; the next look opens it again."""
+        """Close the connection; the next `take` opens it again."""
         if self._descriptor is not None:
             with contextlib.suppress(OSError):
                 os.close(self._descriptor)
@@ -167,7 +167,7 @@ def open_transport(endpoint: Endpoint) -> Transport:
     Raises
     ------
     EndpointError
-        If a port cannot be had or a baud rate is not one of the system's.
+        If a port cannot be opened, or the system does not know the baud rate.
     """
     if endpoint.kind in (EndpointKind.UDP, EndpointKind.UDP_OUT):
         return UdpTransport(endpoint)
@@ -193,7 +193,7 @@ def _open_tcp(endpoint: Endpoint) -> int:
     try:
         connection.connect((endpoint.host, endpoint.port))
     except BlockingIOError:
-        # The call is under way; until it is answered, reading finds nothing.
+        # The connection is being made; until then reading finds nothing.
         pass
     except OSError:
         connection.close()

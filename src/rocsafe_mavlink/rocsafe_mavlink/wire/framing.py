@@ -69,7 +69,7 @@ class Scan:
 def scan(data: bytes, *, is_whole: bool, extras: Mapping[int, bytes] = CRC_EXTRAS) -> Scan:
     """Return the frames in `data`.
 
-    With `is_whole` (a datagram) nothing follows. Otherwise (a stream) the rest may hold the beginning
+    With `is_whole` (a datagram) nothing follows. Otherwise (a stream) the rest may hold the start
     of a frame, which starts at `used`.
     """
     found = Scan([])
