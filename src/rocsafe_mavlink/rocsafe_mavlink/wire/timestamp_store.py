@@ -58,8 +58,8 @@ class TimestampStore:
     def next_sent(self, now: int) -> int:
         """Return the next time stamp to send: our own time, or just above the last stamp.
 
-        If our clock is behind that of an accepted sender, stamps follow the sender: others would refuse
-        ours otherwise.
+        If our clock is behind that of an accepted sender, stamps follow the sender: others would
+        refuse ours otherwise.
         """
         ticks = max(self.newest(now), self._used.get(_SENT, 0) + 1)
         self._use(_SENT, ticks)
