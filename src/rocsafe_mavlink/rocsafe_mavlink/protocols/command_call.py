@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One command and its answer: ``(state, message or tick) -> (state, messages to send)``.
 
-A command is repeated while no answer comes, its `confirmation` counted up. An autopilot says why
-it refused in a text of its own, half a second before to a second and a half after the refusal;
-these texts belong to the answer.
+A command is repeated while no answer comes, with its `confirmation` counted up. An autopilot says
+why it refused in a text of its own, from half a second before to a second and a half after the
+refusal; these texts belong to the answer.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ LARGEST_SEND_COUNT = 4
 TEXT_BEFORE_S = 0.5
 TEXT_AFTER_S = 1.5
 LARGEST_TEXT_COUNT = 10
-# How long a command may be under way.
+# A command that is in progress may take so long.
 PROGRESS_S = 10.0
 ACCEPTED, IN_PROGRESS = 0, 5
 RESULTS = {
@@ -40,7 +40,7 @@ Target = tuple[int, int]
 
 
 class CallStage(Enum):
-    """How far a command is."""
+    """Progress of a command."""
 
     WAITING = 'waiting'
     EXPLAINING = 'explaining'
@@ -66,17 +66,17 @@ class CommandCall:
     command
         The COMMAND_LONG or COMMAND_INT.
     us
-        Our (system, component), which an answer may name.
+        Our own (system, component), which an answer may name.
     stage
-        How far it is.
+        Progress of the command.
     wait_until_s
         Steady time until which nothing is done.
     sends
         How often it was sent.
     result
-        Number of the answer, -1 before.
+        MAV_RESULT of the answer, -1 before.
     heard
-        What the autopilot said around its refusal.
+        Texts of the autopilot around its refusal.
     """
 
     command: Message
@@ -94,7 +94,7 @@ class CommandCall:
 
     @property
     def error(self) -> str:
-        """Why it was not done, in the autopilot's words where it has some; empty if it was."""
+        """Why it was not done, with the autopilot's own texts; empty if it was."""
         if self.stage is CallStage.UNANSWERED:
             return f'no answer to command {self.command["command"]}'
         if self.stage is not CallStage.REFUSED:
@@ -171,7 +171,7 @@ def arm(target: Target) -> Message:
 
 
 def disarm(target: Target) -> Message:
-    """Return the command to stop the motors, which an autopilot refuses in flight."""
+    """Return the command to stop the motors, which autopilots refuse in flight."""
     return command(COMPONENT_ARM_DISARM, target, 0.0)
 
 
@@ -181,12 +181,12 @@ def start_mission(target: Target, item: int = 0) -> Message:
 
 
 def pause(target: Target) -> Message:
-    """Return the command to stand still within a mission."""
+    """Return the command to stop within a mission."""
     return command(DO_PAUSE_CONTINUE, target, 0.0)
 
 
 def resume(target: Target) -> Message:
-    """Return the command to go on after a pause."""
+    """Return the command to continue after a pause."""
     return command(DO_PAUSE_CONTINUE, target, 1.0)
 
 
@@ -196,7 +196,7 @@ def change_speed(target: Target, speed_mps: float) -> Message:
 
 
 def set_current(target: Target, item: int) -> Message:
-    """Return the command to go on with item `item`."""
+    """Return the command to continue with item `item`."""
     return command(DO_SET_MISSION_CURRENT, target, item)
 
 

@@ -8,14 +8,14 @@ from rocsafe_mavlink.protocols.mission_item import MissionItem, item_of
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 ASK_AGAIN_S = 1.0
-# With 40 % of all messages lost, one item in ten thousand misses so many.
+# With 40 % of all messages lost, one item in ten thousand goes unanswered so often.
 LARGEST_ASK_COUNT = 20
 # More items than any autopilot holds.
 LARGEST_ITEM_COUNT = 5000
 
 
 class DownloadStage(Enum):
-    """How far a download is."""
+    """Progress of a download."""
 
     LISTING = 'listing'
     READING = 'reading'
@@ -34,17 +34,17 @@ class Download:
     mission_type
         Mission, fence or rally points.
     stage
-        How far it is.
+        Progress of the download.
     count
-        Items that there are, once it is known.
+        Number of items, once it is known.
     items
-        Those read so far.
+        Items read so far.
     asked_s
         Steady time of the last question.
     asks
-        How often it was asked.
+        How often the last question was asked.
     error
-        Why it failed.
+        Why the download failed.
     """
 
     target: tuple[int, int]
