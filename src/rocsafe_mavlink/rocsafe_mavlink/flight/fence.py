@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fences and rally points as items: they travel like a mission, under types of their own."""
+"""Fences and rally points as items: they are transferred like a mission, with own types."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class Fence:
     Attributes
     ----------
     inclusions
-        The vehicle stays within each.
+        The vehicle stays within each of these.
     exclusions
-        And out of each of these.
+        The vehicle stays out of each of these.
     """
 
     inclusions: tuple[Ring, ...] = ()
@@ -57,7 +57,7 @@ class Fence:
 
 
 def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
-    """Return the items of `fence`: each corner says how many its polygon has."""
+    """Return the items of `fence`: each corner holds the corner count of its polygon."""
     return tuple(
         MissionItem(
             command=command,
@@ -76,7 +76,7 @@ def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
 
 
 def fence_of(items: Sequence[MissionItem]) -> Fence:
-    """Return the polygons among the items of a fence; circles are left to the autopilot.
+    """Return the polygons among the items of a fence; circles are not read.
 
     Raises
     ------

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission is on the vehicle when what was read back is what was sent, and not before.
+"""Verified upload: a mission is on the vehicle when what was read back is what was sent.
 
-An acknowledgement is no approval, and an upload that failed has overwritten the mission before it.
-So after an upload the mission is read back and compared; what differs is sent again; and when that
-does not help, the mission is cleared, so that nothing half-written can be flown.
+An acknowledgement is no proof, and an upload that failed has overwritten the mission before it. So
+after an upload the mission is read back and compared. If it differs it is sent again, and if that
+does not help it is cleared, so that no partial mission can be flown.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ LARGEST_CLEAR_COUNT = 5
 
 
 class TransferStage(Enum):
-    """How far a transfer is."""
+    """Progress of a transfer."""
 
     UPLOADING = 'uploading'
     READING_BACK = 'reading back'
@@ -42,19 +42,19 @@ class Transfer:
     first_compared
         Items before it belong to the autopilot (1 where item 0 is home).
     stage
-        How far it is.
+        Progress of the transfer.
     tries
         Uploads begun.
     error
         Why it failed, or why the try before this one did.
     asked_s, clears
-        Of the clearing.
+        Steady time of the last request to clear, and number of requests.
     is_cleared
-        Whether the autopilot said, after a failure, that its mission is empty.
+        Whether the autopilot confirmed, after a failure, that its mission is empty.
     begins_again
-        Whether it is offered anew once an autopilot that was stuck is cleared.
+        Whether it is offered again once an autopilot that was stuck is cleared.
     clears_after_failure
-        Whether what may be half written is cleared; not while it is flown.
+        Whether a partial mission is cleared; not while it may be flown.
     """
 
     upload: Upload
@@ -71,7 +71,7 @@ class Transfer:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will happen."""
+        """Whether it is verified or has failed."""
         return self.stage in (TransferStage.VERIFIED, TransferStage.FAILED)
 
     @property
@@ -197,7 +197,7 @@ def transfer(
 
 
 def compare(sent: Sequence[MissionItem], back: Sequence[MissionItem], first_compared: int) -> str:
-    """Return how a mission that was read back differs from what was sent; empty if not at all."""
+    """Return how a mission that was read back differs from what was sent; empty if it does not."""
     if len(sent) != len(back):
         return f'the mission read back has {len(back)} items, sent were {len(sent)}'
     for number in range(first_compared, len(sent)):

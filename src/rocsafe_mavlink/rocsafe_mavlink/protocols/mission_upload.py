@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sending a mission: ``(state, message or tick) -> (state, messages to send)``.
+"""Mission upload: ``(state, message or tick) -> (state, messages to send)``.
 
-The autopilot leads: it asks for each item, as often as it likes, and every question is answered at
-once, also one asked again. Autopilots ask by the old MISSION_REQUEST as well; the answer is
-MISSION_ITEM_INT all the same, since the older item rounds places to metres.
+The autopilot leads: it asks for each item, as often as it likes, and every request is answered at
+once, repeated ones too. Autopilots also ask by the old MISSION_REQUEST. The answer is
+MISSION_ITEM_INT all the same: the older item rounds places to metres.
 """
 
 from dataclasses import dataclass, replace
@@ -20,18 +20,18 @@ from rocsafe_mavlink.wire.dialect import Message, addressed
 
 REQUESTS = ('MISSION_REQUEST', 'MISSION_REQUEST_INT')
 OFFER_AGAIN_S = 1.5
-# With 40 % of all messages lost, one vehicle in a thousand misses so many.
+# With 40 % of all messages lost, one vehicle in a thousand leaves so many unanswered.
 LARGEST_OFFER_COUNT = 15
-# A PX4 may think that another transfer is under way, and refuse every offer by its type.
+# A PX4 may refuse every offer because of an earlier transfer of another type.
 FEWEST_STUCK_OFFERS = 2
-# No autopilot asks again later than this.
+# Autopilots repeat a request sooner than this.
 NO_REQUEST_S = 10.0
-# So long after the last item was sent, a lost acknowledgement is the likely reason for silence.
+# Silence for so long after the last item most likely means a lost acknowledgement.
 NO_ACK_S = 3.5
 
 
 class UploadStage(Enum):
-    """How far an upload is."""
+    """Progress of an upload."""
 
     OFFERED = 'offered'
     SENDING = 'sending'
@@ -46,25 +46,25 @@ class Upload:
     Attributes
     ----------
     items
-        What is sent.
+        Items to send.
     target
         (system, component) of the autopilot.
     mission_type
         Mission, fence or rally points.
     stage
-        How far it is.
+        Progress of the upload.
     heard_s
-        Steady time of the last sign that it goes on.
+        Steady time of the last sign of progress.
     offers
         How often it was offered.
     highest
         Highest item that was asked for; -1 if none.
     error
-        Why it failed.
+        Why the upload failed.
     is_passing
-        Whether another try may go better.
+        Whether another try may succeed.
     is_stuck
-        Whether offers are refused for a transfer of another type.
+        Whether offers are refused because of a transfer of another type.
     """
 
     items: tuple[MissionItem, ...]
@@ -126,14 +126,14 @@ class Upload:
             self,
             stage=UploadStage.SENDING,
             heard_s=now_s,
-            # From its first item on it is another transfer: the offer was heard again.
+            # A request for item 0 begins a new transfer: the offer was heard again.
             highest=0 if number == 0 else max(self.highest, number),
         )
         return going, [self.items[number].message(number, self.target, self.mission_type)]
 
     def _on_ack(self, result: int) -> 'Upload':
         if result == ACCEPTED:
-            # Before the end it belongs to something older.
+            # Before the last item it belongs to an earlier transfer.
             return replace(self, stage=UploadStage.DONE) if self._was_all_asked else self
         if result == INVALID_SEQUENCE:
             # An item arrived twice; the autopilot goes on.
