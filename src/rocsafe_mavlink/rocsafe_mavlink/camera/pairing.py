@@ -12,15 +12,39 @@ from dataclasses import dataclass
 from rocsafe_mavlink.camera.camera_trigger import CameraTrigger
 from rocsafe_mavlink.camera.source import CameraImage
 
-# Half of the shortest time between two triggers.
-TOLERANCE_S = 0.5
-# Clocks that differ by less are assumed to be set by the same source.
-SET_ALIKE_S = 1.0
-FEWEST_AGREEING = 3
-# The difference of two clocks drifts; each pair moves its estimate by this share.
-DRIFT_SHARE = 0.2
-LARGEST_WAITING = 500
-LOOKED_AT = 20
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairingOptions:
+    """Options of the pairing of images and triggers.
+
+    Attributes
+    ----------
+    tolerance_s
+        Largest distance in time of a pair, seconds: half of the shortest time between triggers.
+    agreement_s
+        Largest distance of pairs while the difference of the clocks is searched, seconds.
+    set_alike_s
+        Clocks that differ by less are assumed to be set by the same source, seconds.
+    fewest_agreeing
+        Pairs that must agree for a larger difference of the clocks.
+    searched_count
+        Images and triggers among which the difference is searched.
+    drift_share
+        Share by which each pair moves the estimate of the difference, which drifts.
+    largest_waiting
+        Images, and triggers, that are kept unpaired.
+    """
+
+    tolerance_s: float = 0.5
+    agreement_s: float = 0.1
+    set_alike_s: float = 1.0
+    fewest_agreeing: int = 3
+    searched_count: int = 20
+    drift_share: float = 0.2
+    largest_waiting: int = 500
+
+
+PAIRING_OPTIONS = PairingOptions()
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +58,8 @@ class ImagePair:
 class ImagePairing:
     """Pairs the images of one camera with the triggers of its autopilot."""
 
-    def __init__(self) -> None:
+    def __init__(self, options: PairingOptions = PAIRING_OPTIONS) -> None:
+        self._options = options
         self._triggers: list[CameraTrigger] = []
         self._images: list[CameraImage] = []
         self._offset_s: float | None = None
@@ -46,31 +71,30 @@ class ImagePairing:
 
     def add(self, triggers: list[CameraTrigger], images: list[CameraImage]) -> list[ImagePair]:
         """Take new triggers and images; return the pairs that are certain now, by time."""
-        self._triggers = [*self._triggers, *triggers][-LARGEST_WAITING:]
-        self._images = [*self._images, *images][-LARGEST_WAITING:]
+        self._triggers = [*self._triggers, *triggers][-self._options.largest_waiting :]
+        self._images = [*self._images, *images][-self._options.largest_waiting :]
         if self._offset_s is None:
             self._offset_s = self._found_offset()
         return [] if self._offset_s is None else self._paired()
 
     def _found_offset(self) -> float | None:
-        """Return the difference at which most agrees, the smallest of those."""
-        triggers, images = self._triggers[:LOOKED_AT], self._images[:LOOKED_AT]
-        candidates = [image.unix_s - trigger.unix_s for image in images for trigger in triggers]
+        """Return the difference of the clocks with which most agree, the smallest of these."""
+        options = self._options
+        triggers = [trigger.unix_s for trigger in self._triggers[: options.searched_count]]
+        images = [image.unix_s for image in self._images[: options.searched_count]]
+        candidates = [image_s - trigger_s for image_s in images for trigger_s in triggers]
         if not candidates:
             return None
-        best = max(candidates, key=lambda offset_s: (self._agreeing(offset_s), -abs(offset_s)))
-        is_sure = self._agreeing(best) >= FEWEST_AGREEING or abs(best) < SET_ALIKE_S
-        return best if is_sure else None
 
-    def _agreeing(self, offset_s: float) -> int:
-        triggers = self._triggers[:LOOKED_AT]
-        return sum(
-            any(
-                abs(image.unix_s - offset_s - trigger.unix_s) < 0.2 * TOLERANCE_S
-                for trigger in triggers
+        def agreeing(offset_s: float) -> int:
+            return sum(
+                any(abs(image_s - offset_s - s) < options.agreement_s for s in triggers)
+                for image_s in images
             )
-            for image in self._images[:LOOKED_AT]
-        )
+
+        best_s = max(candidates, key=lambda offset_s: (agreeing(offset_s), -abs(offset_s)))
+        is_sure = agreeing(best_s) >= options.fewest_agreeing or abs(best_s) < options.set_alike_s
+        return best_s if is_sure else None
 
     def _paired(self) -> list[ImagePair]:
         pairs = []
@@ -88,7 +112,7 @@ class ImagePairing:
         trigger = min(
             self._triggers, key=lambda trigger: abs(trigger.unix_s - taken_s), default=None
         )
-        if trigger is None or abs(trigger.unix_s - taken_s) > TOLERANCE_S:
+        if trigger is None or abs(trigger.unix_s - taken_s) > self._options.tolerance_s:
             return None
-        self._offset_s = offset_s + DRIFT_SHARE * (taken_s - trigger.unix_s)
+        self._offset_s = offset_s + self._options.drift_share * (taken_s - trigger.unix_s)
         return ImagePair(trigger, image)

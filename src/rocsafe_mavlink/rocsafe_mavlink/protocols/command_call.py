@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from rocsafe_mavlink.protocols.timing import COMMAND_TIMING, CommandTiming
 from rocsafe_mavlink.wire.authority import (
     COMPONENT_ARM_DISARM,
     DO_CHANGE_SPEED,
@@ -20,13 +21,7 @@ from rocsafe_mavlink.wire.authority import (
 )
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
-REPEAT_S = 1.5
-LARGEST_SEND_COUNT = 4
-TEXT_BEFORE_S = 0.5
-TEXT_AFTER_S = 1.5
 LARGEST_TEXT_COUNT = 10
-# A command that is in progress may take so long.
-PROGRESS_S = 10.0
 ACCEPTED, IN_PROGRESS = 0, 5
 RESULTS = {
     1: 'temporarily rejected',
@@ -77,6 +72,8 @@ class CommandCall:
         MAV_RESULT of the answer, -1 before.
     heard
         Texts of the autopilot around its refusal.
+    timing
+        Deadlines and repetitions.
     """
 
     command: Message
@@ -86,6 +83,7 @@ class CommandCall:
     sends: int = 0
     result: int = -1
     heard: tuple[HeardText, ...] = ()
+    timing: CommandTiming = COMMAND_TIMING
 
     @property
     def is_over(self) -> bool:
@@ -107,7 +105,7 @@ class CommandCall:
         self, now_s: float, heard: Sequence[HeardText] = ()
     ) -> tuple['CommandCall', list[Message]]:
         """Send it; `heard` are the latest texts."""
-        return replace(self, heard=_recent(heard, now_s))._send(now_s)
+        return replace(self, heard=self._recent(heard, now_s))._send(now_s)
 
     def on_message(self, message: Message, now_s: float) -> 'CommandCall':
         """Take a message of the autopilot; those of others change nothing."""
@@ -125,7 +123,7 @@ class CommandCall:
             return self, []
         if self.stage is CallStage.EXPLAINING:
             return replace(self, stage=CallStage.REFUSED), []
-        if self.sends >= LARGEST_SEND_COUNT:
+        if self.sends >= self.timing.largest_send_count:
             return replace(self, stage=CallStage.UNANSWERED), []
         return self._send(now_s)
 
@@ -133,13 +131,17 @@ class CommandCall:
         fields = dict(self.command.fields)
         if self.command.name == 'COMMAND_LONG':
             fields['confirmation'] = self.sends
-        sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + REPEAT_S)
+        sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + self.timing.repeat_s)
         return sent, [Message(self.command.name, fields)]
 
     def _hear(self, word: HeardText) -> 'CommandCall':
         is_explaining = self.stage is CallStage.EXPLAINING
-        kept = self.heard if is_explaining else _recent(self.heard, word.time_s)
+        kept = self.heard if is_explaining else self._recent(self.heard, word.time_s)
         return replace(self, heard=(*kept, word)[:LARGEST_TEXT_COUNT])
+
+    def _recent(self, heard: Sequence[HeardText], now_s: float) -> tuple[HeardText, ...]:
+        before_s = self.timing.text_before_s
+        return tuple(word for word in heard if now_s - word.time_s <= before_s)
 
     def _is_answer(self, message: Message) -> bool:
         if message.name != 'COMMAND_ACK' or message['command'] != self.command['command']:
@@ -152,10 +154,10 @@ class CommandCall:
         if result == ACCEPTED:
             return replace(self, stage=CallStage.ACCEPTED, result=result)
         if result == IN_PROGRESS:
-            return replace(self, wait_until_s=now_s + PROGRESS_S)
+            return replace(self, wait_until_s=now_s + self.timing.progress_s)
         stage = CallStage.EXPLAINING
-        until_s = now_s + TEXT_AFTER_S
-        heard = _recent(self.heard, now_s)
+        until_s = now_s + self.timing.text_after_s
+        heard = self._recent(self.heard, now_s)
         return replace(self, stage=stage, result=result, wait_until_s=until_s, heard=heard)
 
 
@@ -203,7 +205,3 @@ def set_current(target: Target, item: int) -> Message:
 def set_interval(target: Target, message_id: int, rate_hz: float) -> Message:
     """Return the command to send a message at a rate."""
     return command(SET_MESSAGE_INTERVAL, target, message_id, 1e6 / rate_hz)
-
-
-def _recent(heard: Sequence[HeardText], now_s: float) -> tuple[HeardText, ...]:
-    return tuple(word for word in heard if now_s - word.time_s <= TEXT_BEFORE_S)

@@ -16,10 +16,6 @@ from rocsafe_mavlink.protocols.mission_results import ACCEPTED, MissionType, res
 from rocsafe_mavlink.protocols.mission_upload import Upload, UploadStage
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
-LARGEST_TRY_COUNT = 5
-CLEAR_AGAIN_S = 1.5
-LARGEST_CLEAR_COUNT = 5
-
 
 class TransferStage(Enum):
     """Progress of a transfer."""
@@ -116,15 +112,19 @@ class Transfer:
         if self.stage is TransferStage.READING_BACK:
             download, sent = self.download.on_tick(now_s)
             return replace(self, download=download)._after_download(now_s, sent)
-        if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= CLEAR_AGAIN_S:
+        if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= self._clear_again_s:
             return self._clear(now_s)
         return self, []
+
+    @property
+    def _clear_again_s(self) -> float:
+        return self.upload.timing.clear_again_s
 
     def _after_upload(self, now_s: float, sent: list[Message]) -> tuple['Transfer', list[Message]]:
         if self.upload.stage is UploadStage.FAILED:
             return self._try_again(now_s, self.upload.error, is_passing=self.upload.is_passing)
         if self.upload.stage is UploadStage.DONE:
-            fresh = Download(target=self.upload.target, mission_type=self.upload.mission_type)
+            fresh = replace(self.download, stage=DownloadStage.LISTING, items=(), asks=0, error='')
             download, asked = fresh.begin(now_s)
             stage = TransferStage.READING_BACK
             return replace(self, stage=stage, download=download), sent + asked
@@ -147,14 +147,14 @@ class Transfer:
         self, now_s: float, error: str, *, is_passing: bool
     ) -> tuple['Transfer', list[Message]]:
         noted = replace(self, error=error)
-        if is_passing and self.tries < LARGEST_TRY_COUNT:
+        if is_passing and self.tries < self.upload.timing.largest_try_count:
             return noted.begin(now_s)
         if not self.clears_after_failure:
             return replace(noted, stage=TransferStage.FAILED), []
         return replace(noted, stage=TransferStage.CLEARING)._clear(now_s)
 
     def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
-        if self.clears >= LARGEST_CLEAR_COUNT:
+        if self.clears >= self.upload.timing.largest_clear_count:
             return replace(self, stage=TransferStage.FAILED), []
         asked, upload = replace(self, asked_s=now_s, clears=self.clears + 1), self.upload
         clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)

@@ -16,18 +16,10 @@ from rocsafe_mavlink.protocols.mission_results import (
     PASSING,
     result_text,
 )
+from rocsafe_mavlink.protocols.timing import TRANSFER_TIMING, TransferTiming
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 REQUESTS = ('MISSION_REQUEST', 'MISSION_REQUEST_INT')
-OFFER_AGAIN_S = 1.5
-# With 40 % of all messages lost, one vehicle in a thousand leaves so many unanswered.
-LARGEST_OFFER_COUNT = 15
-# A PX4 may refuse every offer because of an earlier transfer of another type.
-FEWEST_STUCK_OFFERS = 2
-# Autopilots repeat a request sooner than this.
-NO_REQUEST_S = 10.0
-# Silence for so long after the last item most likely means a lost acknowledgement.
-NO_ACK_S = 3.5
 
 
 class UploadStage(Enum):
@@ -65,6 +57,8 @@ class Upload:
         Whether another try may succeed.
     is_stuck
         Whether offers are refused because of a transfer of another type.
+    timing
+        Deadlines and repetitions.
     """
 
     items: tuple[MissionItem, ...]
@@ -77,6 +71,7 @@ class Upload:
     error: str = ''
     is_passing: bool = False
     is_stuck: bool = False
+    timing: TransferTiming = TRANSFER_TIMING
 
     def begin(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Offer the mission."""
@@ -98,16 +93,18 @@ class Upload:
     def on_tick(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Let time pass."""
         silence_s = now_s - self.heard_s
-        if self.stage is UploadStage.OFFERED and silence_s >= OFFER_AGAIN_S:
-            if self.offers >= LARGEST_OFFER_COUNT:
+        if self.stage is UploadStage.OFFERED and silence_s >= self.timing.offer_again_s:
+            if self.offers >= self.timing.largest_offer_count:
                 return self._failed('no answer to the offer of a mission', is_passing=False), []
             return self.begin(now_s)
         if self.stage is UploadStage.SENDING:
-            if self._was_all_asked and silence_s >= NO_ACK_S:
+            if self._was_all_asked and silence_s >= self.timing.no_ack_s:
                 # Only reading it back can tell now.
                 return replace(self, stage=UploadStage.DONE), []
-            if silence_s >= NO_REQUEST_S:
-                text = f'no request for item {self.highest + 1} within {NO_REQUEST_S:g} s'
+            if silence_s >= self.timing.no_request_s:
+                text = (
+                    f'no request for item {self.highest + 1} within {self.timing.no_request_s:g} s'
+                )
                 return self._failed(text, is_passing=True), []
         return self, []
 
@@ -144,7 +141,9 @@ class Upload:
     def _on_other(self, message: Message) -> 'Upload':
         """Take a message about a transfer of another type."""
         is_refusal = message.name == 'MISSION_ACK' and message['type'] in PASSING
-        is_answer = self.stage is UploadStage.OFFERED and self.offers >= FEWEST_STUCK_OFFERS
+        is_answer = (
+            self.stage is UploadStage.OFFERED and self.offers >= self.timing.fewest_stuck_offers
+        )
         if not is_refusal or not is_answer:
             return self
         failed = self._failed(result_text(int(message['type'])), is_passing=False)
