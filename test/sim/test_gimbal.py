@@ -99,5 +99,5 @@ def test_an_order_outlives_the_process(tmp_path):
     write_gimbal(folder, 'front', gimbal.order)
     assert read_gimbal(folder, 'front') == gimbal.order
     (folder / 'front.gimbal').write_text('{')
-    with pytest.raises(JournalError, match='not the order of a gimbal'):
+    with pytest.raises(JournalError, match='not the turn of a gimbal'):
         read_gimbal(folder, 'front')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS side of one camera of a simulated vehicle."""
+"""ROS interface of one camera of a simulated vehicle."""
 
 from rclpy.publisher import Publisher
 from std_msgs.msg import Header, String
@@ -26,18 +26,18 @@ from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.observation import Observation
 
 GIMBAL_PERIOD_NS = 1_000_000_000
-# Who records does not look: for it alone nothing is streamed.
+# Subscriptions of these nodes do not start a stream.
 RECORDERS = frozenset({'recorder'})
 
 
 class CameraInterface:
-    """Publishes all topics of a camera, below its name, and obeys those of its gimbal.
+    """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
     gimbal/state. Subscribes: gimbal/command.
 
-    Pictures come when the vehicle takes them at viewpoints, and `stream_rate_hz` times a simulated
-    second for as long as anybody looks.
+    Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
+    simulated second as long as anybody but a recorder subscribes.
     """
 
     def __init__(self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera) -> None:
@@ -59,18 +59,18 @@ class CameraInterface:
 
     @property
     def name(self) -> str:
-        """Of the camera."""
+        """Name of the camera."""
         return self._camera.name
 
     def after_step(self, seen: Observation) -> None:
-        """Publish what is due at a step besides the pictures of viewpoints."""
+        """Publish what is due at a step, but for the images of viewpoints."""
         if self._stream is not None and self._stream.is_due(seen.time_ns) and self._is_watched():
             self._publish_look(seen)
         if self._camera.gimbal is not None:
             self._publish_gimbal(seen.time_ns)
 
     def publish(self, picture: Picture, jpeg: bytes | None = None) -> None:
-        """Publish the picture of a viewpoint, as `jpeg` if that is made already."""
+        """Publish the image of a viewpoint; `jpeg` is its file, if that exists."""
         self._publish(picture, jpeg or self._jpeg_of(picture))
 
     def _jpeg_of(self, picture: Picture) -> bytes:

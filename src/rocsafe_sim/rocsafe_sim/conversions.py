@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of the simulated vehicles <-> messages."""
+"""Conversions between values of the simulated vehicles and messages."""
 
 import math
 from itertools import accumulate
@@ -46,11 +46,13 @@ _UNKNOWN = math.nan
 def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
     """Return the route of a message.
 
-    Over level ground home is at height 0 of the frame; else heights are differences of altitude.
+    Over level ground home is at height 0 of the frame; otherwise heights are differences of
+    altitude.
 
     Raises
     ------
-    ValueError: if it has a position that is none, or a viewpoint not above the ground.
+    ValueError
+        If a position is invalid, or a viewpoint is not above the ground.
     """
     places = _Places(frame, is_level=not message.follows_terrain)
     flights = message.flights[:-1]
@@ -91,7 +93,7 @@ def _waypoint(viewpoint: Viewpoint, places: '_Places') -> Waypoint:
 
 
 def waiting_text(number: int, waits_s: float) -> str:
-    """Return what a vehicle on the ground waits for before flight `number`; empty: nothing."""
+    """Return the reason why a vehicle waits before flight `number`; empty if it does not wait."""
     if waits_s <= 0.0:
         return ''
     why = 'gets a new battery' if number else 'keeps away from others'
@@ -101,7 +103,7 @@ def waiting_text(number: int, waits_s: float) -> str:
 def battery_message(
     observation: Observation, power: PowerModel, stamp: Time, frame_id: str
 ) -> BatteryState:
-    """Return charge left and current; what is not simulated is NaN."""
+    """Return charge and current; fields that are not simulated are NaN."""
     airborne = observation.mode.is_airborne
     capacity_ah = power.capacity_ah
     return BatteryState(
@@ -139,7 +141,7 @@ def result_message(summary: FlightSummary) -> FlyRoute.Result:
 
 
 def refusal_message(reason: str) -> FlyRoute.Result:
-    """Return the result of a route that is not flown."""
+    """Return the result of a refused route."""
     return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
 
 
@@ -151,7 +153,7 @@ class _Places:
         self.is_level = is_level
 
     def place(self, point: GeoPoint) -> Enu:
-        """Return where a place in the air is."""
+        """Return a place in the air."""
         position = position_of_point(point)
         east, north, up = self._frame.enu_of(position).tolist()
         if not self.is_level:
@@ -159,12 +161,12 @@ class _Places:
         return east, north, up
 
     def ground(self, point: GeoPoint) -> Enu:
-        """Return where a place on the ground is."""
+        """Return a place on the ground."""
         east, north, up = self.place(point)
         return east, north, 0.0 if self.is_level else up
 
     def all(self, points: list[GeoPoint]) -> tuple[Enu, ...]:
-        """Return where places in the air are."""
+        """Return places in the air."""
         return tuple(self.place(point) for point in points)
 
     def outline(self, zone: GeoPolygon) -> tuple[tuple[float, float], ...]:

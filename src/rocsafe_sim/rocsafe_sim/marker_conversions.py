@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Routes and scenes -> markers for RViz and Foxglove."""
+"""Markers of routes and scenes for RViz and Foxglove."""
 
 from collections.abc import Iterator
 
@@ -20,7 +20,7 @@ _THING_ALPHA = 0.9
 
 
 def route_markers(route: Route) -> MarkerArray:
-    """Return the planned route as a line from home to home and a dot a viewpoint."""
+    """Return the planned route as a line from home to home, and a dot for each viewpoint."""
     stops = [waypoint.position_enu for waypoint in route.waypoints]
     line = _marker('route', 0, Marker.LINE_STRIP, _ROUTE_COLOUR)
     line.scale = Vector3(x=_LINE_WIDTH_M, y=0.0, z=0.0)
@@ -42,7 +42,7 @@ def _track(route: Route) -> Iterator[Enu]:
 
 
 def scene_markers(scene: Scene) -> MarkerArray:
-    """Return a box, with a name, for each thing of a scene."""
+    """Return a box with a name for each object of a scene."""
     solid = [thing for thing in scene.things if thing.size_m[2] > 0.0]
     return MarkerArray(markers=[_box(number, thing) for number, thing in enumerate(solid)])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of cameras and states of gimbals -> messages, and orders back."""
+"""Messages of images and gimbals, and commands to gimbals."""
 
 from array import array
 from typing import Any
@@ -25,7 +25,7 @@ from rocsafe_sim.cameras.mounted_camera import Picture
 
 
 def picture_header(vehicle: str, picture: Picture) -> Header:
-    """Return the header of all messages about a picture."""
+    """Return the header of all messages about an image."""
     stamp = stamp_of_ns(picture.time_ns)
     return Header(stamp=stamp, frame_id=f'{vehicle}/{picture.camera}_optical')
 
@@ -36,7 +36,7 @@ def info_message(settings: CameraSettings, header: Header) -> CameraInfo:
 
 
 def image_message(picture: Picture, header: Header) -> Image:
-    """Return the picture itself, 8 bits blue, green, red."""
+    """Return the pixels, 8 bits blue, green, red."""
     return _plane_message(picture.image, 'bgr8', header)
 
 
@@ -46,7 +46,7 @@ def depth_message(truth: Truth, header: Header) -> Image:
 
 
 def labels_message(truth: Truth, header: Header) -> Image:
-    """Return instance numbers, 16 bits; those beyond 65535 show as 65535."""
+    """Return instance numbers, 16 bits; larger ones become 65535."""
     return _plane_message(np.minimum(truth.numbers, 65_535).astype('<u2'), 'mono16', header)
 
 
@@ -61,17 +61,18 @@ def pose_message(picture: Picture) -> PoseStamped:
 
 
 def direction_of(command: GimbalCommand) -> Direction:
-    """Return where a gimbal is told to point.
+    """Return the direction of a command to a gimbal.
 
     Raises
     ------
-    ValueError: naming what is out of its limits.
+    ValueError
+        If a value is outside its limits; it names the value.
     """
     return Direction(pitch_rad=command.pitch_rad, yaw_rad=command.yaw_rad)
 
 
 def gimbal_message(vehicle: str, camera: str, gimbal: Gimbal, time_ns: int) -> GimbalState:
-    """Return where a gimbal points at a time."""
+    """Return the state of a gimbal at a time."""
     points, target = gimbal.direction(time_ns), gimbal.order.target
     return GimbalState(
         header=Header(stamp=stamp_of_ns(time_ns), frame_id=f'{vehicle}/base_link'),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulated vehicle's node says of itself at each step."""
+"""Telemetry of a simulated vehicle."""
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
@@ -25,9 +25,9 @@ from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.observation import Observation
 
 SLOW_PERIOD_NS = 1_000_000_000
-# A track nobody looks at is published this seldom, for those who come later.
+# Period of a track without subscribers, for those who subscribe later.
 UNSEEN_PATH_PERIOD_NS = 10_000_000_000
-# Standard deviations of the truth.
+# Standard deviations of the ground truth.
 EXACT_M = (0.0, 0.0)
 
 
@@ -67,7 +67,7 @@ class Telemetry:
         self._publish_markers()
 
     def publish_state(self, seen: Observation) -> None:
-        """Publish the state between two steps, if an order or a receipt changed it."""
+        """Publish the state between two steps, if a command or a receipt changed it."""
         if self._news(seen) != self._said:
             self._publish_state(seen, stamp_of_ns(seen.time_ns))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS side of one simulated vehicle, whichever process it lives in."""
+"""ROS interface of one simulated vehicle, in the node `rav` or `fleet`."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ from rocsafe_sim.telemetry_node import Telemetry
 
 
 class VehicleInterface:
-    """Everything of a vehicle's namespace: topics, services and the action.
+    """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
     camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
@@ -25,10 +25,14 @@ class VehicleInterface:
 
     Parameters
     ----------
-    node : in the vehicle's namespace.
-    rav : the vehicle.
-    fix_period_ns : simulated time between fixes.
-    on_busy : called when an order wakes an idle vehicle.
+    node
+        Node in the namespace of the vehicle.
+    rav
+        The vehicle with its sensors.
+    fix_period_ns
+        Simulated time between fixes, nanoseconds.
+    on_busy
+        Called when a command wakes an idle vehicle.
     """
 
     def __init__(
@@ -66,7 +70,7 @@ class VehicleInterface:
         return vehicle.is_idle
 
     def _publish_pictures(self, shots: list[Shot]) -> None:
-        """Publish what was taken at viewpoints; the photographs are those of the first camera."""
+        """Publish the images of viewpoints; the first camera takes the photographs."""
         jpegs: dict[int, bytes | None] = {shot.time_ns: shot.jpeg for shot in shots}
         for camera, own in zip(self._cameras, self._rav.parts.cameras, strict=True):
             for picture in self._rav.pictures_of(own):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flight that follows from an order, in simulated time."""
+"""The flight that follows from a command, in simulated time."""
 
 import math
 from collections.abc import Iterator
@@ -14,15 +14,20 @@ from rocsafe_sim.flight.timeline import ShotTime
 
 
 class Course:
-    """What becomes of a vehicle if no other order comes.
+    """The future of a vehicle as long as no other command comes.
 
     Attributes
     ----------
-    order : that it follows from.
-    route : that the order is about.
-    timeline : segments flown.
-    low_ns : when the battery will call it home; infinity if never.
-    touch_down_ns : when it stands on the ground; infinity if never.
+    order
+        Command that it follows from.
+    route
+        Route of the command.
+    timeline
+        Motion as a function of time.
+    low_ns
+        Time at which it diverts because of its battery, nanoseconds; infinite if never.
+    touch_down_ns
+        Time at which it stands on the ground, nanoseconds; infinite if never.
     """
 
     def __init__(self, order: Order, route: Route, airframe: Airframe) -> None:
@@ -35,8 +40,8 @@ class Course:
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
 
     def elapsed_s(self, time_ns: int) -> float:
-        """Return the seconds from the order to `time_ns`, 0 before it takes effect."""
-        if time_ns >= self.touch_down_ns:  # which is rounded to a nanosecond
+        """Return the seconds from the command to `time_ns`; 0 before it takes effect."""
+        if time_ns >= self.touch_down_ns:  # rounded to a nanosecond
             return self.timeline.duration_s
         return max(0, time_ns - self.order.start_ns) / NS_PER_S
 
@@ -45,7 +50,7 @@ class Course:
         return self.timeline.pose(self.elapsed_s(time_ns))
 
     def mode(self, time_ns: int) -> Mode:
-        """Return what the vehicle is about at `time_ns`."""
+        """Return the mode at `time_ns`."""
         if time_ns >= self.touch_down_ns:
             return Mode.CRASHED if self.order.kind is OrderKind.FALL else Mode.LANDED
         if time_ns < self.order.start_ns:
@@ -53,7 +58,7 @@ class Course:
         return self.timeline.segment(self.elapsed_s(time_ns)).mode
 
     def charge_fraction(self, time_ns: int) -> float:
-        """Return the battery charge left at `time_ns`, 0 to 1; on the ground none is used."""
+        """Return the charge left at `time_ns`, 0 to 1; on the ground none is used."""
         used = self.timeline.used_j(self.elapsed_s(time_ns)) / self._capacity_j
         return max(0.0, self.order.charge_fraction - used)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a vehicle without motors comes down: straight, as in a vacuum."""
+"""Free fall of a vehicle without motors, vertical and without drag."""
 
 import math
 from collections.abc import Iterator
@@ -11,12 +11,14 @@ GRAVITY_MPS2 = 9.80665
 
 
 class Fall:
-    """A fall to the ground, with what a `Timeline` has.
+    """A fall to the ground, with the interface of a `Timeline`.
 
     Parameters
     ----------
-    start : pose at time 0; its motion ends there.
-    ground_up_m : where it lies in the end.
+    start
+        Pose at time 0; its velocity does not count.
+    ground_up_m
+        Height of the ground, metres.
     """
 
     def __init__(self, start: Pose, ground_up_m: float) -> None:
@@ -26,7 +28,7 @@ class Fall:
 
     @property
     def duration_s(self) -> float:
-        """Until it lies."""
+        """Duration of the fall, seconds."""
         return math.sqrt(2.0 * self._height_m / GRAVITY_MPS2)
 
     def pose(self, elapsed_s: float) -> Pose:
@@ -41,7 +43,7 @@ class Fall:
         )
 
     def segment(self, _elapsed_s: float) -> Segment:
-        """Return what the vehicle is about."""
+        """Return the only segment, that of the fall."""
         yaw = self._start.yaw_rad
         return Segment(
             mode=Mode.FALLING, begin_s=0.0, end_s=self.duration_s, yaw_start_rad=yaw,
@@ -65,5 +67,5 @@ class Fall:
         return iter(())
 
     def first_start_s(self, *_modes: Mode) -> float:
-        """Return when a segment of some modes begins: it is on its way down from the start."""
+        """Return 0: the vehicle descends from the start."""
         return 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orders to a vehicle, and the flight that follows from each."""
+"""Commands to a vehicle, and the motion that follows from each."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -13,7 +13,7 @@ from rocsafe_sim.flight.timeline import Timeline
 
 
 class OrderKind(Enum):
-    """What the vehicle was last told to do."""
+    """What a command asks for."""
 
     FLY = 'fly'
     HOLD = 'hold'
@@ -25,19 +25,28 @@ class OrderKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Order:
-    """An order, with the state in which it reached the vehicle: its flight follows from these.
+    """A command with the state in which it reached the vehicle; both determine the flight.
 
     Attributes
     ----------
-    kind : what to do.
-    start_ns : simulated time at which it takes effect.
-    wait_ns : on the ground before that.
-    start : pose at that time.
-    first_index : first viewpoint of the route that is not yet photographed.
-    charge_fraction : left in the battery at that time.
-    distance_m : flown until that time since power-up.
-    number : of the route's flight, from 0.
-    ground_up_m : of the ground below, to land or fall on; None: as the route has it.
+    kind
+        What the command asks for.
+    start_ns
+        Simulated time at which it takes effect, nanoseconds.
+    wait_ns
+        Time on the ground before that, nanoseconds.
+    start
+        Pose at that time.
+    first_index
+        Index of the first viewpoint of the route that is not yet photographed.
+    charge_fraction
+        Charge of the battery at that time, 0 to 1.
+    distance_m
+        Horizontal distance flown until that time since power-up, metres.
+    number
+        Number of the flight of the route, from 0.
+    ground_up_m
+        Height of the ground to land or fall on, metres; None: as the route has it.
     """
 
     kind: OrderKind
@@ -52,7 +61,7 @@ class Order:
 
 
 def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline | Fall:
-    """Return what a vehicle flies from `order` on."""
+    """Return the motion that follows from a command."""
     if order.kind is OrderKind.FLY:
         return fly_timeline(airframe, order.start, route, (order.number, order.first_index))
     if order.kind is OrderKind.HOLD:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated RAV: a vehicle with its sensors, its camera, its journal and its photographs."""
+"""A simulated RAV: a `SimulatedVehicle` with sensors, cameras, journal and photographs.
+
+It knows nothing of ROS; `rocsafe_sim.vehicle_node` gives it its topics.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,18 +26,20 @@ from rocsafe_sim.vehicle.surroundings import on_ground
 from rocsafe_sim.vehicle.vehicle import Vehicle
 
 JOURNAL_NAME = 'journal.json'
-# Height of the cameras of a vehicle that stands on its legs.
+# Height of the cameras of a vehicle on the ground.
 LANDED_CAMERA_M = 0.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fix:
-    """Where a receiver believes it is, and where it is.
+    """True and measured position of a GPS receiver.
 
     Attributes
     ----------
-    true_position, position : true and measured.
-    position_enu : measured, metres.
+    true_position, position
+        True and measured position.
+    position_enu
+        Measured position in the local frame, metres.
     """
 
     true_position: GeoPosition
@@ -44,14 +49,18 @@ class Fix:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RavParts:
-    """What a RAV is made of.
+    """Sensors and cameras of a RAV.
 
     Attributes
     ----------
-    name : of the vehicle.
-    frame : local frame of the mission.
-    noise : of its sensors.
-    cameras : the first takes the photographs of the survey.
+    name
+        Name of the vehicle.
+    frame
+        Local frame of the mission.
+    noise
+        Errors of its sensors.
+    cameras
+        Cameras; the first takes the photographs of the survey.
     """
 
     name: str
@@ -61,21 +70,26 @@ class RavParts:
 
 
 class Rav:
-    """Steps a vehicle, takes its photographs, keeps its journal.
+    """Steps a vehicle, takes its photographs and writes its journal.
 
     Parameters
     ----------
-    parts : sensors and frame.
-    vehicle : as switched on; a journal in `spool` overrides its state.
-    spool : folder of journal and photographs; None keeps them in memory only.
+    parts
+        Sensors, cameras and frame.
+    vehicle
+        Vehicle after power-up; a journal in `spool` replaces its state.
+    spool
+        Folder of journal and photographs; None: memory only.
 
     Attributes
     ----------
-    pictures : of the last step, of all cameras, at its viewpoints.
+    pictures
+        Images of all cameras at the viewpoints of the last step.
 
     Raises
     ------
-    JournalError, SpoolError: if the spool holds what cannot be read.
+    JournalError, SpoolError
+        If a file in the spool cannot be read.
     """
 
     def __init__(self, parts: RavParts, vehicle: Vehicle, spool: Path | None = None) -> None:
@@ -100,10 +114,10 @@ class Rav:
                 camera.gimbal.order = order or camera.gimbal.order
 
     def step(self, time_ns: int) -> tuple[Observation, list[Shot]]:
-        """Advance to `time_ns`; return what is true then and the photographs taken on the way.
+        """Advance to `time_ns`; return the state at that time and the photographs since.
 
-        Photographs are on disk before the journal counts them. `pictures` then holds what all
-        cameras took at the same moments.
+        Photographs are on disk before the journal counts them. `pictures` then holds the images of
+        all cameras at the same times.
         """
         observation = self.vehicle.step(time_ns)
         self.pictures.clear()
@@ -114,7 +128,7 @@ class Rav:
         return observation, taken
 
     def pictures_of(self, camera: MountedCamera) -> list[Picture]:
-        """Return what a camera took at the viewpoints of the last step."""
+        """Return the images of a camera at the viewpoints of the last step."""
         return [each for each in self.pictures if each.camera == camera.name]
 
     def point(self, camera: MountedCamera, target: Direction) -> None:
@@ -125,11 +139,12 @@ class Rav:
                 write_gimbal(self._spool, camera.name, camera.gimbal.order)
 
     def look(self, camera: MountedCamera, seen: Observation) -> Picture:
-        """Return what a camera sees at a step, for a stream.
+        """Return the image of a camera at a step, for a stream.
 
         Raises
         ------
-        ViewError: if that cannot be drawn.
+        ViewError
+            If the view cannot be drawn.
         """
 
         def stand(time_ns: int) -> Stand:
@@ -160,14 +175,14 @@ class Rav:
         )
 
     def keep_journal(self) -> None:
-        """Write the journal if an order, a photograph or a landing changed it."""
+        """Write the journal if a command, a photograph or a landing changed it."""
         record = self.vehicle.record
         if self._journal is not None and record is not self._written and record != self._written:
             write_journal(self._journal, record)
         self._written = record
 
     def fix(self, time_ns: int, true_enu: Enu) -> Fix:
-        """Return what the receiver says at a time and true place."""
+        """Return the fix of the receiver at a time and a true place."""
         error = self.parts.noise.gps_error_m(time_ns)
         measured: Enu = (true_enu[0] + error[0], true_enu[1] + error[1], true_enu[2] + error[2])
         frame = self.parts.frame

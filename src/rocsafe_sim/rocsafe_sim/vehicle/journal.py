@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle's record on disk, so that a killed process continues its flight.
+"""File of the record of a vehicle, from which a restarted process continues its flight.
 
-A float's shortest decimal form reads back as the same float: nothing is rounded.
+The shortest decimal form of a float reads back as the same float: nothing is rounded.
 """
 
 import json
@@ -32,7 +32,8 @@ def read_journal(path: Path) -> VehicleRecord | None:
 
     Raises
     ------
-    JournalError: if the file is not such a record.
+    JournalError
+        If the file is not such a record.
     """
     try:
         fields = json.loads(path.read_text())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle says of itself after a step, and of a flight after its end."""
+"""State of a vehicle after a step, and summary of a flight after its end."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from rocsafe_sim.vehicle.flight_record import Outcome
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShotDue:
-    """A photograph to be taken: when, where, and which one."""
+    """A photograph to be taken: number, viewpoint, time, and pose of the vehicle."""
 
     sequence: int
     viewpoint_id: int
@@ -19,20 +19,30 @@ class ShotDue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
-    """What is true of a vehicle after a step.
+    """True state of a vehicle after a step.
 
     Attributes
     ----------
-    time_ns : simulated time.
-    pose : true pose at that time.
-    mode : what the vehicle is about.
-    viewpoints_visited : on the last flight; also the index of the next one to be flown to.
-    shots_taken : since power-up.
-    battery_fraction : charge left, 0 to 1.
-    power_w : that the motors take.
-    distance_flown_m : horizontal, since power-up.
-    shots : due since the step before, in order of time.
-    waits_s : on the ground, before it takes off by itself.
+    time_ns
+        Simulated time, nanoseconds.
+    pose
+        True pose at that time.
+    mode
+        Mode of the vehicle.
+    viewpoints_visited
+        Viewpoints photographed on the last flight; also the index of the next one.
+    shots_taken
+        Photographs since power-up.
+    battery_fraction
+        Charge of the battery, 0 to 1.
+    power_w
+        Power of the motors, W.
+    distance_flown_m
+        Horizontal distance since power-up, metres.
+    shots
+        Photographs due since the last step, in order of time.
+    waits_s
+        Time on the ground before it takes off by itself, seconds.
     """
 
     time_ns: int
@@ -49,7 +59,7 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightSummary:
-    """What a flight came to; see the fields of the action FlyRoute."""
+    """Summary of a flight, see the fields of the action FlyRoute."""
 
     outcome: Outcome
     text: str

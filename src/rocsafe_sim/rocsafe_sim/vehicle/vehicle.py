@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated multirotor: obeys orders, flies, photographs, watches its battery.
+"""A simulated multirotor: executes commands, flies, triggers its camera, watches its battery.
 
-Its motion is a closed-form function of the time since its last order, so that neither the step of
-the simulation nor a restart of the process changes a flight.
+Its motion is a closed-form function of the time since its last command, so that neither the step
+of the simulation nor a restart of the process changes a flight. It has no sensors, writes no files
+and knows nothing of ROS: see `rocsafe_sim.rav.rav`.
 """
 
 import math
@@ -34,18 +35,21 @@ from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome, VehicleReco
 from rocsafe_sim.vehicle.observation import FlightSummary, Observation, ShotDue
 from rocsafe_sim.vehicle.surroundings import Surroundings, grounded, on_ground
 
-# What a held flight goes on with, by how it is to end; all others return home.
+# Command with which a held flight continues, by its ending; all others return home.
 _RESUMED = {Outcome.COMPLETED: OrderKind.FLY, Outcome.BATTERY_LOW: OrderKind.DIVERT}
 
 
 class Vehicle:
-    """One vehicle. Orders take effect at the time of the last step.
+    """A vehicle without sensors. Commands take effect at the time of the last step.
 
     Parameters
     ----------
-    airframe : what it can do.
-    home_enu : where it stands, metres; up is that of the ground.
-    surroundings : that it flies in; None: over the ground of its route, with nothing in the way.
+    airframe
+        Performance of the vehicle.
+    home_enu
+        Place on the ground where it stands, metres.
+    surroundings
+        Ground and obstacles; None: the ground of its route, without obstacles.
     """
 
     def __init__(
@@ -61,7 +65,7 @@ class Vehicle:
 
     @property
     def record(self) -> VehicleRecord:
-        """All that must outlive the process; see `restore`."""
+        """State that must survive the process; see `restore`."""
         return self._record
 
     @property
@@ -71,34 +75,35 @@ class Vehicle:
 
     @property
     def mode(self) -> Mode:
-        """What the vehicle is about, as of the last step or order."""
+        """Mode after the last step or command."""
         return Mode.DISARMED if self._course is None else self._course.mode(self.time_ns)
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing happens until an order comes."""
+        """Whether nothing happens until the next command."""
         return not self.mode.is_airborne and self.mode is not Mode.WAITING
 
     @property
     def waits_s(self) -> float:
-        """Time on the ground before it takes off by itself; 0 if it does not wait."""
+        """Time on the ground before it takes off by itself, seconds; 0 if it does not wait."""
         if self.flight is None or self.mode is not Mode.WAITING:
             return 0.0
         return (self.flight.order.start_ns - self.time_ns) / NS_PER_S
 
     def restore(self, record: VehicleRecord) -> None:
-        """Continue from a record: the next step finds the flight where it should be by then."""
+        """Continue from a record; the next step continues the flight as without interruption."""
         self._record = record
         if record.flight is not None:
             self.time_ns = record.flight.order.start_ns - record.flight.order.wait_ns
             self._follow(record.flight)
 
     def step(self, time_ns: int) -> Observation:
-        """Advance to `time_ns`, simulated nanoseconds, and say what is true then.
+        """Advance to `time_ns`, simulated nanoseconds, and return the state at that time.
 
         Raises
         ------
-        ValueError: if time runs backwards.
+        ValueError
+            If time runs backwards.
         """
         if time_ns < self.time_ns:
             raise ValueError(f'time_ns is {time_ns}: must be {self.time_ns} or later')
@@ -107,7 +112,7 @@ class Vehicle:
         return self.observe(shots)
 
     def observe(self, shots: tuple[ShotDue, ...] = ()) -> Observation:
-        """Return what is true as of the last step and the last order."""
+        """Return the state after the last step and command."""
         flight, course, time_ns = self.flight, self._course, self.time_ns
         visited = 0 if flight is None else flight.visited
         return Observation(
@@ -124,18 +129,19 @@ class Vehicle:
         )
 
     def pose_at(self, time_ns: int) -> Pose:
-        """Return the pose at a time if no other order comes; before the last order, as then."""
+        """Return the pose at a time without further commands; constant before the last one."""
         return self._pose(time_ns)
 
     def fly_route(self, route: Route, *, replaces: bool = False) -> None:
-        """Fly `route`; one that is being flown, or has just been flown, is not begun again.
+        """Fly `route`. The route of the running or the last flight is not begun again.
 
-        If it was cancelled or is held, it goes on. With `replaces` it is flown in place of
-        another one that is being flown, from wherever the vehicle is.
+        If that flight was cancelled or is held, it continues. With `replaces` the route replaces
+        another one that is being flown, from the place of the vehicle.
 
         Raises
         ------
-        CommandRefusedError: if another flight runs, home is elsewhere or the battery too low.
+        CommandRefusedError
+            If another flight runs, home is elsewhere, or the charge is too low.
         """
         if self.surroundings is not None:
             route = grounded(route, self.surroundings)
@@ -173,9 +179,9 @@ class Vehicle:
         )
 
     def cancel(self) -> None:
-        """End the running flight's purpose, if any: hold, or land if it is landing already.
+        """Cancel the running flight, if any: the vehicle holds, or continues its landing.
 
-        One that waits on the ground stays there.
+        A vehicle that waits on the ground stays there.
         """
         if self.flight is None or self.flight.outcome is not None:
             return
@@ -190,21 +196,23 @@ class Vehicle:
             self._give(cancelled, OrderKind.HOLD)
 
     def hold(self) -> None:
-        """Stand still in the air until told otherwise.
+        """Hold in the air until the next command.
 
         Raises
         ------
-        CommandRefusedError: if on the ground, landing, or holding already.
+        CommandRefusedError
+            If on the ground, landing, or holding already.
         """
         flight = self._require_mode('hold', Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
         self._give(flight, OrderKind.HOLD)
 
     def resume(self) -> None:
-        """Go on with a held flight.
+        """Continue a held flight.
 
         Raises
         ------
-        CommandRefusedError: if not holding, or if the flight was cancelled.
+        CommandRefusedError
+            If not holding, or if the flight was cancelled.
         """
         flight = self._require_mode('resume', Mode.HOLDING)
         if flight.outcome is not None:
@@ -212,22 +220,24 @@ class Vehicle:
         self._give(flight, _RESUMED.get(flight.ending, OrderKind.RETURN))
 
     def return_home(self) -> None:
-        """Give up the rest of the route, fly home and land.
+        """End the route, fly home and land.
 
         Raises
         ------
-        CommandRefusedError: if on the ground, landing, or returning already.
+        CommandRefusedError
+            If on the ground, landing, or returning already.
         """
         flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
         ended = cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
         self._give(ended, OrderKind.RETURN)
 
     def land(self) -> None:
-        """Land where it is.
+        """Land at the present place.
 
         Raises
         ------
-        CommandRefusedError: if on the ground or landing already.
+        CommandRefusedError
+            If on the ground or landing already.
         """
         flight = self._require_mode(
             'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
@@ -235,7 +245,7 @@ class Vehicle:
         self._give(cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
 
     def summary(self) -> FlightSummary | None:
-        """Return what the last flight came to; None while it runs and before the first."""
+        """Return the summary of the last flight; None while it runs and before the first."""
         flight = self.flight
         if flight is None or flight.outcome is None or flight.ended_ns is None:
             return None
@@ -248,7 +258,7 @@ class Vehicle:
         )
 
     def left(self) -> tuple[float, float]:
-        """Return horizontal distance (m) and time (s) to touch-down, as if a hold ended now."""
+        """Return horizontal distance (m) and time (s) to touch-down; a hold counts as ended."""
         if self.flight is None or self._course is None:
             return 0.0, 0.0
         course = self._course
@@ -259,16 +269,16 @@ class Vehicle:
         return left_m, left_s + self.waits_s
 
     def _beginning(self, route: Route) -> Order:
-        """Return the order to fly `route` from here, on the ground after its delay.
+        """Return the command to fly `route` from here; on the ground after its delay.
 
-        A battery that is being changed is changed first.
+        A change of the battery in progress is completed first.
         """
         order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
         order = replace(order, number=0)
         if self.mode.is_airborne:
             return order
         place = order.start.position_enu
-        # the plan knows how high the ground is at home, if anybody does
+        # The height of the ground at home is that of the plan.
         start = standing((*place[:2], route.home_enu[2]), order.start.yaw_rad)
         ready_ns = self.time_ns
         if self.flight is not None and self.flight.order.number and self.mode is Mode.WAITING:
@@ -282,7 +292,7 @@ class Vehicle:
         return self.flight
 
     def _give(self, flight: FlightRecord, kind: OrderKind, time_ns: int | None = None) -> None:
-        """Put an order of `kind` in force, at `time_ns` or else now."""
+        """Put a command of `kind` in force at `time_ns`, or now."""
         order = self._order(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
         self._follow(replace(flight, order=order))
 
@@ -300,14 +310,14 @@ class Vehicle:
         )
 
     def _ground_for(self, kind: OrderKind, start: Pose) -> float | None:
-        """Return the height of the ground on which an order ends; None: its route knows."""
+        """Return the height of the ground on which a command ends; None: that of its route."""
         if self.surroundings is None or kind not in (OrderKind.LAND, OrderKind.FALL):
             return None
         at = start if kind is OrderKind.FALL else stopped(self.airframe, start)[1]
         return on_ground(self.surroundings, at.position_enu)[2]
 
     def _follow(self, flight: FlightRecord) -> None:
-        """Make `flight` the one that is flown."""
+        """Make `flight` the current one."""
         self._record = replace(self._record, flight=flight)
         self._course = Course(flight.order, flight.route, self.airframe)
         self._shots = deque(self._course.shots(flight.visited))
@@ -316,7 +326,7 @@ class Vehicle:
             self._watch = CollisionWatch(self._course, self.surroundings, self.airframe)
 
     def _run_to(self, time_ns: int) -> Iterator[ShotDue]:
-        """Let happen, in order, all that is due until `time_ns`; yield the photographs."""
+        """Process all events until `time_ns` in order of time; yield the photographs."""
         while self.flight is not None and self._course is not None:
             flight, course = self.flight, self._course
             low_ns, down_ns = course.low_ns, course.touch_down_ns
@@ -363,11 +373,11 @@ class Vehicle:
         self._give(ended, OrderKind.DIVERT, time_ns)
 
     def _fail(self, flight: FlightRecord, time_ns: int) -> None:
-        """Come down where it is."""
+        """Descend at the present place."""
         self._give(failed(flight), OrderKind.LAND, time_ns)
 
     def _touch_down(self, flight: FlightRecord, down_ns: int) -> None:
-        """Change the battery and fly on, or end the flight."""
+        """Change the battery and continue, or end the flight."""
         if is_over(flight):
             landed = replace(flight, outcome=flight.ending, ended_ns=down_ns)
             self._record = replace(self._record, flight=landed)
