@@ -13,7 +13,7 @@ from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 
 FEEDBACK_PERIOD_NS = 1_000_000_000
 
@@ -29,10 +29,10 @@ class FlyRouteServer:
     `on_command` is called after the vehicle got a command.
     """
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, on_order: Callable[[], None]) -> None:
+    def __init__(self, node: VehicleScopeNode, rav: Rav, on_command: Callable[[], None]) -> None:
         self._node = node
         self._rav = rav
-        self._on_order = on_order
+        self._on_command = on_command
         self._has_time = False
         self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
         self._early: list[Any] = []
@@ -89,7 +89,7 @@ class FlyRouteServer:
             return refusal_message(f'{name}: {error}')
         if before is not None and before.route != route:
             self._end_replaced(request.plan_id)
-        self._on_order()
+        self._on_command()
         return None
 
     def _end_replaced(self, plan_id: str) -> None:
@@ -111,7 +111,7 @@ class FlyRouteServer:
             return known or refusal_message(f'{self._rav.parts.name}: the flight goes on')
         if goal.is_cancel_requested:
             goal.canceled()
-        elif summary.outcome is Outcome.COMPLETED:
+        elif summary.outcome is FlightOutcome.COMPLETED:
             goal.succeed()
         else:
             goal.abort()
@@ -119,7 +119,7 @@ class FlyRouteServer:
 
     def _on_cancel(self, _goal: Any) -> CancelResponse:
         self._rav.vehicle.cancel()
-        self._on_order()
+        self._on_command()
         # rclpy marks the goal as being cancelled only after this callback.
         self._node.executor.create_task(self.end_goals)
         return CancelResponse.ACCEPT

@@ -10,7 +10,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_ros.conversions import MAP_FRAME, yaw_quaternion
 from rocsafe_scene.scenery.scene import Scene, Thing
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.route import FlightRoute
 
 _LINE_WIDTH_M = 0.5
 _DOT_WIDTH_M = 1.2
@@ -19,7 +19,7 @@ _DOT_COLOUR = ColorRGBA(r=1.0, g=0.5, b=0.05, a=1.0)
 _THING_ALPHA = 0.9
 
 
-def route_markers(route: Route) -> MarkerArray:
+def route_markers(route: FlightRoute) -> MarkerArray:
     """Return the planned route as a line from home to home, and a dot for each viewpoint."""
     stops = [waypoint.position_enu for waypoint in route.waypoints]
     line = _marker('route', 0, Marker.LINE_STRIP, _ROUTE_COLOUR)
@@ -31,7 +31,7 @@ def route_markers(route: Route) -> MarkerArray:
     return MarkerArray(markers=[line, dots])
 
 
-def _track(route: Route) -> Iterator[Enu]:
+def _track(route: FlightRoute) -> Iterator[Enu]:
     """Yield the corners of the planned track."""
     yield route.home_enu
     for waypoint in route.waypoints:

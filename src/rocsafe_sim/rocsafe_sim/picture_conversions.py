@@ -21,10 +21,10 @@ from rocsafe_ros.conversions import (
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
-from rocsafe_sim.cameras.mounted_camera import Picture
+from rocsafe_sim.cameras.mounted_camera import CameraPicture
 
 
-def picture_header(vehicle: str, picture: Picture) -> Header:
+def picture_header(vehicle: str, picture: CameraPicture) -> Header:
     """Return the header of all messages about an image."""
     stamp = stamp_of_ns(picture.time_ns)
     return Header(stamp=stamp, frame_id=f'{vehicle}/{picture.camera}_optical')
@@ -35,7 +35,7 @@ def info_message(settings: CameraSettings, header: Header) -> CameraInfo:
     return camera_info_message(settings.lens, header, settings.effects.distortion)
 
 
-def image_message(picture: Picture, header: Header) -> Image:
+def image_message(picture: CameraPicture, header: Header) -> Image:
     """Return the pixels, 8 bits blue, green, red."""
     return _plane_message(picture.image, 'bgr8', header)
 
@@ -50,7 +50,7 @@ def labels_message(truth: Truth, header: Header) -> Image:
     return _plane_message(np.minimum(truth.numbers, 65_535).astype('<u2'), 'mono16', header)
 
 
-def pose_message(picture: Picture) -> PoseStamped:
+def pose_message(picture: CameraPicture) -> PoseStamped:
     """Return the true pose of the optical frame in the mission's frame."""
     message = PoseStamped(header=Header(stamp=stamp_of_ns(picture.time_ns), frame_id=MAP_FRAME))
     place = message.pose.position
@@ -73,7 +73,7 @@ def direction_of(command: GimbalCommand) -> Direction:
 
 def gimbal_message(vehicle: str, camera: str, gimbal: Gimbal, time_ns: int) -> GimbalState:
     """Return the state of a gimbal at a time."""
-    points, target = gimbal.direction(time_ns), gimbal.order.target
+    points, target = gimbal.direction(time_ns), gimbal.turn.target
     return GimbalState(
         header=Header(stamp=stamp_of_ns(time_ns), frame_id=f'{vehicle}/base_link'),
         camera=camera,

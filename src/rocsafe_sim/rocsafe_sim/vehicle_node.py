@@ -48,7 +48,7 @@ class VehicleInterface:
         self._telemetry = Telemetry(node, rav, fix_period_ns)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
         self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
-        self._flights = FlyRouteServer(node, rav, self._after_order)
+        self._flights = FlyRouteServer(node, rav, self._after_command)
         self._add_service(node, topics.HOLD, rav.vehicle.hold)
         self._add_service(node, topics.RESUME, rav.vehicle.resume)
         self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
@@ -82,22 +82,22 @@ class VehicleInterface:
     def _publish_state(self) -> None:
         self._telemetry.publish_state(self._rav.vehicle.observe())
 
-    def _after_order(self) -> None:
+    def _after_command(self) -> None:
         self._rav.keep_journal()
         self._publish_state()
         if not self._rav.vehicle.is_idle:
             self._on_busy()
 
     def _add_service(
-        self, node: VehicleScopeNode, spec: topics.CallSpec, order: Callable[[], None]
+        self, node: VehicleScopeNode, spec: topics.CallSpec, command: Callable[[], None]
     ) -> None:
         def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             try:
-                order()
+                command()
             except CommandRefusedError as refusal:
                 response.message = f'{self._rav.parts.name}: {refusal}'
                 return response
-            self._after_order()
+            self._after_command()
             response.success = True
             return response
 

@@ -58,7 +58,7 @@ class GimbalLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class GimbalOrder:
+class GimbalTurn:
     """A turn of a gimbal, from the state in which a command reached it.
 
     Attributes
@@ -89,30 +89,30 @@ class Gimbal:
 
     def __init__(self, limits: GimbalLimits, rest: Direction) -> None:
         self.limits = limits
-        self.order = GimbalOrder(start_ns=0, start=rest, target=rest)
+        self.turn = GimbalTurn(start_ns=0, start=rest, target=rest)
 
     def point(self, target: Direction, time_ns: int) -> None:
         """Turn towards `target` from `time_ns` on; its pitch is clipped to the limits."""
         limits = self.limits
         pitch = min(max(target.pitch_rad, limits.lowest_rad), limits.highest_rad)
         within = Direction(pitch_rad=pitch, yaw_rad=wrap_rad(target.yaw_rad))
-        self.order = GimbalOrder(start_ns=time_ns, start=self.direction(time_ns), target=within)
+        self.turn = GimbalTurn(start_ns=time_ns, start=self.direction(time_ns), target=within)
 
     def direction(self, time_ns: int) -> Direction:
         """Return the direction at a time; before its last turn the gimbal stood still."""
-        order = self.order
-        reach = self.limits.rate_radps * max(0.0, (time_ns - order.start_ns) / NS_PER_S)
-        pitch = order.target.pitch_rad - order.start.pitch_rad
-        yaw = wrap_rad(order.target.yaw_rad - order.start.yaw_rad)
+        turn = self.turn
+        reach = self.limits.rate_radps * max(0.0, (time_ns - turn.start_ns) / NS_PER_S)
+        pitch = turn.target.pitch_rad - turn.start.pitch_rad
+        yaw = wrap_rad(turn.target.yaw_rad - turn.start.yaw_rad)
         return Direction(
-            pitch_rad=order.target.pitch_rad
+            pitch_rad=turn.target.pitch_rad
             if abs(pitch) <= reach
-            else order.start.pitch_rad + math.copysign(reach, pitch),
-            yaw_rad=order.target.yaw_rad
+            else turn.start.pitch_rad + math.copysign(reach, pitch),
+            yaw_rad=turn.target.yaw_rad
             if abs(yaw) <= reach
-            else wrap_rad(order.start.yaw_rad + math.copysign(reach, yaw)),
+            else wrap_rad(turn.start.yaw_rad + math.copysign(reach, yaw)),
         )
 
     def is_settled(self, time_ns: int) -> bool:
         """Return whether it points to its target."""
-        return self.direction(time_ns) == self.order.target
+        return self.direction(time_ns) == self.turn.target

@@ -6,17 +6,17 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rocsafe_geo.storage.durable import replace_whole
-from rocsafe_sim.cameras.gimbal import Direction, GimbalOrder
+from rocsafe_sim.cameras.gimbal import Direction, GimbalTurn
 from rocsafe_sim.errors import JournalError
 
 
-def write_gimbal(folder: Path, camera: str, order: GimbalOrder) -> None:
+def write_gimbal(folder: Path, camera: str, turn: GimbalTurn) -> None:
     """Write the turn of the gimbal of a camera into the spool of a vehicle, atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    replace_whole(_path(folder, camera), json.dumps(asdict(order)).encode())
+    replace_whole(_path(folder, camera), json.dumps(asdict(turn)).encode())
 
 
-def read_gimbal(folder: Path, camera: str) -> GimbalOrder | None:
+def read_gimbal(folder: Path, camera: str) -> GimbalTurn | None:
     """Return the turn that `write_gimbal` wrote; None if there is no file.
 
     Raises
@@ -27,7 +27,7 @@ def read_gimbal(folder: Path, camera: str) -> GimbalOrder | None:
     path = _path(folder, camera)
     try:
         fields = json.loads(path.read_text())
-        return GimbalOrder(
+        return GimbalTurn(
             start_ns=int(fields['start_ns']),
             start=Direction(**fields['start']),
             target=Direction(**fields['target']),

@@ -33,7 +33,7 @@ class Attitude:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
+class CameraPicture:
     """An image with its pose and true depth and labels.
 
     Attributes
@@ -61,7 +61,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stand:
+class VehiclePose:
     """Place of the cameras of a vehicle, metres, and its attitude at one time."""
 
     position_enu: Enu
@@ -87,8 +87,8 @@ class Exposure:
     """
 
     time_ns: int
-    stand: Stand
-    around: tuple[Stand, Stand]
+    stand: VehiclePose
+    around: tuple[VehiclePose, VehiclePose]
     rng: np.random.Generator
     is_quick: bool = False
 
@@ -150,7 +150,7 @@ class MountedCamera:
         looks = self.direction(time_ns)
         return np.asarray(body @ rotation_body_from_optical(looks.pitch_rad, looks.yaw_rad))
 
-    def take(self, exposure: Exposure) -> Picture:
+    def take(self, exposure: Exposure) -> CameraPicture:
         """Return the image of an exposure.
 
         Raises
@@ -167,7 +167,7 @@ class MountedCamera:
             rates = self._rates(exposure, rotation, truth)
             image = optics.develop(image, rates, exposure.rng)
             truth = None if truth is None else optics.truth(truth, rates)
-        return Picture(
+        return CameraPicture(
             camera=self.name,
             time_ns=time_ns,
             image=image,

@@ -9,8 +9,8 @@ import numpy as np
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.fall import Fall
-from rocsafe_sim.flight.route import Route
-from rocsafe_sim.flight.segment import Mode, Pose
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose, Mode
 from rocsafe_sim.flight.tasks import LEVEL_TOLERANCE_M, safe_up, stopped
 from rocsafe_sim.flight.timeline import Timeline
 
@@ -19,7 +19,9 @@ from rocsafe_sim.flight.timeline import Timeline
 CHECK_PERIOD_S = 1.0
 
 
-def return_duration_s(airframe: Airframe, start: Pose, route: Route, number: int = 0) -> float:
+def return_duration_s(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, number: int = 0
+) -> float:
     """Return the time from `start` to standing motors at the refuge, including a stop first.
 
     It equals the duration of the timeline of this diversion, but is faster to compute.
@@ -45,7 +47,7 @@ def low_battery_s(
     airframe: Airframe,
     timeline: Timeline | Fall,
     charge_fraction: float,
-    route: Route,
+    route: FlightRoute,
     number: int = 0,
 ) -> float:
     """Return the time at which the charge is just enough to land at the refuge with the reserve.
@@ -89,7 +91,7 @@ def low_battery_s(
     return math.inf
 
 
-def _level_from_s(timeline: Timeline | Fall, route: Route) -> float:
+def _level_from_s(timeline: Timeline | Fall, route: FlightRoute) -> float:
     """Return the time from which on the vehicle does not climb."""
     heights = [waypoint.position_enu[2] for waypoint in route.waypoints]
     is_level = max(heights, default=0.0) - min(heights, default=0.0) <= LEVEL_TOLERANCE_M

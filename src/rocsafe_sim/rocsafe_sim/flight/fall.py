@@ -4,7 +4,7 @@
 import math
 from collections.abc import Iterator
 
-from rocsafe_sim.flight.segment import Mode, Pose, Segment, standing
+from rocsafe_sim.flight.segment import FlightPose, Mode, Segment, standing
 from rocsafe_sim.flight.timeline import ShotTime
 
 GRAVITY_MPS2 = 9.80665
@@ -21,7 +21,7 @@ class Fall:
         Height of the ground, metres.
     """
 
-    def __init__(self, start: Pose, ground_up_m: float) -> None:
+    def __init__(self, start: FlightPose, ground_up_m: float) -> None:
         self._start = start
         self._height_m = max(0.0, start.position_enu[2] - ground_up_m)
         self.distance_m = 0.0
@@ -31,12 +31,12 @@ class Fall:
         """Duration of the fall, seconds."""
         return math.sqrt(2.0 * self._height_m / GRAVITY_MPS2)
 
-    def pose(self, elapsed_s: float) -> Pose:
+    def pose(self, elapsed_s: float) -> FlightPose:
         """Return the pose at a time."""
         east, north, up = self._start.position_enu
         if elapsed_s >= self.duration_s:
             return standing((east, north, up - self._height_m), self._start.yaw_rad)
-        return Pose(
+        return FlightPose(
             position_enu=(east, north, up - 0.5 * GRAVITY_MPS2 * elapsed_s**2),
             velocity_enu=(0.0, 0.0, -GRAVITY_MPS2 * elapsed_s),
             yaw_rad=self._start.yaw_rad,

@@ -26,7 +26,7 @@ def horizontal_m(a: Enu, b: Enu) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
+class RouteWaypoint:
     """A viewpoint to be photographed.
 
     Attributes
@@ -55,7 +55,7 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Swap:
+class BatterySwap:
     """A landing at home to change the battery.
 
     Attributes
@@ -75,7 +75,7 @@ class Swap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Route:
+class FlightRoute:
     """Viewpoints in flying order, in one flight or more, and where to land.
 
     Attributes
@@ -108,12 +108,12 @@ class Route:
 
     plan_id: str
     home_enu: Enu
-    waypoints: tuple[Waypoint, ...]
+    waypoints: tuple[RouteWaypoint, ...]
     homeward_enu: tuple[Enu, ...] = ()
     exclusions: tuple[Ring, ...] = ()
     clearance_m: float = 0.0
     delay_s: float = 0.0
-    swaps: tuple[Swap, ...] = ()
+    swaps: tuple[BatterySwap, ...] = ()
     swap_s: float = 0.0
     landing_enu: Enu | None = None
     is_open: bool = False

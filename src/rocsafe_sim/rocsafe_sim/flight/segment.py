@@ -30,7 +30,7 @@ class Mode(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
+class FlightPose:
     """Position, velocity, acceleration and yaw of a vehicle; metres, seconds, ENU."""
 
     position_enu: Enu
@@ -49,9 +49,9 @@ class Pose:
         return MotionState(self.position_enu, self.velocity_enu, self.acceleration_enu)
 
 
-def standing(position_enu: Enu, yaw_rad: float) -> Pose:
+def standing(position_enu: Enu, yaw_rad: float) -> FlightPose:
     """Return the pose of a vehicle that stands still."""
-    return Pose(position_enu=position_enu, velocity_enu=STILL, yaw_rad=yaw_rad)
+    return FlightPose(position_enu=position_enu, velocity_enu=STILL, yaw_rad=yaw_rad)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,8 +8,8 @@ from rocsafe_geo.motion.route_motion import Way
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import ON_WAY_M, Route, horizontal_m
-from rocsafe_sim.flight.segment import Mode, Pose, standing
+from rocsafe_sim.flight.route import ON_WAY_M, FlightRoute, horizontal_m
+from rocsafe_sim.flight.segment import FlightPose, Mode, standing
 from rocsafe_sim.flight.timeline import Task, Timeline
 
 # Heights nearer than this count as equal; a conversion to degrees and back changes about 1 nm.
@@ -17,7 +17,7 @@ LEVEL_TOLERANCE_M = 1e-3
 
 
 def fly_timeline(
-    airframe: Airframe, start: Pose, route: Route, from_here: tuple[int, int]
+    airframe: Airframe, start: FlightPose, route: FlightRoute, from_here: tuple[int, int]
 ) -> Timeline:
     """Return the rest of a flight: over its viewpoints, to its landing place, and down.
 
@@ -29,7 +29,9 @@ def fly_timeline(
     return Timeline(airframe, start, stop, tasks)
 
 
-def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) -> Timeline:
+def return_timeline(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, ground: Enu
+) -> Timeline:
     """Return the way from `start` around exclusions to a place on the ground, and down.
 
     It is flown level; over uneven ground no lower than any viewpoint of the route.
@@ -46,14 +48,14 @@ def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) 
     return Timeline(airframe, start, stop, tasks)
 
 
-def safe_up(route: Route, up_m: float) -> float:
+def safe_up(route: FlightRoute, up_m: float) -> float:
     """Return the height of the way home of a vehicle at height `up_m`."""
     if route.is_level:
         return up_m
     return max(up_m, *(waypoint.position_enu[2] for waypoint in route.waypoints))
 
 
-def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
+def hold_timeline(airframe: Airframe, start: FlightPose) -> Timeline:
     """Return the stop from `start` and a stand without end."""
     stop, at = stopped(airframe, start)
     way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
@@ -61,7 +63,7 @@ def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
 
 
 def land_timeline(
-    airframe: Airframe, start: Pose, route: Route, ground_up_m: float | None = None
+    airframe: Airframe, start: FlightPose, route: FlightRoute, ground_up_m: float | None = None
 ) -> Timeline:
     """Return the stop from `start` and the vertical descent to the ground."""
     stop, at = stopped(airframe, start)
@@ -70,7 +72,7 @@ def land_timeline(
     return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground_up_m)))
 
 
-def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
+def stopped(airframe: Airframe, start: FlightPose) -> tuple[StopMotion | None, FlightPose]:
     """Return the stop of a vehicle, None if it stands, and its pose afterwards."""
     if start.motion.is_still:
         return None, start
@@ -80,7 +82,7 @@ def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
 
 
 def _route_tasks(
-    airframe: Airframe, at: Pose, route: Route, number: int, first_index: int
+    airframe: Airframe, at: FlightPose, route: FlightRoute, number: int, first_index: int
 ) -> Iterator[Task]:
     """Yield the rest of flight `number` for a vehicle that stands at `at`."""
     begin, end = route.begin_of(number), route.end_of(number)
@@ -99,7 +101,9 @@ def _route_tasks(
     yield from _landing_tasks(airframe, at, over, ground[2], bends, is_level=route.is_level)
 
 
-def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iterator[Task]:
+def _climb_tasks(
+    airframe: Airframe, at: FlightPose, route: FlightRoute, index: int
+) -> Iterator[Task]:
     """Yield the climb above home, with the take-off if on the ground; nothing elsewhere."""
     performance, here, home = airframe.performance, at.position_enu, route.home_enu
     up_m = home[2] + route.height_m
@@ -114,7 +118,7 @@ def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iter
 
 
 def _viewpoint_tasks(
-    airframe: Airframe, at: Pose, route: Route, target: tuple[int, int]
+    airframe: Airframe, at: FlightPose, route: FlightRoute, target: tuple[int, int]
 ) -> Iterator[Task]:
     """Yield the way to a viewpoint, with a stop at each bend, and the photograph there.
 
@@ -143,7 +147,7 @@ def _viewpoint_tasks(
 
 def _landing_tasks(
     airframe: Airframe,
-    at: Pose,
+    at: FlightPose,
     over: Enu,
     ground_up_m: float,
     bends: tuple[Enu, ...],
@@ -163,20 +167,20 @@ def _landing_tasks(
     yield from _down_tasks(airframe, _at_end(task), ground_up_m)
 
 
-def _over(bend: Enu, at: Pose, *, is_level: bool) -> Enu:
+def _over(bend: Enu, at: FlightPose, *, is_level: bool) -> Enu:
     """Return a bend at the height of `at`; over uneven ground at its own."""
     return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
 
 
-def _down_tasks(airframe: Airframe, at: Pose, ground_up_m: float) -> Iterator[Task]:
+def _down_tasks(airframe: Airframe, at: FlightPose, ground_up_m: float) -> Iterator[Task]:
     for way in airframe.performance.descent(at.position_enu, ground_up_m):
         yield _task(way, Mode.LANDING, at)
 
 
-def _task(way: Way, mode: Mode, at: Pose, viewpoint_index: int | None = None) -> Task:
+def _task(way: Way, mode: Mode, at: FlightPose, viewpoint_index: int | None = None) -> Task:
     """Return a task with constant yaw."""
     return Task(way=way, mode=mode, yaw_rad=at.yaw_rad, viewpoint_index=viewpoint_index)
 
 
-def _at_end(task: Task) -> Pose:
+def _at_end(task: Task) -> FlightPose:
     return standing(task.way.end_enu, task.yaw_rad)

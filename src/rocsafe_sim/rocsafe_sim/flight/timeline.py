@@ -12,7 +12,7 @@ from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Motion, MotionState
 from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.segment import Mode, Pose, Segment
+from rocsafe_sim.flight.segment import FlightPose, Mode, Segment
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Timeline:
     """
 
     def __init__(
-        self, airframe: Airframe, start: Pose, stop: StopMotion | None, tasks: Sequence[Task]
+        self, airframe: Airframe, start: FlightPose, stop: StopMotion | None, tasks: Sequence[Task]
     ) -> None:
         self._airframe = airframe
         self._stop = stop
@@ -88,10 +88,10 @@ class Timeline:
         """Horizontal distance flown in all."""
         return self._stop_m + self._route.distance_m
 
-    def pose(self, elapsed_s: float) -> Pose:
+    def pose(self, elapsed_s: float) -> FlightPose:
         """Return the pose at a time."""
         state = self._state(elapsed_s)
-        return Pose(
+        return FlightPose(
             position_enu=state.position_enu,
             velocity_enu=state.velocity_enu,
             yaw_rad=self.segment(elapsed_s).yaw_rad(elapsed_s),

@@ -24,8 +24,8 @@ from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 from rocsafe_sim.vehicle.surroundings import Surroundings
-from rocsafe_sim.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,5 +150,5 @@ def make_rav(
     )
     surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
-    vehicle = Vehicle(options.airframe(), (east, north, up), surroundings)
+    vehicle = SimulatedVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool)

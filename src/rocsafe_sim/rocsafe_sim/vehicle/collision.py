@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.commands import CommandKind
 from rocsafe_sim.flight.course import Course
-from rocsafe_sim.flight.orders import OrderKind
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.surroundings import GROUND, Surroundings
 
@@ -52,14 +52,14 @@ class CollisionWatch:
         # Two checks are less than the diameter apart, even where two legs add up in a corner.
         step_s = min(LONGEST_STEP_S, self._radius_m / fastest_mps)
         self._step_ns = round(step_s * NS_PER_S)
-        self._next_ns = course.order.start_ns + self._step_ns
+        self._next_ns = course.command.start_ns + self._step_ns
 
     def first_until(self, time_ns: int | float) -> Collision | None:
         """Return the first collision up to a time, `time_ns` included; None if there is none.
 
         Times must not decrease from call to call.
         """
-        if self._course.order.kind is OrderKind.FALL:
+        if self._course.command.kind is CommandKind.FALL:
             return None
         last_ns = min(time_ns, self._course.touch_down_ns)
         while self._next_ns <= last_ns:

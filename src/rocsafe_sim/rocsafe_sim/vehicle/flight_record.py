@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 from rocsafe_geo.motion.state import Enu
-from rocsafe_sim.flight.orders import Order
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.commands import Command
+from rocsafe_sim.flight.route import FlightRoute
 
 
-class Outcome(Enum):
+class FlightOutcome(Enum):
     """How a flight ended."""
 
     COMPLETED = 'completed'
@@ -28,7 +28,7 @@ class FlightRecord:
     ----------
     route
         Route of the flight.
-    order
+    command
         Command in force.
     take_off_ns
         Time at which the flight began, nanoseconds.
@@ -46,13 +46,13 @@ class FlightRecord:
         Time at which it ended, nanoseconds; None while it runs.
     """
 
-    route: Route
-    order: Order
+    route: FlightRoute
+    command: Command
     take_off_ns: int
     take_off_distance_m: float
     visited: int = 0
-    outcome: Outcome | None = None
-    ending: Outcome = Outcome.COMPLETED
+    outcome: FlightOutcome | None = None
+    ending: FlightOutcome = FlightOutcome.COMPLETED
     text: str = ''
     ended_ns: int | None = None
 

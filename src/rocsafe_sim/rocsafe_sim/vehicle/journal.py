@@ -13,12 +13,12 @@ from typing import Any
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.storage.durable import replace_whole
 from rocsafe_sim.errors import JournalError
-from rocsafe_sim.flight.orders import Order, OrderKind
-from rocsafe_sim.flight.route import Route, Swap, Waypoint
-from rocsafe_sim.flight.segment import Pose
-from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome, VehicleRecord
+from rocsafe_sim.flight.commands import Command, CommandKind
+from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
+from rocsafe_sim.flight.segment import FlightPose
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord, VehicleRecord
 
-FORMAT = 4
+FORMAT = 5
 
 
 def write_journal(path: Path, record: VehicleRecord) -> None:
@@ -47,7 +47,7 @@ def read_journal(path: Path) -> VehicleRecord | None:
 
 
 def _plain(value: object) -> object:
-    if isinstance(value, (Outcome, OrderKind)):
+    if isinstance(value, (FlightOutcome, CommandKind)):
         return value.value
     raise TypeError(f'{type(value).__name__} has no place in a journal')
 
@@ -67,30 +67,30 @@ def _flight(fields: dict[str, Any]) -> FlightRecord:
         **{
             **fields,
             'route': _route(fields['route']),
-            'order': _order(fields['order']),
-            'outcome': None if outcome is None else Outcome(outcome),
-            'ending': Outcome(fields['ending']),
+            'command': _command(fields['command']),
+            'outcome': None if outcome is None else FlightOutcome(outcome),
+            'ending': FlightOutcome(fields['ending']),
         }
     )
 
 
-def _order(fields: dict[str, Any]) -> Order:
+def _command(fields: dict[str, Any]) -> Command:
     start = fields['start']
-    pose = Pose(
+    pose = FlightPose(
         position_enu=_enu(start['position_enu']),
         velocity_enu=_enu(start['velocity_enu']),
         yaw_rad=float(start['yaw_rad']),
         acceleration_enu=_enu(start['acceleration_enu']),
     )
-    return Order(**{**fields, 'kind': OrderKind(fields['kind']), 'start': pose})
+    return Command(**{**fields, 'kind': CommandKind(fields['kind']), 'start': pose})
 
 
-def _route(fields: dict[str, Any]) -> Route:
-    return Route(
+def _route(fields: dict[str, Any]) -> FlightRoute:
+    return FlightRoute(
         plan_id=str(fields['plan_id']),
         home_enu=_enu(fields['home_enu']),
         waypoints=tuple(
-            Waypoint(
+            RouteWaypoint(
                 **{
                     **waypoint,
                     'position_enu': _enu(waypoint['position_enu']),
@@ -115,8 +115,10 @@ def _route(fields: dict[str, Any]) -> Route:
     )
 
 
-def _swap(fields: dict[str, Any]) -> Swap:
-    return Swap(after=int(fields['after']), homeward_enu=tuple(map(_enu, fields['homeward_enu'])))
+def _swap(fields: dict[str, Any]) -> BatterySwap:
+    return BatterySwap(
+        after=int(fields['after']), homeward_enu=tuple(map(_enu, fields['homeward_enu']))
+    )
 
 
 def _place(values: list[float] | None) -> Enu | None:

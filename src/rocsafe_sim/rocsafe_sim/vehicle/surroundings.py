@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from rocsafe_geo.motion.state import Enu
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.route import FlightRoute
 
 GROUND = 'the ground'
 
@@ -31,7 +31,7 @@ def on_ground(surroundings: Surroundings, place_enu: Enu) -> Enu:
     return east, north, surroundings.ground_up_m(east, north)
 
 
-def grounded(route: Route, surroundings: Surroundings) -> Route:
+def grounded(route: FlightRoute, surroundings: Surroundings) -> FlightRoute:
     """Return `route` with its home and landing place on the ground."""
     landing = route.landing_enu
     if route.is_open and route.waypoints:

@@ -6,13 +6,13 @@ from enum import Enum
 
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.fall import Fall
-from rocsafe_sim.flight.route import Route
-from rocsafe_sim.flight.segment import Pose
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose
 from rocsafe_sim.flight.tasks import fly_timeline, hold_timeline, land_timeline, return_timeline
 from rocsafe_sim.flight.timeline import Timeline
 
 
-class OrderKind(Enum):
+class CommandKind(Enum):
     """What a command asks for."""
 
     FLY = 'fly'
@@ -24,7 +24,7 @@ class OrderKind(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Order:
+class Command:
     """A command with the state in which it reached the vehicle; both determine the flight.
 
     Attributes
@@ -49,9 +49,9 @@ class Order:
         Height of the ground to land or fall on, metres; None: as the route has it.
     """
 
-    kind: OrderKind
+    kind: CommandKind
     start_ns: int
-    start: Pose
+    start: FlightPose
     first_index: int
     charge_fraction: float
     distance_m: float
@@ -60,18 +60,18 @@ class Order:
     ground_up_m: float | None = None
 
 
-def timeline_of(order: Order, route: Route, airframe: Airframe) -> Timeline | Fall:
+def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:
     """Return the motion that follows from a command."""
-    if order.kind is OrderKind.FLY:
-        return fly_timeline(airframe, order.start, route, (order.number, order.first_index))
-    if order.kind is OrderKind.HOLD:
-        return hold_timeline(airframe, order.start)
-    if order.kind is OrderKind.RETURN:
-        return return_timeline(airframe, order.start, route, route.home_enu)
-    if order.kind is OrderKind.DIVERT:
-        place = route.refuge(order.start.position_enu, order.number)
-        return return_timeline(airframe, order.start, route, place)
-    if order.kind is OrderKind.FALL:
-        below = route.ground_below(order.start.position_enu)[2]
-        return Fall(order.start, below if order.ground_up_m is None else order.ground_up_m)
-    return land_timeline(airframe, order.start, route, order.ground_up_m)
+    if command.kind is CommandKind.FLY:
+        return fly_timeline(airframe, command.start, route, (command.number, command.first_index))
+    if command.kind is CommandKind.HOLD:
+        return hold_timeline(airframe, command.start)
+    if command.kind is CommandKind.RETURN:
+        return return_timeline(airframe, command.start, route, route.home_enu)
+    if command.kind is CommandKind.DIVERT:
+        place = route.refuge(command.start.position_enu, command.number)
+        return return_timeline(airframe, command.start, route, place)
+    if command.kind is CommandKind.FALL:
+        below = route.ground_below(command.start.position_enu)[2]
+        return Fall(command.start, below if command.ground_up_m is None else command.ground_up_m)
+    return land_timeline(airframe, command.start, route, command.ground_up_m)

@@ -15,10 +15,10 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.commands import Command, CommandKind
 from rocsafe_sim.flight.course import Course
-from rocsafe_sim.flight.orders import Order, OrderKind
-from rocsafe_sim.flight.route import Route
-from rocsafe_sim.flight.segment import Mode, Pose, standing
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose, Mode, standing
 from rocsafe_sim.flight.tasks import stopped
 from rocsafe_sim.flight.timeline import ShotTime
 from rocsafe_sim.vehicle.collision import CollisionWatch
@@ -31,15 +31,18 @@ from rocsafe_sim.vehicle.flight_ends import (
     require_ready,
     with_new_battery,
 )
-from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome, VehicleRecord
-from rocsafe_sim.vehicle.observation import FlightSummary, Observation, ShotDue
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord, VehicleRecord
+from rocsafe_sim.vehicle.snapshot import FlightSummary, ShotDue, VehicleSnapshot
 from rocsafe_sim.vehicle.surroundings import Surroundings, grounded, on_ground
 
 # Command with which a held flight continues, by its ending; all others return home.
-_RESUMED = {Outcome.COMPLETED: OrderKind.FLY, Outcome.BATTERY_LOW: OrderKind.DIVERT}
+_RESUMED = {
+    FlightOutcome.COMPLETED: CommandKind.FLY,
+    FlightOutcome.BATTERY_LOW: CommandKind.DIVERT,
+}
 
 
-class Vehicle:
+class SimulatedVehicle:
     """A vehicle without sensors. Commands take effect at the time of the last step.
 
     Parameters
@@ -88,16 +91,16 @@ class Vehicle:
         """Time on the ground before it takes off by itself, seconds; 0 if it does not wait."""
         if self.flight is None or self.mode is not Mode.WAITING:
             return 0.0
-        return (self.flight.order.start_ns - self.time_ns) / NS_PER_S
+        return (self.flight.command.start_ns - self.time_ns) / NS_PER_S
 
     def restore(self, record: VehicleRecord) -> None:
         """Continue from a record; the next step continues the flight as without interruption."""
         self._record = record
         if record.flight is not None:
-            self.time_ns = record.flight.order.start_ns - record.flight.order.wait_ns
+            self.time_ns = record.flight.command.start_ns - record.flight.command.wait_ns
             self._follow(record.flight)
 
-    def step(self, time_ns: int) -> Observation:
+    def step(self, time_ns: int) -> VehicleSnapshot:
         """Advance to `time_ns`, simulated nanoseconds, and return the state at that time.
 
         Raises
@@ -111,11 +114,11 @@ class Vehicle:
         self.time_ns = time_ns
         return self.observe(shots)
 
-    def observe(self, shots: tuple[ShotDue, ...] = ()) -> Observation:
+    def observe(self, shots: tuple[ShotDue, ...] = ()) -> VehicleSnapshot:
         """Return the state after the last step and command."""
         flight, course, time_ns = self.flight, self._course, self.time_ns
         visited = 0 if flight is None else flight.visited
-        return Observation(
+        return VehicleSnapshot(
             time_ns=time_ns,
             pose=self._pose(time_ns),
             mode=self.mode,
@@ -128,11 +131,11 @@ class Vehicle:
             waits_s=self.waits_s,
         )
 
-    def pose_at(self, time_ns: int) -> Pose:
+    def pose_at(self, time_ns: int) -> FlightPose:
         """Return the pose at a time without further commands; constant before the last one."""
         return self._pose(time_ns)
 
-    def fly_route(self, route: Route, *, replaces: bool = False) -> None:
+    def fly_route(self, route: FlightRoute, *, replaces: bool = False) -> None:
         """Fly `route`. The route of the running or the last flight is not begun again.
 
         If that flight was cancelled or is held, it continues. With `replaces` the route replaces
@@ -148,7 +151,7 @@ class Vehicle:
         flight = self.flight
         if flight is not None and flight.route == route:
             if self.mode is Mode.HOLDING:
-                self._give(replace(flight, outcome=None, text='', ended_ns=None), OrderKind.FLY)
+                self._give(replace(flight, outcome=None, text='', ended_ns=None), CommandKind.FLY)
             return
         mode = self.mode
         if flight is None:
@@ -160,21 +163,21 @@ class Vehicle:
                 else self._pose(self.time_ns).position_enu
             )
         require_ready(route, flight, mode, stand, replaces=replaces)
-        order = self._beginning(route)
+        command = self._beginning(route)
         if self.mode.is_airborne:
-            begins = stopped(self.airframe, order.start)[1].position_enu
+            begins = stopped(self.airframe, command.start)[1].position_enu
             route = replace(route, begins_enu=begins)
-        if Course(order, route, self.airframe).low_ns <= order.start_ns:
+        if Course(command, route, self.airframe).low_ns <= command.start_ns:
             raise CommandRefusedError(
-                f'battery {order.charge_fraction:.0%}: must be more, to keep a reserve of '
+                f'battery {command.charge_fraction:.0%}: must be more, to keep a reserve of '
                 f'{self.airframe.reserve_fraction:.0%}'
             )
         self._follow(
             FlightRecord(
                 route=route,
-                order=order,
-                take_off_ns=order.start_ns,
-                take_off_distance_m=order.distance_m,
+                command=command,
+                take_off_ns=command.start_ns,
+                take_off_distance_m=command.distance_m,
             )
         )
 
@@ -186,14 +189,14 @@ class Vehicle:
         if self.flight is None or self.flight.outcome is not None:
             return
         cancelled = replace(
-            self.flight, outcome=Outcome.CANCELLED, text='by request', ended_ns=self.time_ns
+            self.flight, outcome=FlightOutcome.CANCELLED, text='by request', ended_ns=self.time_ns
         )
         mode = self.mode
         self._record = replace(self._record, flight=cancelled)
         if mode is Mode.WAITING:
-            self._give(cancelled, OrderKind.LAND)
+            self._give(cancelled, CommandKind.LAND)
         elif mode not in (Mode.LANDING, Mode.HOLDING, Mode.FALLING):
-            self._give(cancelled, OrderKind.HOLD)
+            self._give(cancelled, CommandKind.HOLD)
 
     def hold(self) -> None:
         """Hold in the air until the next command.
@@ -204,7 +207,7 @@ class Vehicle:
             If on the ground, landing, or holding already.
         """
         flight = self._require_mode('hold', Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
-        self._give(flight, OrderKind.HOLD)
+        self._give(flight, CommandKind.HOLD)
 
     def resume(self) -> None:
         """Continue a held flight.
@@ -217,7 +220,7 @@ class Vehicle:
         flight = self._require_mode('resume', Mode.HOLDING)
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
-        self._give(flight, _RESUMED.get(flight.ending, OrderKind.RETURN))
+        self._give(flight, _RESUMED.get(flight.ending, CommandKind.RETURN))
 
     def return_home(self) -> None:
         """End the route, fly home and land.
@@ -228,8 +231,8 @@ class Vehicle:
             If on the ground, landing, or returning already.
         """
         flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
-        ended = cut_short(flight, Outcome.RETURNED_EARLY, 'told to return home')
-        self._give(ended, OrderKind.RETURN)
+        ended = cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to return home')
+        self._give(ended, CommandKind.RETURN)
 
     def land(self) -> None:
         """Land at the present place.
@@ -242,7 +245,9 @@ class Vehicle:
         flight = self._require_mode(
             'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
         )
-        self._give(cut_short(flight, Outcome.RETURNED_EARLY, 'told to land'), OrderKind.LAND)
+        self._give(
+            cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to land'), CommandKind.LAND
+        )
 
     def summary(self) -> FlightSummary | None:
         """Return the summary of the last flight; None while it runs and before the first."""
@@ -263,42 +268,42 @@ class Vehicle:
             return 0.0, 0.0
         course = self._course
         if self.mode is Mode.HOLDING:
-            order = self._order(OrderKind.FLY, self.time_ns, self.flight.visited)
-            course = Course(order, self.flight.route, self.airframe)
+            command = self._command(CommandKind.FLY, self.time_ns, self.flight.visited)
+            course = Course(command, self.flight.route, self.airframe)
         left_m, left_s = course.left(self.time_ns)
         return left_m, left_s + self.waits_s
 
-    def _beginning(self, route: Route) -> Order:
+    def _beginning(self, route: FlightRoute) -> Command:
         """Return the command to fly `route` from here; on the ground after its delay.
 
         A change of the battery in progress is completed first.
         """
-        order = self._order(OrderKind.FLY, self.time_ns, first_index=0)
-        order = replace(order, number=0)
+        command = self._command(CommandKind.FLY, self.time_ns, first_index=0)
+        command = replace(command, number=0)
         if self.mode.is_airborne:
-            return order
-        place = order.start.position_enu
+            return command
+        place = command.start.position_enu
         # The height of the ground at home is that of the plan.
-        start = standing((*place[:2], route.home_enu[2]), order.start.yaw_rad)
+        start = standing((*place[:2], route.home_enu[2]), command.start.yaw_rad)
         ready_ns = self.time_ns
-        if self.flight is not None and self.flight.order.number and self.mode is Mode.WAITING:
-            ready_ns = self.flight.order.start_ns
+        if self.flight is not None and self.flight.command.number and self.mode is Mode.WAITING:
+            ready_ns = self.flight.command.start_ns
         start_ns = ready_ns + round(route.delay_s * NS_PER_S)
-        return replace(order, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
+        return replace(command, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
 
     def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
         if self.flight is None or self.mode not in modes:
             raise CommandRefusedError(f'cannot {what}: {self.mode.value}')
         return self.flight
 
-    def _give(self, flight: FlightRecord, kind: OrderKind, time_ns: int | None = None) -> None:
+    def _give(self, flight: FlightRecord, kind: CommandKind, time_ns: int | None = None) -> None:
         """Put a command of `kind` in force at `time_ns`, or now."""
-        order = self._order(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
-        self._follow(replace(flight, order=order))
+        command = self._command(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
+        self._follow(replace(flight, command=command))
 
-    def _order(self, kind: OrderKind, time_ns: int, first_index: int) -> Order:
+    def _command(self, kind: CommandKind, time_ns: int, first_index: int) -> Command:
         course, start = self._course, self._pose(time_ns)
-        return Order(
+        return Command(
             kind=kind,
             start_ns=time_ns,
             start=start,
@@ -306,20 +311,20 @@ class Vehicle:
             first_index=first_index,
             charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
             distance_m=self._distance_m(time_ns),
-            number=0 if self.flight is None else self.flight.order.number,
+            number=0 if self.flight is None else self.flight.command.number,
         )
 
-    def _ground_for(self, kind: OrderKind, start: Pose) -> float | None:
+    def _ground_for(self, kind: CommandKind, start: FlightPose) -> float | None:
         """Return the height of the ground on which a command ends; None: that of its route."""
-        if self.surroundings is None or kind not in (OrderKind.LAND, OrderKind.FALL):
+        if self.surroundings is None or kind not in (CommandKind.LAND, CommandKind.FALL):
             return None
-        at = start if kind is OrderKind.FALL else stopped(self.airframe, start)[1]
+        at = start if kind is CommandKind.FALL else stopped(self.airframe, start)[1]
         return on_ground(self.surroundings, at.position_enu)[2]
 
     def _follow(self, flight: FlightRecord) -> None:
         """Make `flight` the current one."""
         self._record = replace(self._record, flight=flight)
-        self._course = Course(flight.order, flight.route, self.airframe)
+        self._course = Course(flight.command, flight.route, self.airframe)
         self._shots = deque(self._course.shots(flight.visited))
         self._watch = None
         if self.surroundings is not None and self.airframe.collision_radius_m:
@@ -335,7 +340,7 @@ class Vehicle:
             next_ns = min(due_ns, low_ns, down_ns, fails_ns)
             hit = self._watch and self._watch.first_until(min(next_ns, time_ns))
             if hit:
-                self._give(collided(flight, hit.thing), OrderKind.FALL, hit.time_ns)
+                self._give(collided(flight, hit.thing), CommandKind.FALL, hit.time_ns)
                 continue
             if next_ns > time_ns or math.isinf(next_ns):
                 return
@@ -369,12 +374,12 @@ class Vehicle:
     def _divert_on_low_battery(self, flight: FlightRecord, time_ns: int) -> None:
         charge = 0.0 if self._course is None else self._course.charge_fraction(time_ns)
         text = f'battery {charge:.0%} after {flight.visited} viewpoints'
-        ended = cut_short(flight, Outcome.BATTERY_LOW, text)
-        self._give(ended, OrderKind.DIVERT, time_ns)
+        ended = cut_short(flight, FlightOutcome.BATTERY_LOW, text)
+        self._give(ended, CommandKind.DIVERT, time_ns)
 
     def _fail(self, flight: FlightRecord, time_ns: int) -> None:
         """Descend at the present place."""
-        self._give(failed(flight), OrderKind.LAND, time_ns)
+        self._give(failed(flight), CommandKind.LAND, time_ns)
 
     def _touch_down(self, flight: FlightRecord, down_ns: int) -> None:
         """Change the battery and continue, or end the flight."""
@@ -383,10 +388,10 @@ class Vehicle:
             self._record = replace(self._record, flight=landed)
         else:
             self._follow(
-                with_new_battery(flight, self._order(OrderKind.FLY, down_ns, flight.visited))
+                with_new_battery(flight, self._command(CommandKind.FLY, down_ns, flight.visited))
             )
 
-    def _pose(self, time_ns: int) -> Pose:
+    def _pose(self, time_ns: int) -> FlightPose:
         if self._course is None:
             return standing(self._record.home_enu, 0.0)
         return self._course.pose(time_ns)

@@ -3,8 +3,8 @@
 
 from dataclasses import dataclass
 
-from rocsafe_sim.flight.segment import Mode, Pose
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.flight.segment import FlightPose, Mode
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -14,11 +14,11 @@ class ShotDue:
     sequence: int
     viewpoint_id: int
     time_ns: int
-    pose: Pose
+    pose: FlightPose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observation:
+class VehicleSnapshot:
     """True state of a vehicle after a step.
 
     Attributes
@@ -46,7 +46,7 @@ class Observation:
     """
 
     time_ns: int
-    pose: Pose
+    pose: FlightPose
     mode: Mode
     viewpoints_visited: int
     shots_taken: int
@@ -61,7 +61,7 @@ class Observation:
 class FlightSummary:
     """Summary of a flight, see the fields of the action FlyRoute."""
 
-    outcome: Outcome
+    outcome: FlightOutcome
     text: str
     viewpoints_visited: int
     distance_flown_m: float
