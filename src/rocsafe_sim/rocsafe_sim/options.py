@@ -11,14 +11,14 @@ from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_scene.scenery.catalogue import SCENES
+from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 
-PROCEDURAL = 'procedural'
+SCENE_GROUND = 'scene'
 FLAT, ENGINE = 'flat', 'engine'
 LARGEST_VIEW_ANGLE_DEG = 70.0
 IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
@@ -34,7 +34,7 @@ class WorldOptions(OriginOptions):
     autostart: bool = option(True, 'let time run from the start; else world/run does')
     pause_when_idle: bool = option(False, 'pause when all participants have become idle')
     start_time_s: float = option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
-    scene: str = option('none', f'what lies on the ground: {", ".join(SCENES)}')
+    scene: str = option(NO_SCENE, f'objects shown as markers: {", ".join(SCENE_NAMES)}')
     seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
 
     def __post_init__(self) -> None:
@@ -89,8 +89,8 @@ class VehicleOptions(FlightOptions):
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
-    ground: str = option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
-    scene: str = option('none', f'painted on procedural ground: {", ".join(SCENES)}')
+    ground: str = option(SCENE_GROUND, 'scene: its photograph, or path of a GeoTIFF')
+    scene: str = option(NO_SCENE, f'on the ground scene: {", ".join(SCENE_NAMES)}')
     seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
     spool_directory: str = option('', 'of journal and photographs; empty: memory only')
     lock_step: bool = option(True, 'step with the world; else with the wall clock')
@@ -108,6 +108,8 @@ class VehicleOptions(FlightOptions):
         self._require_backend()
 
     def _require_backend(self) -> None:
+        if self.ground == 'procedural':
+            raise ValueError(f"ground is 'procedural': is called {SCENE_GROUND!r} now")
         if self.camera_backend not in (FLAT, ENGINE):
             raise ValueError(
                 f'camera_backend is {self.camera_backend!r}: must be {FLAT} or {ENGINE}'
@@ -218,8 +220,8 @@ class FleetOptions(VehicleOptions):
 
 
 def _require_scene(scene: str) -> None:
-    if scene not in SCENES:
-        raise ValueError(f'scene is {scene!r}: must be one of {", ".join(SCENES)}')
+    if scene not in SCENE_NAMES:
+        raise ValueError(f'scene is {scene!r}: must be one of {", ".join(SCENE_NAMES)}')
 
 
 def _require_names(option: str, names: tuple[str, ...]) -> None:

@@ -13,15 +13,15 @@ from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera
 from rocsafe_scene.cameras.ground_camera import GroundCamera
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.flat_ground.ground_photograph import read_photograph
+from rocsafe_scene.flat_ground.scene_ground import SceneGround
+from rocsafe_scene.ground.ground_patch import Ground
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
-from rocsafe_scene.ground.picture import Ground
-from rocsafe_scene.ground.procedural_ground import ProceduralGround
 from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scene.map_cache import default_folder
-from rocsafe_scene.scenery.catalogue import make_scene
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
-from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
+from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
@@ -112,8 +112,8 @@ def make_ground(options: VehicleOptions) -> Ground:
     GroundError
         If its file cannot be read.
     """
-    if options.ground == PROCEDURAL:
-        return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
+    if options.ground == SCENE_GROUND:
+        return SceneGround(read_photograph(options.scene), options.seed)
     return OrthophotoGround(Path(options.ground), options.frame())
 
 
