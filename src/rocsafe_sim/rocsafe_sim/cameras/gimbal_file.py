@@ -6,7 +6,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rocsafe_geo.storage.durable import replace_whole
-from rocsafe_sim.cameras.gimbal import Direction, GimbalTurn
+from rocsafe_geo.storage.value_file import values_of
+from rocsafe_sim.cameras.gimbal import GimbalTurn
 from rocsafe_sim.errors import JournalError
 
 
@@ -26,15 +27,10 @@ def read_gimbal(folder: Path, camera: str) -> GimbalTurn | None:
     """
     path = _path(folder, camera)
     try:
-        fields = json.loads(path.read_text())
-        return GimbalTurn(
-            start_ns=int(fields['start_ns']),
-            start=Direction(**fields['start']),
-            target=Direction(**fields['target']),
-        )
+        return values_of(json.loads(path.read_text()), GimbalTurn, path.name)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError) as error:
         raise JournalError(f'{path}: not the turn of a gimbal: {error!r}') from error
 
 
