@@ -33,6 +33,8 @@ ROSDEP_KEYS = {
     'PIL': 'python3-pil',
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
+    'jinja2': 'python3-jinja2',
+    'markupsafe': 'python3-jinja2',
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
     'numba': 'python3-numba',
@@ -63,10 +65,10 @@ DOMAINS = {
 MAY_IMPORT = {
     'rocsafe_sim': {'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
-    'rocsafe_orchestrator': {'rocsafe_scenario'},
+    'rocsafe_orchestrator': {'rocsafe_scenario', 'rocsafe_view'},
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
-WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario'}
+WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view'}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',

@@ -65,9 +65,11 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
 def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the one process of all simulated vehicles, which are alike."""
     return {
-        'vehicles': [vehicle.name for vehicle in scenario.simulated],
-        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.simulated],
-        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.simulated],
+        'fleet_file': {
+            'vehicles': [
+                {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
+            ]
+        },
         **_vehicle_model(scenario, scenario.simulated[0]),
         'spool_directory': str(run.spool),
     }
@@ -171,7 +173,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),
-        **vehicle.autopilot.model_dump(),
+        'autopilot_file': vehicle.autopilot.model_dump(),
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.wind_mps[0],
         'wind_north_mps': scenario.survey.wind_mps[1],

@@ -12,9 +12,10 @@ from rasterio.transform import from_origin
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
-from rocsafe_orchestrator.report.dose_map_view import dose_section
-from rocsafe_orchestrator.report.formats import latitude_longitude
+from rocsafe_orchestrator.report.dose_view import dose_view
 from rocsafe_orchestrator.report.run_facts import estimate_facts
+from rocsafe_view.formats import latitude_longitude
+from rocsafe_view.pages import render
 
 ORIGIN = GeoPosition(53.28, -9.06, 66.0)
 # The map's own origin lies 30 m east and 20 m north of the mission's.
@@ -76,9 +77,15 @@ def estimates():
     )
 
 
+def section(folder):
+    """Return the section of the report."""
+    view = dose_view(folder, LocalFrame(ORIGIN), estimates())
+    return render('dose.html', 'rocsafe_orchestrator.report', dose=view)
+
+
 def test_map_cordon_and_source_lie_where_they_are(folder):
     """In metres of the mission's frame, whatever the frame of the file."""
-    page = dose_section(folder, LocalFrame(ORIGIN), estimates())
+    page = section(folder)
     image = re.search(r'<image [^>]*x="([-\d.]+)" y="([-\d.]+)" width="([\d.]+)"', page)
     west, top, width = map(float, image.groups())
     assert (west, top, width) == pytest.approx((10.0, -35.0, 40.0), abs=0.02)
@@ -91,7 +98,7 @@ def test_map_cordon_and_source_lie_where_they_are(folder):
 
 def test_tables_say_how_long_one_may_stay_and_what_was_found(folder):
     """With names escaped, the verdict, and the strength with its interval."""
-    page = dose_section(folder, LocalFrame(ORIGIN), estimates())
+    page = section(folder)
     text = plain(re.sub(r'<[^>]+>', ' ', page))
     assert 'inner cordon &lt;IAEA&gt;' in page
     assert '10.0 h' in text
@@ -105,7 +112,7 @@ def test_facts_and_table_tell_a_source_alike(folder):
     """Its place, its ellipse and its strength are the same words in both."""
     (_, chances), (name, fact) = estimate_facts(estimates())
     assert (name, chances) == ('Source 1', '0: 0 %, 1: 99 %, 2: 1 %')
-    page = dose_section(folder, LocalFrame(ORIGIN), estimates())
+    page = section(folder)
     words = '5.00 mSv/h (4.00 mSv/h to 6.00 mSv/h)', '3 × 2 m'
     assert all(part in plain(fact) and part in plain(page) for part in words)
     assert fact.startswith(latitude_longitude(MAP_ORIGIN.latitude_deg, MAP_ORIGIN.longitude_deg))
@@ -119,8 +126,8 @@ def plain(text):
 def test_without_a_map_there_is_no_section(folder, tmp_path):
     """Nor without estimates or a frame; without cordons there is a map still."""
     frame = LocalFrame(ORIGIN)
-    assert dose_section(tmp_path / 'none', frame, estimates()) is None
-    assert dose_section(folder, None, estimates()) is None
-    assert dose_section(folder, frame, None) is None
+    assert dose_view(tmp_path / 'none', frame, estimates()) is None
+    assert dose_view(folder, None, estimates()) is None
+    assert dose_view(folder, frame, None) is None
     (folder / 'cordons.geojson').write_text('{')
-    assert '<figure' in dose_section(folder, frame, estimates())
+    assert dose_view(folder, frame, estimates()).cordon_rows == []

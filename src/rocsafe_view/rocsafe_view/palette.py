@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colours of the report: dose rates on a logarithmic scale, and one colour a vehicle.
+"""Colours: dose rates on a logarithmic scale, and one colour a vehicle.
 
 Dose rates use "plasma" (Smith and van der Walt, 2015, CC0), which is even in lightness, told apart
 by the colour-blind and far from the greens and greys of the ground. Vehicles use the set of Okabe
@@ -30,7 +30,8 @@ class DoseScale:
 
     Raises
     ------
-    ValueError: unless 0 < low_usvh < high_usvh.
+    ValueError
+        Unless 0 < low_usvh < high_usvh.
     """
 
     low_usvh: float

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.palette import (
+from rocsafe_view import formats
+from rocsafe_view.palette import (
     DoseScale,
     ramp_colour,
     scale_of,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities as people read them: three figures, a unit, a dash for what is not known."""
+"""Quantities as text: three significant figures and a unit, a dash for what is unknown."""
 
 import math
 from datetime import datetime, timezone
