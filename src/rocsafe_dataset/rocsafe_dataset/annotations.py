@@ -19,15 +19,24 @@ class Annotation:
 
     Attributes
     ----------
-    number : of the instance in the scene.
-    name : of it.
-    category : class number.
-    box : column, row, width, height, pixels from the corner of the picture.
-    area : pixels.
-    runs : of the mask, COCO's short text.
-    polygon : about it, columns and rows as shares of the picture's width and height.
-    visibility : share that no other thing hides.
-    is_cut : it reaches the border of the picture.
+    number
+        Of the instance in the scene.
+    name
+        Of it.
+    category
+        Class number.
+    box
+        Column, row, width, height, pixels from the corner of the picture.
+    area
+        Pixels.
+    runs
+        Of the mask, COCO's short text.
+    polygon
+        About it, columns and rows as shares of the picture's width and height.
+    visibility
+        Share that no other thing hides.
+    is_cut
+        It reaches the border of the picture.
     """
 
     number: int

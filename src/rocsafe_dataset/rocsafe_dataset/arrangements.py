@@ -35,9 +35,12 @@ class Arrangement:
 
     Attributes
     ----------
-    weather : of the sky.
-    time : of the sun.
-    objects : that are there, where they are.
+    weather
+        Of the sky.
+    time
+        Of the sun.
+    objects
+        That are there, where they are.
     """
 
     weather: str

@@ -35,12 +35,15 @@ class DatasetCamera:
 
     Parameters
     ----------
-    environment : the scene.
-    folder : of the data set.
+    environment
+        The scene.
+    folder
+        Of the data set.
 
     Raises
     ------
-    DatasetError, EngineError: one line.
+    DatasetError, EngineError
+        One line.
     """
 
     def __init__(self, environment: Environment, folder: DatasetFolder) -> None:
@@ -102,7 +105,8 @@ def open_dataset_camera(
 
     Raises
     ------
-    SceneError, EngineError, DatasetError: one line.
+    SceneError, EngineError, DatasetError
+        One line.
     """
     return DatasetCamera(build(description, cache=cache), folder)
 

@@ -34,12 +34,18 @@ class LabelledImage:
 
     Attributes
     ----------
-    pose : how it was taken.
-    frame : what was seen.
-    annotations : of the instances in it.
-    weather, time_ns : of the light.
-    height_m : of the camera above the ground.
-    renderer : that drew it.
+    pose
+        How it was taken.
+    frame
+        What was seen.
+    annotations
+        Of the instances in it.
+    weather, time_ns
+        Of the light.
+    height_m
+        Of the camera above the ground.
+    renderer
+        That drew it.
     """
 
     pose: ImagePose
@@ -57,8 +63,10 @@ class DatasetFolder:
 
     Attributes
     ----------
-    path : of it.
-    options : of the data set.
+    path
+        Of it.
+    options
+        Of the data set.
     """
 
     path: Path
@@ -77,7 +85,8 @@ class DatasetFolder:
 
         Raises
         ------
-        DatasetError: if the disk does not take them.
+        DatasetError
+            If the disk does not take them.
         """
         pose, seen = picture.pose, picture.frame
         shot = _shot(picture, frame, self.options.lens)

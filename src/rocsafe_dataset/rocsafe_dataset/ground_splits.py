@@ -18,8 +18,10 @@ class GroundSplits:
 
     Attributes
     ----------
-    half_m : its half extents.
-    splits : number of the split of each block, (columns, rows).
+    half_m
+        Its half extents.
+    splits : (columns, rows)
+        Number of the split of each block.
     """
 
     half_m: tuple[float, float]
@@ -50,10 +52,14 @@ def divide_ground(
 
     Parameters
     ----------
-    half_m : half extents of the ground.
-    things : (east, north) of what there is to learn, (n, 2).
-    shares : of the splits, sum 1; one of 0 gets nothing.
-    seed : of the order among like blocks.
+    half_m
+        Half extents of the ground.
+    things : (n, 2)
+        (east, north) of what there is to learn.
+    shares
+        Of the splits, sum 1; one of 0 gets nothing.
+    seed
+        Of the order among like blocks.
     """
     area = [(-half, half) for half in half_m]
     found = np.histogram2d(things[:, 0], things[:, 1], list(BLOCKS), area)[0]

@@ -32,11 +32,16 @@ class ImagePose:
 
     Attributes
     ----------
-    number : of the picture, from 0.
-    split : it belongs to.
-    position : of the camera, east, north, up, (3,).
-    rotation : columns right, down, ahead, (3, 3).
-    foreign_share : of the ground seen within 120 m, what belongs to other splits.
+    number
+        Of the picture, from 0.
+    split
+        It belongs to.
+    position : (3,)
+        Of the camera, east, north, up.
+    rotation : (3, 3)
+        Columns right, down, ahead.
+    foreign_share
+        Of the ground seen within 120 m, what belongs to other splits.
     """
 
     number: int
@@ -57,10 +62,14 @@ class Site:
 
     Attributes
     ----------
-    terrain : to fly above.
-    places : of the splits.
-    aims : (east, north) of things worth a look, (n, 2).
-    boxes : bounds of all that one could fly into, (n, 2, 3).
+    terrain
+        To fly above.
+    places
+        Of the splits.
+    aims : (n, 2)
+        (east, north) of things worth a look.
+    boxes : (n, 2, 3)
+        Bounds of all that one could fly into.
     """
 
     terrain: Terrain

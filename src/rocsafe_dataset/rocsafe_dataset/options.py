@@ -19,19 +19,32 @@ class DatasetOptions:
 
     Attributes
     ----------
-    count : of pictures.
-    seed : of all that is random.
-    size_px : width and height.
-    fov_deg : full angle across the width.
-    height_m : least and largest height of the camera above the ground.
-    nadir_share : of the pictures that look straight down (within 6 deg), 0 to 1.
-    weathers : drawn from evenly.
-    image_format : jpg or png.
-    jpeg_quality : 1 to 100.
-    oversampling : 1 to 4, see `rocsafe_scene.engine.oversampled_camera.OversampledCamera`.
-    per_arrangement : pictures with the same placement of things and the same light.
-    splits : shares of `SPLITS`, sum 1.
-    least_pixels : smaller instances are not annotated.
+    count
+        Of pictures.
+    seed
+        Of all that is random.
+    size_px
+        Width and height.
+    fov_deg
+        Full angle across the width.
+    height_m
+        Least and largest height of the camera above the ground.
+    nadir_share
+        Of the pictures that look straight down (within 6 deg), 0 to 1.
+    weathers
+        Drawn from evenly.
+    image_format
+        Jpg or png.
+    jpeg_quality
+        1 to 100.
+    oversampling
+        1 to 4, see `rocsafe_scene.engine.oversampled_camera.OversampledCamera`.
+    per_arrangement
+        Pictures with the same placement of things and the same light.
+    splits
+        Shares of `SPLITS`, sum 1.
+    least_pixels
+        Smaller instances are not annotated.
     """
 
     count: int

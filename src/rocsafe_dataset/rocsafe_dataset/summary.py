@@ -22,7 +22,8 @@ def finish(folder: DatasetFolder, scene: str) -> Counter[str]:
 
     Raises
     ------
-    DatasetError: if a record is missing or damaged, or the disk does not take a file.
+    DatasetError
+        If a record is missing or damaged, or the disk does not take a file.
     """
     records = [_read(folder.record(number)) for number in range(folder.options.count)]
     names = [label.name for label in CLASSES.values()]

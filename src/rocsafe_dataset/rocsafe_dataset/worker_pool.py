@@ -29,7 +29,8 @@ def claim_folder(folder: DatasetFolder, description: SceneDescription) -> None:
 
     Raises
     ------
-    DatasetError: if it holds another one, or something else, or cannot be made.
+    DatasetError
+        If it holds another one, or something else, or cannot be made.
     """
     digest = sha256(description.model_dump_json().encode()).hexdigest()
     content = {
@@ -83,7 +84,8 @@ def run_tasks(
 
     Raises
     ------
-    SceneError, EngineError, DatasetError: one line.
+    SceneError, EngineError, DatasetError
+        One line.
     """
     count = max(1, min(workers, len(tasks)))
     os.environ.setdefault(_RENDER_THREADS, str(max(1, (os.cpu_count() or 1) // count)))

@@ -19,8 +19,10 @@ class Truth:
 
     Attributes
     ----------
-    depth_m : planar, along the view; infinite where the sky is, (height, width).
-    numbers : of the instance seen, 0 for the sky, (height, width).
+    depth_m : (height, width)
+        Planar, along the view; infinite where the sky is.
+    numbers : (height, width)
+        Of the instance seen, 0 for the sky.
     """
 
     depth_m: NDArray[np.float32]

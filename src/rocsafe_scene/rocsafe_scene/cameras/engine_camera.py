@@ -33,11 +33,16 @@ class EngineRequest:
 
     Attributes
     ----------
-    scene_file : path of the scene.
-    seed : of all that is random in it.
-    origin : of the mission.
-    start_ns : time of the mission's start: of the sun, and from which things move; 0 unknown.
-    cache : folder of painted ground.
+    scene_file
+        Path of the scene.
+    seed
+        Of all that is random in it.
+    origin
+        Of the mission.
+    start_ns
+        Time of the mission's start: of the sun, and from which things move; 0 unknown.
+    cache
+        Folder of painted ground.
     """
 
     scene_file: Path
@@ -52,7 +57,8 @@ class EngineScene:
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        One line.
     """
 
     def __init__(self, request: EngineRequest) -> None:
@@ -72,13 +78,17 @@ class EngineCamera:
 
     Parameters
     ----------
-    scene : to look at.
-    lens : of the camera.
-    oversampling : 1 to 4, see `OversampledCamera`.
+    scene
+        To look at.
+    lens
+        Of the camera.
+    oversampling
+        1 to 4, see `OversampledCamera`.
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        One line.
     """
 
     def __init__(self, scene: EngineScene, lens: PinholeCamera, oversampling: int) -> None:

@@ -56,7 +56,8 @@ class GroundCamera:
 
         Raises
         ------
-        GroundError: if the horizon would be seen, or the ground has no picture there.
+        GroundError
+            If the horizon would be seen, or the ground has no picture there.
         """
         try:
             corners = ground_corners(self.lens, position_enu, rotation_enu_from_optical)

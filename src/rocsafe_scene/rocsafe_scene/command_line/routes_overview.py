@@ -34,9 +34,12 @@ class RunRoutes:
 
     Attributes
     ----------
-    origin : of the mission.
-    planned : places of the photographs in their order, (n, 3).
-    flown : places of the readings, (n, 3).
+    origin
+        Of the mission.
+    planned : (n, 3)
+        Places of the photographs in their order.
+    flown : (n, 3)
+        Places of the readings.
     """
 
     origin: GeoPosition
@@ -64,7 +67,8 @@ def read_run(run: Path) -> RunRoutes:
 
     Raises
     ------
-    SceneError: one line, if it is none, or nothing was planned in it.
+    SceneError
+        One line, if it is none, or nothing was planned in it.
     """
     try:
         scenario = yaml.safe_load((run / 'scenario.yaml').read_text(encoding='utf-8'))

@@ -35,7 +35,8 @@ def image_size(text: str) -> tuple[int, int]:
 
     Raises
     ------
-    ArgumentTypeError: naming the text and what it must be.
+    ArgumentTypeError
+        Naming the text and what it must be.
     """
     try:
         width, height = (int(part) for part in text.lower().split('x'))

@@ -31,7 +31,8 @@ def open_renderer(
 
     Raises
     ------
-    EngineError: if nothing can draw here.
+    EngineError
+        If nothing can draw here.
     """
     light, place = description.light, description.place
     direction = sun_direction(time or light.time, place.latitude_deg, place.longitude_deg)
@@ -51,7 +52,8 @@ def open_scene(
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        One line.
     """
     return open_renderer(build(description, seed, origin, cache), description)
 
@@ -63,13 +65,17 @@ class OversampledCamera:
 
     Parameters
     ----------
-    renderer : of the scene.
-    lens : of the pictures.
-    oversampling : 1 draws once, 2 draws four times the pixels.
+    renderer
+        Of the scene.
+    lens
+        Of the pictures.
+    oversampling
+        1 draws once, 2 draws four times the pixels.
 
     Raises
     ------
-    SceneError: if the oversampled picture would be too large.
+    SceneError
+        If the oversampled picture would be too large.
     """
 
     def __init__(self, renderer: AnyRenderer, lens: PinholeCamera, oversampling: int = 2) -> None:

@@ -40,9 +40,12 @@ class Renderer:
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
-    weather : of the sky.
+    environment
+        What there is.
+    lighting
+        Its light.
+    weather
+        Of the sky.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
@@ -129,8 +132,10 @@ class RendererCamera:
 
         Parameters
         ----------
-        position_enu : of the camera, metres, (3,).
-        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        position_enu : (3,)
+            Of the camera, metres.
+        rotation_enu_from_optical : (3, 3)
+            Columns right, down, ahead.
         """
         self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))

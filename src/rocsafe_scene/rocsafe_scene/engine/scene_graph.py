@@ -54,9 +54,12 @@ class SceneGraph:
 
     Parameters
     ----------
-    environment : what there is.
-    weather : for the clouds.
-    pipe : that will draw it.
+    environment
+        What there is.
+    weather
+        For the clouds.
+    pipe
+        That will draw it.
     """
 
     def __init__(self, environment: Environment, weather: str, pipe: Pipe) -> None:

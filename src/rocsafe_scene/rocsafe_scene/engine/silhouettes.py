@@ -24,8 +24,10 @@ class Silhouettes:
 
     Parameters
     ----------
-    renderer : of the scene.
-    lens : of the pictures.
+    renderer
+        Of the scene.
+    lens
+        Of the pictures.
     """
 
     def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
@@ -70,9 +72,12 @@ class Silhouettes:
 
         Parameters
         ----------
-        numbers : instances as exposed from the same pose, (height, width).
-        bounds : of the things that are asked for, by number, (2, 3).
-        pose : position and rotation of the camera.
+        numbers : (height, width)
+            Instances as exposed from the same pose.
+        bounds : (2, 3)
+            Of the things that are asked for, by number.
+        pose
+            Position and rotation of the camera.
         """
         seen = np.bincount(numbers.ravel())
         boxes = {number: self._box(corners, *pose) for number, corners in bounds.items()}

@@ -23,9 +23,12 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
 
     Parameters
     ----------
-    image : as drawn, (height, width, 3).
-    numbers : of instances, (height, width); where they change is an edge.
-    normals : bytes, (height, width, 3); where they jump within a thing is an edge too.
+    image : (height, width, 3)
+        As drawn.
+    numbers
+        Of instances, (height, width); where they change is an edge.
+    normals
+        Bytes, (height, width, 3); where they jump within a thing is an edge too.
     """
     bright = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     kernel = np.ones((3, 3), np.uint8)

@@ -34,8 +34,10 @@ class SoftwareRenderer:
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
+    environment
+        What there is.
+    lighting
+        Its light.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting) -> None:
@@ -95,8 +97,10 @@ class SoftwareRendererCamera:
 
         Parameters
         ----------
-        position_enu : of the camera, metres, (3,).
-        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        position_enu : (3,)
+            Of the camera, metres.
+        rotation_enu_from_optical : (3, 3)
+            Columns right, down, ahead.
         """
         self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))

@@ -43,10 +43,14 @@ class Triangles:
 
     Attributes
     ----------
-    corners : in the frame of what they belong to, metres, (n, 3, 3).
-    owners : to what each belongs, (n,).
-    numbers, kinds : instance and class of the owners; kind -1 is the ground, whose map says it.
-    turns, places : of the owners' frames in east, north, up, (k, 3, 3) and (k, 3).
+    corners : (n, 3, 3)
+        In the frame of what they belong to, metres.
+    owners : (n,)
+        To what each belongs.
+    numbers, kinds
+        Instance and class of the owners; kind -1 is the ground, whose map says it.
+    turns, places
+        Of the owners' frames in east, north, up, (k, 3, 3) and (k, 3).
     """
 
     corners: NDArray[np.float32]
@@ -68,8 +72,10 @@ class SoftwareSceneGraph:
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
+    environment
+        What there is.
+    lighting
+        Its light.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting) -> None:

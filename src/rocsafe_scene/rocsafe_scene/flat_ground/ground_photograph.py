@@ -34,8 +34,8 @@ class GroundPhotograph:
 
     Parameters
     ----------
-    image : (rows, columns, 3)
-        Blue, green, red; north at the top. The mission origin is its centre.
+    image
+        (rows, columns, 3) Blue, green, red; north at the top. The mission origin is its centre.
     texel_m
         Width of a pixel on the ground, metres.
     """

@@ -32,7 +32,8 @@ def make_buffer(pipe: Pipe, lens: PinholeCamera, name: str, aux_count: int = 0) 
 
     Raises
     ------
-    EngineError: if the pipe refuses it.
+    EngineError
+        If the pipe refuses it.
     """
     properties = core.FrameBufferProperties()
     properties.setRgbaBits(8, 8, 8, 8)
@@ -56,7 +57,8 @@ def pixels_of(texture: Any, lens: PinholeCamera) -> NDArray[np.uint8]:
 
     Raises
     ------
-    EngineError: if nothing was drawn.
+    EngineError
+        If nothing was drawn.
     """
     data = texture.getRamImage()
     if not data:

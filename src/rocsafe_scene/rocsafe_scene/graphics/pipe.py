@@ -37,9 +37,12 @@ class Pipe:
 
     Attributes
     ----------
-    engine, host : Panda3D's engine, and the small buffer whose context all others share.
-    renderer : what draws, in its own words.
-    is_degraded : no shaders: neither shadows nor water, haze or grass.
+    engine, host
+        Panda3D's engine, and the small buffer whose context all others share.
+    renderer
+        What draws, in its own words.
+    is_degraded
+        No shaders: neither shadows nor water, haze or grass.
     """
 
     engine: Any
@@ -56,7 +59,8 @@ def open_pipe() -> Pipe:
 
     Raises
     ------
-    EngineError: if there is neither, with what to install.
+    EngineError
+        If there is neither, with what to install.
     """
     core.loadPrcFileData('rocsafe', _SETTINGS)
     engine = core.GraphicsEngine.getGlobalPtr()

@@ -13,11 +13,16 @@ class Rendering:
 
     Attributes
     ----------
-    image : blue, green, red, (height, width, 3).
-    depth_m : planar, along the view; infinite where the sky is, (height, width).
-    numbers : instance, 0 for the sky, (height, width).
-    classes : class number, (height, width).
-    normals : of the surfaces in east, north, up, bytes 0 to 255 for -1 to 1, (height, width, 3).
+    image : (height, width, 3)
+        Blue, green, red.
+    depth_m : (height, width)
+        Planar, along the view; infinite where the sky is.
+    numbers : (height, width)
+        Instance, 0 for the sky.
+    classes : (height, width)
+        Class number.
+    normals : (height, width, 3)
+        Of the surfaces in east, north, up, bytes 0 to 255 for -1 to 1.
     """
 
     image: NDArray[np.uint8]

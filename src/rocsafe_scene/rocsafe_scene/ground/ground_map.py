@@ -33,10 +33,14 @@ class GroundMap:
 
     Attributes
     ----------
-    west_m, south_m : its outer corner.
-    texel_m : width of a texel of `colours`.
-    colours : blue, green, red, (rows, columns, 3).
-    classes : class numbers, (rows / 4, columns / 4).
+    west_m, south_m
+        Its outer corner.
+    texel_m
+        Width of a texel of `colours`.
+    colours : (rows, columns, 3)
+        Blue, green, red.
+    classes : (rows / 4, columns / 4)
+        Class numbers.
     """
 
     west_m: float

@@ -38,9 +38,11 @@ class Patch:
 
     Attributes
     ----------
-    image : blue, green, red; shape (rows, columns, 3).
-    pixel_from_ground : homography (3, 3) from (east, north, 1) to (column, row, 1); integer
-        coordinates are pixel centres.
+    image : (rows, columns, 3)
+        Blue, green, red.
+    pixel_from_ground
+        Homography (3, 3) from (east, north, 1) to (column, row, 1); integer coordinates are pixel
+        centres.
     """
 
     image: Image
@@ -55,7 +57,8 @@ class Ground(Protocol):
 
         Raises
         ------
-        GroundError: if the picture cannot be had.
+        GroundError
+            If the picture cannot be had.
         """
         ...
 

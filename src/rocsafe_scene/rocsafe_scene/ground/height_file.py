@@ -35,7 +35,8 @@ def write_heights(
 
     Raises
     ------
-    SceneError: one line, if the file cannot be written.
+    SceneError
+        One line, if the file cannot be written.
     """
     # Loaded when asked for: it takes a moment.
     import rasterio

@@ -23,12 +23,15 @@ class OrthophotoGround:
 
     Parameters
     ----------
-    path : of the file; 8 bits, one band (grey) or at least three (red, green, blue).
-    frame : local frame of the mission.
+    path : (red, green, blue)
+        Of the file; 8 bits, one band (grey) or at least three.
+    frame
+        Local frame of the mission.
 
     Raises
     ------
-    GroundError: if the file cannot be used, with the reason.
+    GroundError
+        If the file cannot be used, with the reason.
     """
 
     def __init__(self, path: Path, frame: LocalFrame) -> None:
@@ -54,7 +57,8 @@ class OrthophotoGround:
 
         Raises
         ------
-        GroundError: if the file cannot be read.
+        GroundError
+            If the file cannot be read.
         """
         corners = np.array(
             [

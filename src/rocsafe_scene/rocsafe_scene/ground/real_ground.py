@@ -30,7 +30,8 @@ def measured_heights(path: str, frame: LocalFrame) -> HeightFunction:
 
     Raises
     ------
-    SceneError: one line, if the file is no elevation model or does not cover the site.
+    SceneError
+        One line, if the file is no elevation model or does not cover the site.
     """
     try:
         model = read_terrain(path)
@@ -58,7 +59,8 @@ def open_photo(path: str, frame: LocalFrame) -> OrthophotoGround:
 
     Raises
     ------
-    SceneError: one line, if the file is none or does not show the origin.
+    SceneError
+        One line, if the file is none or does not show the origin.
     """
     try:
         return OrthophotoGround(Path(path), frame)
@@ -71,7 +73,8 @@ def draped(ground: GroundMap, path: str, frame: LocalFrame) -> GroundMap:
 
     Raises
     ------
-    SceneError: one line, if the file is no orthophoto or does not show the origin.
+    SceneError
+        One line, if the file is no orthophoto or does not show the origin.
     """
     photo = open_photo(path, frame)
     colours = ground.colours.copy()

@@ -27,10 +27,14 @@ class Course:
 
     Attributes
     ----------
-    line : its course, (k, 2), metres.
-    half_width_m : of its level top or bed.
-    lift_m : of the top above the levelled ground; below 0 a cutting or a stream's bed.
-    slope_m : width of each flank.
+    line
+        Its course, (k, 2), metres.
+    half_width_m
+        Of its level top or bed.
+    lift_m
+        Of the top above the levelled ground; below 0 a cutting or a stream's bed.
+    slope_m
+        Width of each flank.
     """
 
     line: Floats
@@ -54,12 +58,18 @@ class Relief:
 
     Attributes
     ----------
-    seed : of its noise.
-    local_m : height of rises near the origin.
-    hills_m : height of hills far from it.
-    courses : built lines, in order of building.
-    pads : level places, made last.
-    measured : heights in place of noise; None: there are none.
+    seed
+        Of its noise.
+    local_m
+        Height of rises near the origin.
+    hills_m
+        Height of hills far from it.
+    courses
+        Built lines, in order of building.
+    pads
+        Level places, made last.
+    measured
+        Heights in place of noise; None: there are none.
     """
 
     seed: int

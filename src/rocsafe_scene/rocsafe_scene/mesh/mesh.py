@@ -22,11 +22,16 @@ class Mesh:
 
     Attributes
     ----------
-    points : metres, (n, 3).
-    normals : unit, outwards, (n, 3).
-    places : of the dirt texture, metres on the surface, (n, 2).
-    colours : red, green, blue and the `Surface`, (n, 4), bytes.
-    triangles : corners, anticlockwise from outside, (m, 3).
+    points : (n, 3)
+        Metres.
+    normals : (n, 3)
+        Unit, outwards.
+    places : (n, 2)
+        Of the dirt texture, metres on the surface.
+    colours
+        Red, green, blue and the `Surface`, (n, 4), bytes.
+    triangles : (m, 3)
+        Corners, anticlockwise from outside.
     """
 
     points: Floats
@@ -100,7 +105,8 @@ def joined(parts: Iterable[Mesh]) -> Mesh:
 
     Raises
     ------
-    ValueError: if there are none.
+    ValueError
+        If there are none.
     """
     meshes = list(parts)
     if not meshes:

@@ -86,8 +86,10 @@ def lathe(profile: ArrayLike, segments: int = 24) -> Mesh:
 
     Parameters
     ----------
-    profile : x and radius of its points, (k, 2), x rising; a point given twice is an edge.
-    segments : around.
+    profile
+        X and radius of its points, (k, 2), x rising; a point given twice is an edge.
+    segments
+        Around.
     """
     line = np.asarray(profile, float)
     normals_2d = _profile_normals(line)
@@ -220,8 +222,10 @@ def strip(line: ArrayLike, section: ArrayLike) -> Mesh:
 
     Parameters
     ----------
-    line : its course, (k, 3).
-    section : across it, left and up, (s, 2), open, from its left foot over its top to the right.
+    line : (k, 3)
+        Its course.
+    section
+        Across it, left and up, (s, 2), open, from its left foot over its top to the right.
     """
     course = np.asarray(line, float)
     profile = np.asarray(section, float)

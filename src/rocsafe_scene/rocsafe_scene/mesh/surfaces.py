@@ -32,10 +32,14 @@ class Look:
 
     Attributes
     ----------
-    gloss : strength of its mirror image of sun and sky, 0 to 1.
-    sharpness : exponent of the sun's glint.
-    grain : how strongly dirt and wear vary its brightness, 0 to 1.
-    through : share of the light that falls through from behind, 0 to 1.
+    gloss
+        Strength of its mirror image of sun and sky, 0 to 1.
+    sharpness
+        Exponent of the sun's glint.
+    grain
+        How strongly dirt and wear vary its brightness, 0 to 1.
+    through
+        Share of the light that falls through from behind, 0 to 1.
     """
 
     gloss: float

@@ -50,7 +50,8 @@ class Distortion:
 
         Raises
         ------
-        ValueError: if there is no such place: the distortion folds the picture over itself.
+        ValueError
+            If there is no such place: the distortion folds the picture over itself.
         """
         found_x, found_y = np.array(x, float), np.array(y, float)
         with np.errstate(all='ignore'):
@@ -100,7 +101,8 @@ def lens_to_draw(lens: PinholeCamera, effects: Effects) -> PinholeCamera:
 
     Raises
     ------
-    ValueError: if the distortion folds the border of the picture.
+    ValueError
+        If the distortion folds the border of the picture.
     """
     if not effects.distortion and not effects.need_motion:
         return lens

@@ -20,14 +20,21 @@ class Effects:
 
     Attributes
     ----------
-    distortion : k1, k2, p1, p2, k3 of the Brown-Conrady model, as OpenCV and CameraInfo have
-        them; empty: none. At most five, those left out are 0.
-    exposure_ev : brighter by a factor 2 ** exposure_ev.
-    vignetting : share of the natural fall-off, cos^4 of the angle from the axis.
-    full_well_e : electrons of the brightest pixel, for photon noise; 0: no photon noise.
-    read_noise_e : standard deviation, electrons; needs `full_well_e`.
-    shutter_s : time that a pixel collects light: what moves meanwhile is blurred.
-    readout_s : time from the first row to the last of a rolling shutter.
+    distortion
+        K1, k2, p1, p2, k3 of the Brown-Conrady model, as OpenCV and CameraInfo have them; empty:
+        none. At most five, those left out are 0.
+    exposure_ev
+        Brighter by a factor 2 ** exposure_ev.
+    vignetting
+        Share of the natural fall-off, cos^4 of the angle from the axis.
+    full_well_e
+        Electrons of the brightest pixel, for photon noise; 0: no photon noise.
+    read_noise_e
+        Standard deviation, electrons; needs `full_well_e`.
+    shutter_s
+        Time that a pixel collects light: what moves meanwhile is blurred.
+    readout_s
+        Time from the first row to the last of a rolling shutter.
     """
 
     distortion: tuple[float, ...] = ()

@@ -34,9 +34,12 @@ def motion_between(
 
     Parameters
     ----------
-    positions_enu : metres, before and after.
-    rotations : from the optical frame to east, north, up, (3, 3), before and after.
-    span_s : time between them.
+    positions_enu
+        Metres, before and after.
+    rotations
+        From the optical frame to east, north, up, (3, 3), before and after.
+    span_s
+        Time between them.
     """
     before, after = rotations
     way = np.subtract(positions_enu[1], positions_enu[0]) / span_s
@@ -53,9 +56,12 @@ def pixel_rates(lens: PinholeCamera, depth_m: NDArray[np.float32], motion: Camer
 
     Parameters
     ----------
-    lens : of the picture.
-    depth_m : planar, (height, width); infinite where the sky is.
-    motion : of the camera.
+    lens
+        Of the picture.
+    depth_m
+        Planar, (height, width); infinite where the sky is.
+    motion
+        Of the camera.
     """
     x, y = (plane.astype(np.float32) for plane in pixel_rays(lens))
     vx, vy, vz = motion.velocity_mps.tolist()

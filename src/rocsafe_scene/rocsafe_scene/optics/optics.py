@@ -33,13 +33,17 @@ class Optics:
 
     Attributes
     ----------
-    lens : of the photograph, its distortion aside.
-    effects : of lens, shutter and sensor.
-    source : what must be drawn.
+    lens
+        Of the photograph, its distortion aside.
+    effects
+        Of lens, shutter and sensor.
+    source
+        What must be drawn.
 
     Raises
     ------
-    ValueError: if the distortion folds the picture.
+    ValueError
+        If the distortion folds the picture.
     """
 
     lens: PinholeCamera
@@ -66,9 +70,12 @@ class Optics:
 
         Parameters
         ----------
-        image : blue, green, red.
-        rates : at which each pixel moves, see `pixel_rates`; None: nothing moves.
-        rng : of the noise.
+        image
+            Blue, green, red.
+        rates
+            At which each pixel moves, see `pixel_rates`; None: nothing moves.
+        rng
+            Of the noise.
         """
         if rates is not None and self.effects.shutter_s > 0.0:
             image = blurred(image, rates * np.float32(self.effects.shutter_s))
@@ -124,8 +131,10 @@ def blurred(image: Image, ways_px: Rates) -> Image:
 
     Parameters
     ----------
-    image : blue, green, red, (height, width, 3).
-    ways_px : during the exposure, x right and y down, (height, width, 2).
+    image : (height, width, 3)
+        Blue, green, red.
+    ways_px : (height, width, 2)
+        During the exposure, x right and y down.
     """
     longest_px = float(np.quantile(np.abs(ways_px), 0.999))
     count = min(_MOST_BLUR_STEPS, math.ceil(longest_px / _BLUR_STEP_PX) + 1)

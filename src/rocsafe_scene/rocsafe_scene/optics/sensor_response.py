@@ -42,8 +42,10 @@ def fall_off(x: Plane, y: Plane, share: float) -> Light:
 
     Parameters
     ----------
-    x, y : of the rays, in the plane at distance 1.
-    share : of the natural law, cos^4 of the angle from the axis.
+    x, y
+        Of the rays, in the plane at distance 1.
+    share
+        Of the natural law, cos^4 of the angle from the axis.
     """
     natural = 1.0 / (1.0 + x * x + y * y) ** 2
     return np.asarray(1.0 - share * (1.0 - natural), np.float32)

@@ -18,10 +18,14 @@ class Paint:
 
     Attributes
     ----------
-    colour : red, green, blue, 0 to 255.
-    grain : strength of the centimetre texture on it, 0 to 255.
-    opacity : 1 hides what lies below, 0 would be invisible.
-    softness_m : width over which its edges fade out; only if it is translucent.
+    colour
+        Red, green, blue, 0 to 255.
+    grain
+        Strength of the centimetre texture on it, 0 to 255.
+    opacity
+        1 hides what lies below, 0 would be invisible.
+    softness_m
+        Width over which its edges fade out; only if it is translucent.
     """
 
     colour: Colour
@@ -44,9 +48,12 @@ class Shape:
 
     Attributes
     ----------
-    outlines : corners (n, 2) of each polygon.
-    paint : of all.
-    is_faded : the polygons lie one inside the other, and opacity grows from each to the next.
+    outlines
+        Corners (n, 2) of each polygon.
+    paint
+        Of all.
+    is_faded
+        The polygons lie one inside the other, and opacity grows from each to the next.
     """
 
     outlines: tuple[Points, ...]
@@ -70,9 +77,11 @@ class Dots:
 
     Attributes
     ----------
-    centres : metres, shape (n, 2).
-    radii_m : shape (n,).
-    values : red, green, blue and grain of each, shape (n, 4), 0 to 255.
+    centres : (n, 2)
+        Metres.
+    radii_m : (n,)
+    values
+        Red, green, blue and grain of each, shape (n, 4), 0 to 255.
     """
 
     centres: Points

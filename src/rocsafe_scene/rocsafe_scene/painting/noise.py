@@ -66,11 +66,15 @@ def fractal(seed: int, amplitudes: Mapping[int, float], octave: int, window: Win
 
     Parameters
     ----------
-    seed : of the world.
-    amplitudes : of each octave, spacing 2^k cm; those finer than `octave` are left out: seen from
-        far they average to nothing.
-    octave : of the lattice that is asked for.
-    window : of that lattice.
+    seed
+        Of the world.
+    amplitudes
+        Of each octave, spacing 2^k cm; those finer than `octave` are left out: seen from far they
+        average to nothing.
+    octave
+        Of the lattice that is asked for.
+    window
+        Of that lattice.
     """
     coarsest = max(amplitudes)
     if octave > coarsest:

@@ -39,8 +39,10 @@ class Blob:
 
     Attributes
     ----------
-    centre : metres, (3,).
-    radii : along the axes, metres, (3,).
+    centre : (3,)
+        Metres.
+    radii : (3,)
+        Along the axes, metres.
     """
 
     centre: Floats
@@ -53,11 +55,16 @@ class Crown:
 
     Attributes
     ----------
-    lobes : that it encloses.
-    middle : a place within, from which all of the skin is seen, (3,).
-    size : half its width, width and height, metres, (3,).
-    leaf : red, green, blue in the light.
-    variety : how much lobes differ in brightness, 0 to 1.
+    lobes
+        That it encloses.
+    middle : (3,)
+        A place within, from which all of the skin is seen.
+    size : (3,)
+        Half its width, width and height, metres.
+    leaf
+        Red, green, blue in the light.
+    variety
+        How much lobes differ in brightness, 0 to 1.
     """
 
     lobes: list[Blob]

@@ -16,12 +16,18 @@ class Species:
 
     Attributes
     ----------
-    leaf : red, green, blue in the light.
-    variety : how much leaves differ in brightness, 0 to 1.
-    leaf_m : length of a leaf polygon.
-    crown_from : height of the lowest leaves, share of the tree's.
-    slimness : height of the crown's blobs by their width.
-    is_conical : crown narrows upwards.
+    leaf
+        Red, green, blue in the light.
+    variety
+        How much leaves differ in brightness, 0 to 1.
+    leaf_m
+        Length of a leaf polygon.
+    crown_from
+        Height of the lowest leaves, share of the tree's.
+    slimness
+        Height of the crown's blobs by their width.
+    is_conical
+        Crown narrows upwards.
     """
 
     leaf: Colour
@@ -89,7 +95,8 @@ def species_of(name: str) -> Species:
 
     Raises
     ------
-    ValueError: if none is.
+    ValueError
+        If none is.
     """
     if name not in SPECIES:
         raise ValueError(f'species is {name!r}: must be one of {", ".join(SPECIES)}')

@@ -43,14 +43,19 @@ def build(
 
     Parameters
     ----------
-    description : what is in it.
-    seed : in place of the description's.
-    origin : of the mission, in place of the description's.
-    cache : folder where painted ground is kept between runs; None paints it anew.
+    description
+        What is in it.
+    seed
+        In place of the description's.
+    origin
+        Of the mission, in place of the description's.
+    cache
+        Folder where painted ground is kept between runs; None paints it anew.
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
@@ -82,13 +87,17 @@ def check(
 
     Parameters
     ----------
-    description : what is in the scene.
-    seed : in place of the description's.
-    origin : of the mission, in place of the description's.
+    description
+        What is in the scene.
+    seed
+        In place of the description's.
+    origin
+        Of the mission, in place of the description's.
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
@@ -104,7 +113,8 @@ def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) ->
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     works = ground_works(description, seed)
     return make_terrain(_relief(description, seed, works, LocalFrame(origin)).heights)
@@ -115,7 +125,8 @@ def ground_works(description: SceneDescription, seed: int) -> tuple[GroundWork, 
 
     Raises
     ------
-    SceneError: one line, naming the entry.
+    SceneError
+        One line, naming the entry.
     """
     works = []
     for entry in description.ground:

@@ -21,11 +21,16 @@ class Maker:
 
     Attributes
     ----------
-    function : returns its mesh; options are its keyword arguments.
-    label : its class, unless the scene says otherwise.
-    material, fill : to rays: what it is of, and how much of its volume that fills.
-    piece_m : made along a line, in pieces about this long; 0 for what stands in one place.
-    is_foliage : its polygons are seen from both sides.
+    function
+        Returns its mesh; options are its keyword arguments.
+    label
+        Its class, unless the scene says otherwise.
+    material, fill
+        To rays: what it is of, and how much of its volume that fills.
+    piece_m
+        Made along a line, in pieces about this long; 0 for what stands in one place.
+    is_foliage
+        Its polygons are seen from both sides.
     """
 
     function: MeshMaker
@@ -121,7 +126,8 @@ def maker_of(name: str) -> Maker:
 
     Raises
     ------
-    ValueError: if nothing is called so.
+    ValueError
+        If nothing is called so.
     """
     if name not in MAKERS:
         raise ValueError(f'make is {name!r}: must be one of {", ".join(MAKERS)}')

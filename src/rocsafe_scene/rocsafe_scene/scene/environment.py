@@ -22,9 +22,12 @@ class Piece:
 
     Attributes
     ----------
-    mesh : in its own coordinates.
-    rotation : own axes to east, north, up; may also stretch all alike, (3, 3).
-    offset : of its origin, metres, (3,).
+    mesh
+        In its own coordinates.
+    rotation : (3, 3)
+        Own axes to east, north, up; may also stretch all alike.
+    offset : (3,)
+        Of its origin, metres.
     """
 
     mesh: Mesh
@@ -64,15 +67,24 @@ class SceneObject:
 
     Attributes
     ----------
-    name : unique.
-    label : its class.
-    number : its instance id in the labels, from `FIRST_OBJECT_NUMBER`.
-    pieces : of its surface.
-    material : to rays.
-    fill : share of its volume that the material fills, 0 to 1.
-    temperature_c : of its surface.
-    is_foliage : its polygons have two sides.
-    path : where it moves; None if it stands.
+    name
+        Unique.
+    label
+        Its class.
+    number
+        Its instance id in the labels, from `FIRST_OBJECT_NUMBER`.
+    pieces
+        Of its surface.
+    material
+        To rays.
+    fill
+        Share of its volume that the material fills, 0 to 1.
+    temperature_c
+        Of its surface.
+    is_foliage
+        Its polygons have two sides.
+    path
+        Where it moves; None if it stands.
     """
 
     name: str
@@ -103,12 +115,18 @@ class Environment:
 
     Attributes
     ----------
-    description : what it was built from.
-    seed : of all that is random in it.
-    terrain : shape of the ground.
-    inner, outer : its pictures, near and around.
-    objects : things, by rising number.
-    tufts : long grass, part of the ground.
+    description
+        What it was built from.
+    seed
+        Of all that is random in it.
+    terrain
+        Shape of the ground.
+    inner, outer
+        Its pictures, near and around.
+    objects
+        Things, by rising number.
+    tufts
+        Long grass, part of the ground.
     """
 
     description: SceneDescription

@@ -30,7 +30,8 @@ def maps(
 
     Raises
     ------
-    SceneError: one line, if there is to be an orthophoto that cannot be used.
+    SceneError
+        One line, if there is to be an orthophoto that cannot be used.
     """
     photo = description.terrain.orthophoto
 

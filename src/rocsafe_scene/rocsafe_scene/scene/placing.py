@@ -32,10 +32,14 @@ class Placer:
 
     Attributes
     ----------
-    description : of the scene.
-    seed : of all that is random.
-    frame : of the mission, for places in degrees.
-    terrain : to stand on.
+    description
+        Of the scene.
+    seed
+        Of all that is random.
+    frame
+        Of the mission, for places in degrees.
+    terrain
+        To stand on.
     """
 
     description: SceneDescription
@@ -49,7 +53,8 @@ class Placer:
 
         Raises
         ------
-        SceneError: if an entry cannot be made; one line.
+        SceneError
+            If an entry cannot be made; one line.
         """
         number = FIRST_OBJECT_NUMBER
         for entry in self.description.objects:

@@ -19,7 +19,8 @@ def read_scene(path: Path) -> SceneDescription:
 
     Raises
     ------
-    SceneError: one line for each mistake: file, key path, value, limit.
+    SceneError
+        One line for each mistake: file, key path, value, limit.
     """
     content = _content(path)
     try:

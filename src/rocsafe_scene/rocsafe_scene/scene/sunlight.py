@@ -22,12 +22,18 @@ class Weather:
 
     Attributes
     ----------
-    sun : share of the direct sunlight that arrives.
-    sky : brightness of the sky's diffuse light.
-    greyness : how grey the sky is, 0 blue to 1 grey.
-    haze_per_m : extinction along the line of sight.
-    wetness : how wet surfaces are, 0 to 1.
-    exposure : of the camera.
+    sun
+        Share of the direct sunlight that arrives.
+    sky
+        Brightness of the sky's diffuse light.
+    greyness
+        How grey the sky is, 0 blue to 1 grey.
+    haze_per_m
+        Extinction along the line of sight.
+    wetness
+        How wet surfaces are, 0 to 1.
+    exposure
+        Of the camera.
     """
 
     sun: float
@@ -55,13 +61,20 @@ class Lighting:
 
     Attributes
     ----------
-    sun_direction : unit vector towards the sun, east, north, up.
-    sun : direct light on a surface that faces it.
-    zenith, horizon : colours of the sky.
-    bounce : light from the ground on what looks down.
-    haze_per_m : extinction; far things take on the colour of the horizon.
-    wetness : of surfaces, 0 to 1.
-    exposure : factor before the tone curve.
+    sun_direction
+        Unit vector towards the sun, east, north, up.
+    sun
+        Direct light on a surface that faces it.
+    zenith, horizon
+        Colours of the sky.
+    bounce
+        Light from the ground on what looks down.
+    haze_per_m
+        Extinction; far things take on the colour of the horizon.
+    wetness
+        Of surfaces, 0 to 1.
+    exposure
+        Factor before the tone curve.
     """
 
     sun_direction: Light
@@ -107,7 +120,8 @@ def lighting(direction: Floats, weather: str) -> Lighting:
 
     Raises
     ------
-    ValueError: if no weather is called so.
+    ValueError
+        If no weather is called so.
     """
     if weather not in WEATHERS:
         raise ValueError(f'weather is {weather!r}: must be one of {", ".join(WEATHERS)}')
