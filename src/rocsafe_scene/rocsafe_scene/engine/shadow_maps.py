@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the sun and the sky do not reach: shadow maps, and the canopy seen from above."""
+"""Shadow maps of the sun, and the canopy map that darkens places below foliage."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,15 +17,15 @@ from rocsafe_scene.graphics.upload import height_texture
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.sunlight import Lighting
 
-# Width of the shadow maps on the ground, metres and texels.
+# Width of the near and the far shadow map on the ground, metres, and in texels.
 _NEAR_M, _NEAR_PX = 360.0, 4096
 _FAR_M, _FAR_PX = 1100.0, 2048
-# Texels of the map of what moves, as wide as the near one.
+# Texels of the shadow map of moving objects, which is as wide as the near one.
 _MOVING_PX = 3072
 _DEPTH_M = 900.0
-# The canopy: half extent, texel and blur, metres; from above everything.
+# Canopy map: half extent, texel, blur, and height of its camera, metres.
 _CANOPY_M, _CANOPY_TEXEL_M, _BLUR_M, _ABOVE_M = 180.0, 0.5, 1.3, 400.0
-# Texel of the light on the ground, metres.
+# Texel of the map of light on the inner ground, metres.
 _SUNLIT_TEXEL_M = 0.12
 # A camera that looks straight down with north at the top.
 _DOWN = np.diag([1.0, -1.0, -1.0])
@@ -34,7 +34,7 @@ _TO_TEXTURE = core.LMatrix4f(0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ShadowMap:
-    """A shadow map's name in the shaders, its buffer, and the camera it is drawn by."""
+    """Name of a shadow map in the shaders, its buffer, and its camera."""
 
     name: str
     buffer: Any
@@ -43,7 +43,7 @@ class _ShadowMap:
 
 
 class ShadowMaps:
-    """Shadow maps and canopy of a stage, bound to its shaders."""
+    """Shadow maps and canopy map of a scene graph, bound to its shaders."""
 
     def __init__(self, pipe: Pipe, graph: SceneGraph, lighting: Lighting) -> None:
         self._pipe, self._graph = pipe, graph
@@ -58,7 +58,7 @@ class ShadowMaps:
         self.relight(lighting)
 
     def relight(self, lighting: Lighting) -> None:
-        """Draw all shade anew, after things were put elsewhere or the sun has moved."""
+        """Draw all maps again, after objects or the sun have moved."""
         direction = np.array(lighting.sun_direction)
         for sun in self._suns:
             self._aim(sun, direction)
@@ -77,7 +77,7 @@ class ShadowMaps:
         self._draw([*self._suns, *([self._moving] if self._moving else [])])
 
     def follow(self) -> None:
-        """Draw the shadows of what moves again; those of what stands are as they were."""
+        """Draw the shadow map of moving objects again."""
         self._draw([self._moving] if self._moving else [])
 
     def _draw(self, suns: Sequence['_ShadowMap']) -> None:
@@ -97,7 +97,7 @@ class ShadowMaps:
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
         texture.setMagfilter(core.SamplerState.FTShadow)
-        # Nothing is known beyond the map: sunlit.
+        # Places beyond the map count as sunlit.
         texture.setWrapU(core.SamplerState.WMBorderColor)
         texture.setWrapV(core.SamplerState.WMBorderColor)
         texture.setBorderColor(core.LVecBase4f(1.0))
@@ -139,7 +139,8 @@ class ShadowMaps:
         return node
 
     def _canopy(self) -> Floats:
-        """Return the height of what stands on the ground, blurred; far below where nothing is."""
+        """Return the blurred height of objects on the ground; far below zero where nothing
+        stands."""
         size = round(2.0 * _CANOPY_M / _CANOPY_TEXEL_M)
         buffer = self._buffer('canopy', size, size)
         texture = core.Texture('canopy depth')
@@ -157,7 +158,7 @@ class ShadowMaps:
         return _blurred(depth)
 
     def _sunlit(self) -> Any:
-        """Return how much sun and sky each place of the inner ground gets, drawn once."""
+        """Return a texture with the shares of sun and sky that reach the inner ground."""
         west, south, width, height = self._graph.inner_area
         size = round(width / _SUNLIT_TEXEL_M), round(height / _SUNLIT_TEXEL_M)
         buffer = self._buffer('sunlit', *size)
@@ -184,13 +185,14 @@ class ShadowMaps:
 
 
 def _blurred(depth: Floats) -> Floats:
-    """Return heights that say how much sky is hidden at a place: mean over its neighbourhood."""
+    """Return the mean height of objects around each place, from the depth seen from above."""
     is_bare = depth <= 0.0
     height = np.where(is_bare, 0.0, _ABOVE_M - depth).astype(np.float32)
     cover = (~is_bare).astype(np.float32)
     sigma = _BLUR_M / _CANOPY_TEXEL_M
     weight = cv2.GaussianBlur(cover, (0, 0), sigma)
     mean = cv2.GaussianBlur(height * cover, (0, 0), sigma) / np.maximum(weight, 1e-3)
-    # Sparse cover hides little, and none where the blur ends, which would show as an edge.
+    # Sparse cover hides little of the sky. Cover falls to none where the blur ends, so that no
+    # edge shows there.
     sunk = 5.0 * (1.0 - weight) + 18.0 * np.maximum(0.0, 1.0 - weight / 0.3)
     return np.asarray(np.where(weight > 0.02, mean - sunk, -1e3), np.float32)

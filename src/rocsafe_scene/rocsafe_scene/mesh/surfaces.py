@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Surface(IntEnum):
-    """What a vertex is made of, for the eye; the value travels in its colour's fourth byte."""
+    """Material of a vertex as drawn; its number is the fourth byte of the colour."""
 
     MATTE = 0
     PAINT = 1
@@ -28,7 +28,7 @@ class Surface(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Numbers of a surface.
+    """How a surface reflects light.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Marks that make up the painted scene: polygons, discs and strokes, in metres east and north."""
+"""Marks painted on the ground: polygons, discs and strokes, in metres east and north."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Coordinates = Sequence[Sequence[float]] | NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Paint:
-    """How a surface looks.
+    """Colour and texture of a mark.
 
     Attributes
     ----------
@@ -23,9 +23,9 @@ class Paint:
     grain
         Strength of the centimetre texture on it, 0 to 255.
     opacity
-        1 hides what lies below, 0 would be invisible.
+        1 hides what lies below, 0 is invisible.
     softness_m
-        Width over which its edges fade out; only if it is translucent.
+        Width over which the edges of a translucent mark fade out, metres.
     """
 
     colour: Colour
@@ -44,16 +44,16 @@ Bounds = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """Polygons filled with one paint, as one: where they overlap they do not add up.
+    """Polygons filled together with one paint: overlaps are painted once.
 
     Attributes
     ----------
     outlines
         Corners (n, 2) of each polygon.
     paint
-        Of all.
+        Paint of all polygons.
     is_faded
-        The polygons lie one inside the other, and opacity grows from each to the next.
+        Whether opacity grows from each polygon to the next, which must lie inside it.
     """
 
     outlines: tuple[Points, ...]
@@ -78,7 +78,7 @@ class Dots:
     Attributes
     ----------
     centres : (n, 2)
-        Metres.
+        Centres, metres.
     radii_m : (n,)
     values
         Red, green, blue and grain of each, shape (n, 4), 0 to 255.
