@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same scene in other light with its small things elsewhere."""
+"""Variants of a scene: other weather and sun, small objects in other places."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from rocsafe_scene.scene.description import PlaceBlock
 from rocsafe_scene.scene.environment import Environment, Piece, SceneObject
 from rocsafe_scene.scene.sunlight import sun_direction
 
-# What may stand elsewhere: not what is built, grown or derailed.
+# Classes of objects that may be moved.
 MOVABLE = frozenset(
     ('person', 'animal', 'car', 'police_car', 'lorry', 'fire_engine', 'ambulance', 'debris',
      'drum', 'evidence')
@@ -23,24 +23,24 @@ MOVABLE = frozenset(
 _MISSING_SHARE = 0.15
 _SHIFT_STD_M = 6.0
 _TRIES = 8
-# Things that stand higher than this above the ground, metres, lie on something else.
+# Objects higher than this above the ground, metres, lie on other objects.
 _LYING_M = 0.5
-# Sine of the lowest sun that a picture is taken in.
+# Sine of the least elevation of the sun.
 _LEAST_UP = 0.15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arrangement:
-    """One state of a scene.
+    """One variant of a scene.
 
     Attributes
     ----------
     weather
-        Of the sky.
+        Weather.
     time
-        Of the sun.
+        Time, which sets the sun.
     objects
-        That are there, where they are.
+        Objects in their places.
     """
 
     weather: str
@@ -59,20 +59,20 @@ def arrange(number: int, environment: Environment, options: DatasetOptions) -> A
 
 
 def box_of(piece: Piece) -> Floats:
-    """Return bounds of a piece, (2, 3): of its mesh's box, so rather too large."""
+    """Return bounds of a piece, (2, 3): those of the box of its mesh, so rather too large."""
     corners = np.array(np.meshgrid(*piece.mesh.bounds.T)).reshape(3, -1).T
     placed = corners @ piece.rotation.T + piece.offset
     return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
 
 def bounds_of(thing: SceneObject) -> Floats:
-    """Return bounds of a thing, (2, 3), rather too large."""
+    """Return bounds of an object, (2, 3), rather too large."""
     boxes = np.array([box_of(piece) for piece in thing.pieces])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _sunny_time(rng: np.random.Generator, around: datetime, place: PlaceBlock) -> datetime:
-    """Return a time within half a year of `around` at which the sun is well up."""
+    """Return a time within half a year of `around` at which the sun is high enough."""
     for _ in range(200):
         time = around + timedelta(
             days=int(rng.integers(-180, 181)), minutes=int(rng.integers(0, 1440))
@@ -113,7 +113,7 @@ def _is_free(thing: SceneObject, terrain: Terrain) -> bool:
 def _elsewhere(
     rng: np.random.Generator, thing: SceneObject, terrain: Terrain, taken: Sequence[Floats]
 ) -> SceneObject:
-    """Return `thing` shifted to where nothing else stands; where it was if there is no room."""
+    """Return `thing` moved to a free place, or unchanged if none is found."""
     (piece,) = thing.pieces
     boxes = np.array(taken).reshape(-1, 2, 2)
     above = piece.offset[2] - terrain.height_at(piece.offset[None, :2])[0]

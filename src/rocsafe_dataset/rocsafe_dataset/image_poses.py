@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where each picture is taken from: drawn from the seed and the number of the picture alone."""
+"""Random poses of the images; each depends only on the seed and the number of the image."""
 
 import math
 from dataclasses import dataclass
@@ -12,36 +12,36 @@ from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.mesh import Floats
 
-# Drawn again until at most this share of the ground in view belongs to other splits.
+# A pose is drawn again until at most this share of the visible ground belongs to other splits.
 _MOST_FOREIGN = 0.1
 _ATTEMPTS = 120
-# Ground farther than this, metres, is too small in the picture to learn from.
+# Ground farther than this, metres, is too small in the image to count.
 _REACH_M = 120.0
 _NADIR_DEG = 6.0
 _OBLIQUE_DEG = (25.0, 75.0)
-# The camera keeps off things by this, metres.
+# Least distance of the camera from objects, metres.
 _CLEARANCE_M = 2.5
-# Of the pictures, those that aim at a thing rather than anywhere.
+# Share of the images that are aimed at an object.
 _AIMED_SHARE = 0.6
 _AIM_STD_M = 7.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ImagePose:
-    """One picture to be taken.
+    """Pose of the camera for one image.
 
     Attributes
     ----------
     number
-        Of the picture, from 0.
+        Number of the image, from 0.
     split
-        It belongs to.
+        Split to which the image belongs.
     position : (3,)
-        Of the camera, east, north, up.
+        Position of the camera: east, north, up, metres.
     rotation : (3, 3)
-        Columns right, down, ahead.
+        Rotation of the camera: columns right, down, ahead.
     foreign_share
-        Of the ground seen within 120 m, what belongs to other splits.
+        Share of the visible ground within 120 m that belongs to other splits.
     """
 
     number: int
@@ -52,24 +52,24 @@ class ImagePose:
 
     @property
     def name(self) -> str:
-        """Of its files."""
+        """Name of its files, without suffix."""
         return f'{self.number:06d}'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Site:
-    """What takes are drawn over.
+    """The place over which poses are drawn.
 
     Attributes
     ----------
     terrain
-        To fly above.
+        Terrain below the cameras.
     places
-        Of the splits.
+        Splits of the ground.
     aims : (n, 2)
-        (east, north) of things worth a look.
+        East and north of the objects that images are aimed at, metres.
     boxes : (n, 2, 3)
-        Bounds of all that one could fly into.
+        Bounds of the objects that a camera must not be inside of.
     """
 
     terrain: Terrain
@@ -79,13 +79,13 @@ class Site:
 
 
 def split_of(number: int, options: DatasetOptions) -> int:
-    """Return the split of a picture: evenly spread over the numbers, in the shares asked for."""
+    """Return the split of an image; splits are spread evenly over the numbers by their shares."""
     golden = (number * 0.6180339887498949 + 0.5) % 1.0
     return int(np.searchsorted(np.cumsum(options.splits)[:-1], golden, side='right'))
 
 
 def draw_pose(number: int, site: Site, options: DatasetOptions) -> ImagePose:
-    """Return how picture `number` is taken."""
+    """Return the pose of image `number`."""
     rng = np.random.default_rng([options.seed, 21, number])
     split = split_of(number, options)
     best: ImagePose | None = None
@@ -116,7 +116,7 @@ def _pose(
         eye = target
     else:
         down = math.radians(float(rng.uniform(*_OBLIQUE_DEG)))
-        # Negative pitch raises the nose, and the view of a nadir camera with it.
+        # Negative pitch raises the nose, and with it the view of a nadir camera.
         pitch, roll = down - 0.5 * math.pi, 0.0
         back = height / math.tan(down)
         eye = target - back * np.array([math.cos(yaw), math.sin(yaw)])
@@ -125,7 +125,7 @@ def _pose(
 
 
 def _target(rng: np.random.Generator, site: Site, split: int) -> Floats:
-    """Return (east, north) of what a picture aims at, on the ground of its split."""
+    """Return (east, north) of the place at which an image is aimed, on the ground of its split."""
     aims = site.aims[site.places.split_of(site.aims) == split] if len(site.aims) else site.aims
     if len(aims) and rng.uniform() < _AIMED_SHARE:
         return np.asarray(rng.choice(aims) + rng.normal(0.0, _AIM_STD_M, 2))

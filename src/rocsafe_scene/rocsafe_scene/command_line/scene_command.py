@@ -46,8 +46,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='rocsafe scene', description='Check, list and render the scenes that simulated cameras
-        see.'
+        prog='rocsafe scene',
+        description='Check, list and render the scenes that simulated cameras see.',
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     checking = commands.add_parser('check', help='is a scene file valid, and what is in it?')
@@ -56,8 +56,7 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser('list', help='every object: number, name, class, place')
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
-    heights = commands.add_parser('heights', help='write the ground heights as a GeoTIFF, for
-    planners')
+    heights = commands.add_parser('heights', help='write the ground heights as a GeoTIFF')
     heights.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     heights.add_argument('--out', type=Path, default=Path('heights.tif'), metavar='FILE')
     heights.add_argument(

@@ -139,8 +139,7 @@ class ShadowMaps:
         return node
 
     def _canopy(self) -> Floats:
-        """Return the blurred height of objects on the ground; far below zero where nothing
-        stands."""
+        """Return the blurred height of objects; far below zero where nothing stands."""
         size = round(2.0 * _CANOPY_M / _CANOPY_TEXEL_M)
         buffer = self._buffer('canopy', size, size)
         texture = core.Texture('canopy depth')

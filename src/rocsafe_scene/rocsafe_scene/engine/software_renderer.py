@@ -215,8 +215,7 @@ def _packed(normals: Floats) -> NDArray[np.uint32]:
 
 
 def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the distinct values of `drawn`, all below `count`, and the index of each pixel in
-    them."""
+    """Return the distinct values of `drawn`, all below `count`, and each pixel's index."""
     # Of the integer type that numpy indexes with, so that it is not converted.
     index = drawn.astype(np.intp)
     is_drawn = np.zeros(count, bool)

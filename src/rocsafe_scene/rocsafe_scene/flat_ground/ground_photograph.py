@@ -101,8 +101,7 @@ class GroundPhotograph:
         )
 
     def _level(self, resolution_m: float) -> tuple[Image, FloatArray]:
-        """Return the smallest copy that is fine enough, and the matrix from ground to its
-        pixels."""
+        """Return the smallest copy that is fine enough, and the matrix ground -> pixel."""
         number = max(0, int(np.floor(np.log2(resolution_m / self.texel_m))))
         while len(self._levels) <= number and min(self._levels[-1].shape[:2]) > 1:
             rows, columns = self._levels[-1].shape[:2]

@@ -28,8 +28,7 @@ class OneThread:
 
 
 def make_buffer(pipe: Pipe, lens: PinholeCamera, name: str, aux_count: int = 0) -> Any:
-    """Return a buffer as large as a camera's image, with depth, colour and `aux_count` more
-    planes.
+    """Return a buffer of a camera's image size: depth, colour and `aux_count` more planes.
 
     Raises
     ------

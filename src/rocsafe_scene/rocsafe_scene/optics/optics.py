@@ -92,8 +92,7 @@ class Optics:
         return image_of_light(light)
 
     def truth(self, truth: Truth, rates: Rates | None) -> Truth:
-        """Return depth and instance of each pixel of the photograph: those of the nearest rendered
-        one."""
+        """Return depth and instance of each pixel: those of the nearest rendered pixel."""
         maps = self._maps(rates)
         if maps is None:
             return truth
@@ -113,8 +112,7 @@ class Optics:
         return self._rolled(*self._place, rates)
 
     def _rolled(self, column: Map, row: Map, rates: Rates) -> tuple[Map, Map]:
-        """Return the places, at the time of the middle row, of what each row sees at its own
-        time."""
+        """Return the places in the image of the middle row that each row sees at its own time."""
         height = self.lens.image_height_px
         moments = (np.arange(height, dtype=np.float32) - 0.5 * (height - 1)) / np.float32(height)
         late = (moments * np.float32(self.effects.readout_s))[:, None]

@@ -27,7 +27,7 @@ from rocsafe_scene.scene.placing import Placer, to_world
 
 _TUFTS_PER_M2 = 1.6
 _PATCHES = {6: 0.5, 7: 0.8, 8: 1.0, 9: 0.8}
-# Long grass grows on these, short grass is painted.
+# Density of long grass by class of ground; short grass is only painted.
 _LONG_GRASS = {'grass': 1.0, 'meadow': 0.16, 'water': 0.05, 'soil': 0.02}
 _CHUNK_M = 20.48
 _Shapes = tuple[Terrain, tuple[SceneObject, ...], tuple[Mesh, ...]]
@@ -39,18 +39,18 @@ def build(
     origin: GeoPosition | None = None,
     cache: Path | None = None,
 ) -> Environment:
-    """Return the scene.
+    """Return a scene built from its description.
 
     Parameters
     ----------
     description
-        What is in it.
+        Content of the scene.
     seed
-        In place of the description's.
+        Seed instead of that of the description.
     origin
-        Of the mission, in place of the description's.
+        Mission origin instead of the place in the description.
     cache
-        Folder where painted ground is kept between runs; None paints it anew.
+        Folder that keeps painted ground and built scenes between runs; None: no cache.
 
     Raises
     ------
@@ -83,16 +83,16 @@ def build(
 def check(
     description: SceneDescription, seed: int | None = None, origin: GeoPosition | None = None
 ) -> tuple[SceneObject, ...]:
-    """Make everything but the pictures of the ground, and return the objects.
+    """Build everything but the ground maps, and return the objects.
 
     Parameters
     ----------
     description
-        What is in the scene.
+        Content of the scene.
     seed
-        In place of the description's.
+        Seed instead of that of the description.
     origin
-        Of the mission, in place of the description's.
+        Mission origin instead of the place in the description.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def check(
 
 
 def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) -> Terrain:
-    """Return the ground of a scene alone.
+    """Return only the terrain of a scene.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) ->
 
 
 def ground_works(description: SceneDescription, seed: int) -> tuple[GroundWork, ...]:
-    """Return what the entries of the ground come to, in their order.
+    """Return marks, classes and earthworks of the entries of the ground, in their order.
 
     Raises
     ------
@@ -181,7 +181,7 @@ def _pads(description: SceneDescription) -> list[Pad]:
 
 
 def maker_label(name: str) -> str:
-    """Return the class of what `name` makes; empty if nothing is called so."""
+    """Return the class of the objects that the maker `name` makes; empty if there is none."""
     try:
         return maker_of(name).label
     except ValueError:
@@ -206,7 +206,7 @@ def _tufts(density: float, seed: int, terrain: Terrain, ground: GroundMap) -> li
 
 
 def _grows(feet: Floats, seed: int, ground: GroundMap) -> Floats:
-    """Return how likely long grass grows at each of `feet` (n, 2)."""
+    """Return the probability of long grass at each of `feet` (n, 2)."""
     classes = ground.classes_at(feet)
     likely = np.zeros(len(feet))
     for label, share in _LONG_GRASS.items():

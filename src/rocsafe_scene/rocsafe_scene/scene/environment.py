@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as built: terrain, ground pictures, objects with their labels."""
+"""A scene as built: terrain, ground maps, objects with their labels."""
 
 import math
 from collections.abc import Sequence
@@ -18,16 +18,16 @@ SKY_NUMBER, GROUND_NUMBER, FIRST_OBJECT_NUMBER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Piece:
-    """A mesh in its place; several pieces may share one mesh.
+    """A placed mesh; several pieces may share one mesh.
 
     Attributes
     ----------
     mesh
-        In its own coordinates.
+        Mesh in its own coordinates.
     rotation : (3, 3)
-        Own axes to east, north, up; may also stretch all alike.
+        Rotation from own axes to east, north, up; may include one scale factor.
     offset : (3,)
-        Of its origin, metres.
+        Place of the origin of the mesh, metres.
     """
 
     mesh: Mesh
@@ -35,19 +35,19 @@ class Piece:
     offset: Floats
 
     def points(self) -> Floats:
-        """Return its corners in east, north, up, (n, 3)."""
+        """Return the corners in east, north, up, (n, 3)."""
         return np.asarray(self.mesh.points @ self.rotation.T + self.offset)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MovingPath:
-    """Where a thing is at which time: `places` (k, 3) at `times_s` (k,)."""
+    """Places of a moving object: `places` (k, 3) at `times_s` (k,)."""
 
     times_s: Floats
     places: Floats
 
     def shift_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return the place at a time, (3,), and the yaw of its motion there, rad."""
+        """Return the place at a time, (3,), and the yaw of the motion there, rad."""
         times = self.times_s
         at = min(max(int(times.searchsorted(time_s)), 1), len(times) - 1)
         start, step = self.places[at - 1], self.places[at] - self.places[at - 1]
@@ -57,34 +57,34 @@ class MovingPath:
 
     @property
     def length_m(self) -> float:
-        """Of the way."""
+        """Length of the path, metres."""
         return float(run_of(self.places)[-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SceneObject:
-    """A thing of a scene.
+    """An object of a scene.
 
     Attributes
     ----------
     name
-        Unique.
+        Unique name.
     label
-        Its class.
+        Class name.
     number
-        Its instance id in the labels, from `FIRST_OBJECT_NUMBER`.
+        Instance number in the labels, from `FIRST_OBJECT_NUMBER` on.
     pieces
-        Of its surface.
+        Pieces of its surface.
     material
-        To rays.
+        Material for rays.
     fill
-        Share of its volume that the material fills, 0 to 1.
+        Share of the volume that the material fills, 0 to 1.
     temperature_c
-        Of its surface.
+        Temperature of the surface, degrees Celsius.
     is_foliage
-        Its polygons have two sides.
+        Whether polygons are visible from both sides.
     path
-        Where it moves; None if it stands.
+        Path of a moving object; None if it stands.
     """
 
     name: str
@@ -105,7 +105,7 @@ class SceneObject:
 
     @property
     def triangle_count(self) -> int:
-        """Of all its pieces."""
+        """Number of triangles of all pieces."""
         return sum(len(piece.mesh.triangles) for piece in self.pieces)
 
 
@@ -116,17 +116,17 @@ class Environment:
     Attributes
     ----------
     description
-        What it was built from.
+        Description from which it was built.
     seed
-        Of all that is random in it.
+        Seed of everything random in it.
     terrain
         Shape of the ground.
     inner, outer
-        Its pictures, near and around.
+        Ground maps near the origin and around.
     objects
-        Things, by rising number.
+        Objects by rising number.
     tufts
-        Long grass, part of the ground.
+        Meshes of long grass, which counts as ground.
     """
 
     description: SceneDescription
@@ -139,5 +139,5 @@ class Environment:
 
     @property
     def triangle_count(self) -> int:
-        """Of all objects."""
+        """Number of triangles of all objects."""
         return sum(thing.triangle_count for thing in self.objects)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the sun stands, and what light the weather leaves."""
+"""Direction of the sun, and the light by weather."""
 
 import math
 from collections.abc import Mapping
@@ -11,14 +11,14 @@ import numpy as np
 from rocsafe_scene.mesh.mesh import Floats
 
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=timezone.utc)
-# Sine of the sun's height at dusk, and the least that shadows are cast with.
+# Sine of the sun's elevation at dusk, and the least one with which shadows are drawn.
 _DUSK_UP, _LEAST_UP = 0.12, 0.06
 Light = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Weather:
-    """What a kind of weather does to light.
+    """Effect of a kind of weather on the light.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Weather:
     wetness
         How wet surfaces are, 0 to 1.
     exposure
-        Of the camera.
+        Exposure factor of the camera.
     """
 
     sun: float
@@ -57,7 +57,7 @@ WEATHERS: Mapping[str, Weather] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lighting:
-    """The light of a scene; colours are linear, 1 is a white sheet in full sun.
+    """The light of a scene; colours are linear, 1 is a white surface in full sun.
 
     Attributes
     ----------
@@ -68,11 +68,11 @@ class Lighting:
     zenith, horizon
         Colours of the sky.
     bounce
-        Light from the ground on what looks down.
+        Light from the ground on surfaces that face down.
     haze_per_m
-        Extinction; far things take on the colour of the horizon.
+        Extinction along the line of sight; distant objects take on the colour of the horizon.
     wetness
-        Of surfaces, 0 to 1.
+        Wetness of surfaces, 0 to 1.
     exposure
         Factor before the tone curve.
     """
@@ -90,8 +90,8 @@ class Lighting:
 def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> Floats:
     """Return the unit vector towards the sun, east, north, up, (3,).
 
-    Low precision formulas of the Astronomical Almanac (page C5): within 0.01 deg of the true
-    place between 1950 and 2050; refraction is left out.
+    Low precision formulas of the Astronomical Almanac (page C5): error below 0.01 deg between 1950
+    and 2050, without refraction.
     """
     days = (time - _J2000).total_seconds() / 86_400.0
     anomaly = math.radians(357.528 + 0.9856003 * days)
@@ -116,12 +116,12 @@ def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> 
 def lighting(direction: Floats, weather: str) -> Lighting:
     """Return the light of a sun in `direction` (3,) in `weather`.
 
-    Below the horizon a moon takes the sun's place, so that pictures stay pictures.
+    When the sun is below the horizon, a dim light just above it takes its place.
 
     Raises
     ------
     ValueError
-        If no weather is called so.
+        If there is no such weather.
     """
     if weather not in WEATHERS:
         raise ValueError(f'weather is {weather!r}: must be one of {", ".join(WEATHERS)}')
