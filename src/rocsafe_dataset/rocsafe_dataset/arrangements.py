@@ -20,13 +20,34 @@ MOVABLE = frozenset(
     ('person', 'animal', 'car', 'police_car', 'lorry', 'fire_engine', 'ambulance', 'debris',
      'drum', 'evidence')
 )  # fmt: skip
-_MISSING_SHARE = 0.15
-_SHIFT_STD_M = 6.0
-_TRIES = 8
-# Objects higher than this above the ground, metres, lie on other objects.
-_LYING_M = 0.5
-# Sine of the least elevation of the sun.
-_LEAST_UP = 0.15
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArrangementOptions:
+    """Tuning of the arrangements.
+
+    Attributes
+    ----------
+    missing_share
+        Share of the movable objects that are left out.
+    shift_std_m
+        Standard deviation of the shift of an object, east and north, metres.
+    tries
+        Places tried for an object before it stays where it is.
+    lying_m
+        Objects higher than this above the ground lie on other objects and stay, metres.
+    least_sun_up
+        Sine of the least elevation of the sun.
+    """
+
+    missing_share: float = 0.15
+    shift_std_m: float = 6.0
+    tries: int = 8
+    lying_m: float = 0.5
+    least_sun_up: float = 0.15
+
+
+ARRANGEMENTS = ArrangementOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,7 +98,10 @@ def _sunny_time(rng: np.random.Generator, around: datetime, place: PlaceBlock) -
         time = around + timedelta(
             days=int(rng.integers(-180, 181)), minutes=int(rng.integers(0, 1440))
         )
-        if sun_direction(time, place.latitude_deg, place.longitude_deg)[2] > _LEAST_UP:
+        if (
+            sun_direction(time, place.latitude_deg, place.longitude_deg)[2]
+            > ARRANGEMENTS.least_sun_up
+        ):
             return time
     return around
 
@@ -95,7 +119,7 @@ def _moved(
     found = []
     for thing, free in zip(objects, is_free, strict=True):
         if free:
-            if rng.uniform() < _MISSING_SHARE:
+            if rng.uniform() < ARRANGEMENTS.missing_share:
                 continue
             thing = _elsewhere(rng, thing, terrain, taken)
             taken.append(bounds_of(thing)[:, :2])
@@ -107,7 +131,7 @@ def _is_free(thing: SceneObject, terrain: Terrain) -> bool:
     if thing.label not in MOVABLE or thing.path is not None or len(thing.pieces) != 1:
         return False
     offset = thing.pieces[0].offset
-    return abs(offset[2] - float(terrain.height_at(offset[None, :2])[0])) < _LYING_M
+    return abs(offset[2] - float(terrain.height_at(offset[None, :2])[0])) < ARRANGEMENTS.lying_m
 
 
 def _elsewhere(
@@ -117,8 +141,8 @@ def _elsewhere(
     (piece,) = thing.pieces
     boxes = np.array(taken).reshape(-1, 2, 2)
     above = piece.offset[2] - terrain.height_at(piece.offset[None, :2])[0]
-    for _ in range(_TRIES):
-        place = piece.offset[:2] + rng.normal(0.0, _SHIFT_STD_M, 2)
+    for _ in range(ARRANGEMENTS.tries):
+        place = piece.offset[:2] + rng.normal(0.0, ARRANGEMENTS.shift_std_m, 2)
         turn = rotation_of(math.degrees(float(rng.uniform(-math.pi, math.pi))))
         if not terrain.inner.covers(place[None])[0]:
             continue

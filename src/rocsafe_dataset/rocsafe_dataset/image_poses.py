@@ -12,18 +12,42 @@ from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.mesh import Floats
 
-# A pose is drawn again until at most this share of the visible ground belongs to other splits.
-_MOST_FOREIGN = 0.1
-_ATTEMPTS = 120
-# Ground farther than this, metres, is too small in the image to count.
-_REACH_M = 120.0
-_NADIR_DEG = 6.0
-_OBLIQUE_DEG = (25.0, 75.0)
-# Least distance of the camera from objects, metres.
-_CLEARANCE_M = 2.5
-# Share of the images that are aimed at an object.
-_AIMED_SHARE = 0.6
-_AIM_STD_M = 7.0
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoseOptions:
+    """Tuning of the poses; the values are chosen so that aimed objects are seen whole.
+
+    Attributes
+    ----------
+    largest_foreign_share
+        A pose is drawn again until at most this share of the visible ground is of other splits.
+    attempts
+        Limit of the poses drawn for one image; the best one is taken.
+    reach_m
+        Ground farther than this is too small in the image to count, metres.
+    nadir_deg
+        Largest pitch and roll of images that look straight down, degrees.
+    oblique_deg
+        Least and largest angle of oblique images below the horizon, degrees.
+    clearance_m
+        Least distance of the camera from objects, metres.
+    aimed_share
+        Share of the images that are aimed at an object.
+    aim_std_m
+        Standard deviation of the aim around that object, metres.
+    """
+
+    largest_foreign_share: float = 0.1
+    attempts: int = 120
+    reach_m: float = 120.0
+    nadir_deg: float = 6.0
+    oblique_deg: tuple[float, float] = (25.0, 75.0)
+    clearance_m: float = 2.5
+    aimed_share: float = 0.6
+    aim_std_m: float = 7.0
+
+
+POSES = PoseOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,7 +113,7 @@ def draw_pose(number: int, site: Site, options: DatasetOptions) -> ImagePose:
     rng = np.random.default_rng([options.seed, 21, number])
     split = split_of(number, options)
     best: ImagePose | None = None
-    for _ in range(_ATTEMPTS):
+    for _ in range(POSES.attempts):
         position, rotation = _pose(rng, site, options, split)
         if _is_inside_something(position, site.boxes):
             continue
@@ -99,7 +123,7 @@ def draw_pose(number: int, site: Site, options: DatasetOptions) -> ImagePose:
                 number=number, split=SPLITS[split], position=position, rotation=rotation,
                 foreign_share=foreign,
             )  # fmt: skip
-        if foreign <= _MOST_FOREIGN:
+        if foreign <= POSES.largest_foreign_share:
             break
     assert best is not None  # noqa: S101 - the sky is never full
     return best
@@ -112,10 +136,10 @@ def _pose(
     height = float(np.exp(rng.uniform(*np.log(options.height_m))))
     yaw = float(rng.uniform(-math.pi, math.pi))
     if rng.uniform() < options.nadir_share:
-        pitch, roll = np.radians(rng.uniform(-_NADIR_DEG, _NADIR_DEG, 2)).tolist()
+        pitch, roll = np.radians(rng.uniform(-POSES.nadir_deg, POSES.nadir_deg, 2)).tolist()
         eye = target
     else:
-        down = math.radians(float(rng.uniform(*_OBLIQUE_DEG)))
+        down = math.radians(float(rng.uniform(*POSES.oblique_deg)))
         # Negative pitch raises the nose, and with it the view of a nadir camera.
         pitch, roll = down - 0.5 * math.pi, 0.0
         back = height / math.tan(down)
@@ -127,14 +151,14 @@ def _pose(
 def _target(rng: np.random.Generator, site: Site, split: int) -> Floats:
     """Return (east, north) of the place at which an image is aimed, on the ground of its split."""
     aims = site.aims[site.places.split_of(site.aims) == split] if len(site.aims) else site.aims
-    if len(aims) and rng.uniform() < _AIMED_SHARE:
-        return np.asarray(rng.choice(aims) + rng.normal(0.0, _AIM_STD_M, 2))
+    if len(aims) and rng.uniform() < POSES.aimed_share:
+        return np.asarray(rng.choice(aims) + rng.normal(0.0, POSES.aim_std_m, 2))
     corner = rng.choice(site.places.blocks_of(split))
     return np.asarray(corner + rng.uniform(0.0, 1.0, 2) * site.places.block_m)
 
 
 def _is_inside_something(position: Floats, boxes: Floats) -> bool:
-    low, high = boxes[:, 0] - _CLEARANCE_M, boxes[:, 1] + _CLEARANCE_M
+    low, high = boxes[:, 0] - POSES.clearance_m, boxes[:, 1] + POSES.clearance_m
     return bool(np.any(np.all((position >= low) & (position <= high), axis=1)))
 
 
@@ -151,6 +175,6 @@ def _foreign_share(
     steepness = np.minimum(rays[:, 2], -1e-6)
     run = (ground - position[2]) / steepness
     places = position[:2] + rays[:, :2] * run[:, None]
-    near = np.hypot(*(places - position[:2]).T) < _REACH_M
+    near = np.hypot(*(places - position[:2]).T) < POSES.reach_m
     found = site.places.split_of(places[near])
     return float(np.mean((found != split) & (found >= 0))) if near.any() else 0.0

@@ -18,12 +18,6 @@ def run_lengths(mask: Mask) -> list[int]:
     return [0, *lengths] if flat.size and flat[0] else lengths
 
 
-def mask_of(lengths: Sequence[int], shape: tuple[int, int]) -> Mask:
-    """Return the mask (height, width) of `run_lengths`."""
-    values = np.arange(len(lengths)) % 2 == 1
-    return np.repeat(values, lengths).reshape(shape[::-1]).T
-
-
 def short_text(lengths: Sequence[int]) -> str:
     """Return run lengths as COCO's compressed text (rleToString of the COCO API).
 
@@ -42,20 +36,3 @@ def short_text(lengths: Sequence[int]) -> str:
             if is_last:
                 break
     return ''.join(parts)
-
-
-def length_of_text(text: str) -> list[int]:
-    """Return the run lengths of `short_text`."""
-    lengths: list[int] = []
-    value = shift = 0
-    for letter in text:
-        group = ord(letter) - 48
-        value |= (group & 0x1F) << shift
-        shift += 5
-        if group & 0x20:
-            continue
-        if group & 0x10:
-            value -= 1 << shift
-        lengths.append(value + (lengths[-2] if len(lengths) > 2 else 0))
-        value = shift = 0
-    return lengths

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.scene_graph import ALL, FOCAL_PX, SceneGraph
+from rocsafe_scene.engine.drawing_options import DETAIL
+from rocsafe_scene.engine.scene_graph import ALL, SceneGraph
 from rocsafe_scene.engine.shadow_maps import ShadowMaps
 from rocsafe_scene.engine.smoothing import smoothed
 from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
@@ -30,9 +31,6 @@ _PLANES = (
 )
 # The class is the highest byte of a label, the instance the others.
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
-# Limits of the factor on the distances at which simpler meshes are drawn.
-_FINEST, _COARSEST = 0.55, 2.0
-_MAP_LOD_SCALE = 0.1
 
 
 class Renderer:
@@ -111,8 +109,7 @@ class RendererCamera:
 
     def resolve(self, focal_px: float) -> None:
         """Draw as much detail as a camera of focal length `focal_px` resolves."""
-        scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
-        self._camera.setLodScale(scale)
+        self._camera.setLodScale(DETAIL.scale_of(focal_px))
 
     def use_parallel_projection(self, width_m: float, depth_m: float) -> None:
         """Draw without perspective and in full detail; depths are then undefined.
@@ -125,7 +122,7 @@ class RendererCamera:
             Distance up to which things are drawn, metres.
         """
         self._camera.setLens(flat_lens(width_m, width_m, depth_m))
-        self._camera.setLodScale(_MAP_LOD_SCALE)
+        self._camera.setLodScale(DETAIL.map_scale)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose.

@@ -9,6 +9,7 @@ from zlib import crc32
 import numpy as np
 from panda3d import core
 
+from rocsafe_scene.engine.drawing_options import DETAIL
 from rocsafe_scene.engine.shaders import NodeShaders
 from rocsafe_scene.graphics import upload
 from rocsafe_scene.graphics.memory import drop_mapped_pages
@@ -28,19 +29,6 @@ from rocsafe_scene.scene.sunlight import Lighting
 # ALONE the ground and chosen objects, MOVING sees moving objects.
 ALL, SUN, BARE, ALONE, MOVING = (core.BitMask32.bit(number) for number in range(5))
 _INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 16, 12, 20
-# Distances, metres, up to which each level of detail is drawn by a camera of this focal length;
-# they grow with the focal length. Grass ends at its last distance.
-FOCAL_PX = 1100.0
-_LEAVES_M = (62.0, 120.0, 260.0, 9000.0)
-_THINGS_M = (82.0, 160.0, 320.0, 9000.0)
-_GRASS_M = (42.0, 80.0)
-_GRAIN_M = (130.0, 9000.0)
-# Simpler meshes keep one corner in each cube of these sizes, metres.
-_CELLS_M = (0.08, 0.16, 0.4)
-# Meshes with fewer triangles get no simpler ones.
-_FEW = 60
-# The finer shadow map covers this distance from the origin, metres.
-_NEAR_M = 165.0
 # Surfaces that are drawn with gloss.
 _GLOSSY = {int(surface) for surface, look in LOOKS.items() if look.gloss > 0.09}
 # Drawing order: objects from near to far, leaves (which have another shader), the ground that both
@@ -139,7 +127,7 @@ class SceneGraph:
             chunk = inner.attachNewNode('chunk')
             water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
             nodes = [upload.geom_node('chunk', mesh)] * 2
-            steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), _GRAIN_M)
+            steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), DETAIL.grain_m)
             self._assign_steps(steps, 'ground', 'INNER', *moving, *water)
         for mesh in upload.grid_meshes(terrain.outer, _OUTER_CELLS, terrain.inner):
             around.attachNewNode(upload.geom_node('chunk', mesh))
@@ -171,7 +159,7 @@ class SceneGraph:
         grass.setBin('leaves', 0)
         for mesh in tufts:
             nodes = [upload.geom_node('tufts', step) for step in (mesh, sparser(mesh))]
-            _add_steps(grass, nodes, mesh.bounds.mean(axis=0), _GRASS_M)
+            _add_steps(grass, nodes, mesh.bounds.mean(axis=0), DETAIL.grass_m)
 
     def _add_objects(self, environment: Environment) -> None:
         shapes: dict[int, _Shape] = {}
@@ -241,15 +229,15 @@ def _steps(thing: SceneObject, mesh: Mesh) -> list[Mesh]:
     """Return a mesh and simpler versions of it for larger distances."""
     if thing.label in LEAFY:
         return coarser(mesh)
-    if len(mesh.triangles) < _FEW:
+    if len(mesh.triangles) < DETAIL.least_triangles:
         return [mesh]
-    return [mesh, *(clustered(mesh, cell_m) for cell_m in _CELLS_M)]
+    return [mesh, *(clustered(mesh, cell_m) for cell_m in DETAIL.cells_m)]
 
 
 def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> list[Any]:
     placed = parent.attachNewNode('piece')
     _place(placed, piece, is_moving=thing.path is not None)
-    ranges = _LEAVES_M if thing.label in LEAFY else _THINGS_M
+    ranges = DETAIL.leaves_m if thing.label in LEAFY else DETAIL.objects_m
     return _add_steps(placed, shape.nodes, shape.bounds.mean(axis=0), ranges)
 
 
@@ -261,7 +249,7 @@ def _switches(thing: SceneObject, piece: Piece, shape: _Shape) -> tuple[str, ...
         places = corners @ piece.rotation.T + piece.offset
     else:
         places = thing.path.places
-    is_far = np.linalg.norm(places[:, :2], axis=1).max() > _NEAR_M
+    is_far = np.linalg.norm(places[:, :2], axis=1).max() > DETAIL.near_shadow_m
     return (*(('FAR',) if is_far else ()), *(('GLOSSY',) if shape.is_glossy else ()), *skin)
 
 
