@@ -160,7 +160,8 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
 
     Raises
     ------
-    SetupError: if ROS cannot start.
+    SetupError
+        If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
     arguments = ['--ros-args', '-p', 'use_sim_time:=true']

@@ -30,8 +30,10 @@ class Requests:
 
     Parameters
     ----------
-    node: whose clients these are.
-    monitor: told how many photographs the plan wants.
+    node
+        Whose clients these are.
+    monitor
+        Told how many photographs the plan wants.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:

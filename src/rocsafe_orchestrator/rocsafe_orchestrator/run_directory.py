@@ -95,7 +95,8 @@ def create_run_directory(parent: Path, scenario: str, now: datetime) -> RunDirec
 
     Raises
     ------
-    SetupError: if the folder cannot be made.
+    SetupError
+        If the folder cannot be made.
     """
     stem = f'{scenario}-{now:%Y%m%d-%H%M%S}'
     for suffix in ('', *(f'-{number}' for number in range(2, 100))):

@@ -26,8 +26,10 @@ def write_products(run_directory: Path) -> RunSummary:
 
     Raises
     ------
-    ValueError: if there is no such directory.
-    OSError: if a product cannot be written.
+    ValueError
+        If there is no such directory.
+    OSError
+        If a product cannot be written.
     """
     run = RunDirectory(run_directory.resolve())
     if not run.path.is_dir():

@@ -27,7 +27,8 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
 
     Raises
     ------
-    ScenarioError: one line for each mistake, naming key path, value and limit.
+    ScenarioError
+        One line for each mistake, naming key path, value and limit.
     """
     try:
         content = read_yaml(path)

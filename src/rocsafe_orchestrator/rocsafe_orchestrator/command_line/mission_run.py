@@ -54,9 +54,12 @@ class MissionRun:
 
     Parameters
     ----------
-    parts: what the run is put together from.
-    stop_s: what a process may take to end when asked.
-    started_s: when the run began, by `time.monotonic`.
+    parts
+        What the run is put together from.
+    stop_s
+        What a process may take to end when asked.
+    started_s
+        When the run began, by `time.monotonic`.
     """
 
     def __init__(self, parts: Parts, stop_s: float, started_s: float) -> None:
@@ -73,7 +76,8 @@ class MissionRun:
 
         Raises
         ------
-        SetupError: if another run uses this ROS domain, or the report cannot be started.
+        SetupError
+            If another run uses this ROS domain, or the report cannot be started.
         """
         parts = self._parts
         try:

@@ -16,9 +16,12 @@ class PassedOn:
 
     Attributes
     ----------
-    word: the command, after `rocsafe`.
-    package, executable: who carries it out.
-    summary: its line in `rocsafe --help`.
+    word
+        The command, after `rocsafe`.
+    package, executable
+        Who carries it out.
+    summary
+        Its line in `rocsafe --help`.
     """
 
     word: str
@@ -89,7 +92,8 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
 
     Raises
     ------
-    SetupError: if it is not installed.
+    SetupError
+        If it is not installed.
     """
     from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
 

@@ -30,7 +30,8 @@ def preflight(path: Path, patience_s: float, console: Console) -> int:
 
     Raises
     ------
-    OrchestratorError: if the scenario is not valid, has no real vehicle, or a link cannot be used.
+    OrchestratorError
+        If the scenario is not valid, has no real vehicle, or a link cannot be used.
     """
     scenario = read_scenario(path)
     if not scenario.linked:
@@ -54,7 +55,8 @@ def look(
 
     Raises
     ------
-    OrchestratorError: saying why it says nothing.
+    OrchestratorError
+        Saying why it says nothing.
     """
     bridge = {key: _json_value(value) for key, value in bridge_parameters(scenario, '').items()}
     request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': patience_s}
@@ -69,7 +71,8 @@ def cleared(scenario: Scenario, patience_s: float, now: datetime) -> Scenario:
 
     Raises
     ------
-    OrchestratorError: if a vehicle must not fly, with every reason.
+    OrchestratorError
+        If a vehicle must not fly, with every reason.
     """
     answers = look(scenario, patience_s)
     reasons = [

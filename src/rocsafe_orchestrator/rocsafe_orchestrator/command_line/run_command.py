@@ -69,7 +69,8 @@ def run_scenario(request: RunRequest, console: Console) -> int:
 
     Raises
     ------
-    OrchestratorError: if it cannot be flown at all.
+    OrchestratorError
+        If it cannot be flown at all.
     """
     scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
     lines = flight_mistakes(scenario)

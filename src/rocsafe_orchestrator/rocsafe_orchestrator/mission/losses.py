@@ -18,9 +18,12 @@ class Losses:
 
     Parameters
     ----------
-    crew: who takes part.
-    requests: of the mission.
-    is_replaced: whether others take over at all.
+    crew
+        Who takes part.
+    requests
+        Of the mission.
+    is_replaced
+        Whether others take over at all.
     """
 
     def __init__(self, crew: Crew, requests: RequestBook, *, is_replaced: bool) -> None:

@@ -25,12 +25,18 @@ class Mission:
 
     Parameters
     ----------
-    crew: who takes part.
-    options: deadlines.
-    planning_budget_s: wall time that the planner may use.
-    slowest_beat_s: wall time between two beats of simulated time when all is well.
-    extra_rounds: how often, at most, all fly again to where readings tell most.
-    replans: whether the others take over what a lost vehicle has not photographed.
+    crew
+        Who takes part.
+    options
+        Deadlines.
+    planning_budget_s
+        Wall time that the planner may use.
+    slowest_beat_s
+        Wall time between two beats of simulated time when all is well.
+    extra_rounds
+        How often, at most, all fly again to where readings tell most.
+    replans
+        Whether the others take over what a lost vehicle has not photographed.
     """
 
     def __init__(

@@ -40,9 +40,12 @@ class Request:
 
     Parameters
     ----------
-    order: what is asked for.
-    server: name of the process that answers it.
-    repeat_s: an order that nobody accepted is sent again after this long, then after twice that.
+    order
+        What is asked for.
+    server
+        Name of the process that answers it.
+    repeat_s
+        An order that nobody accepted is sent again after this long, then after twice that.
     """
 
     def __init__(self, order: Order, server: str, repeat_s: float) -> None:

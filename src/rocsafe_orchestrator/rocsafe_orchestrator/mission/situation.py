@@ -11,12 +11,18 @@ class Situation:
 
     Attributes
     ----------
-    ready: processes that can be used.
-    simulated_s: simulated time, seconds.
-    waiting_for: whom simulated time waits for, as far as is known.
-    images_stored: photographs that are safe in the store.
-    images_rejected: photographs that never will be.
-    still: vehicles that stand, in the air or on the ground.
+    ready
+        Processes that can be used.
+    simulated_s
+        Simulated time, seconds.
+    waiting_for
+        Whom simulated time waits for, as far as is known.
+    images_stored
+        Photographs that are safe in the store.
+    images_rejected
+        Photographs that never will be.
+    still
+        Vehicles that stand, in the air or on the ground.
     """
 
     ready: frozenset[str]

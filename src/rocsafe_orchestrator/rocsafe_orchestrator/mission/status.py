@@ -78,13 +78,20 @@ class RunStatus:
 
     Attributes
     ----------
-    text: why the mission failed or was cancelled, empty if neither.
-    images_expected: by all plans that are flown one after the other.
-    viewpoints_planned: by the plan that is flown now.
-    flight_time_s: simulated seconds since the first take-off.
-    wall_time_s: seconds since the run began.
-    real_time_factor: simulated over wall time of late; NaN while nothing flies.
-    restarts: how often each process was started again.
+    text
+        Why the mission failed or was cancelled, empty if neither.
+    images_expected
+        By all plans that are flown one after the other.
+    viewpoints_planned
+        By the plan that is flown now.
+    flight_time_s
+        Simulated seconds since the first take-off.
+    wall_time_s
+        Seconds since the run began.
+    real_time_factor
+        Simulated over wall time of late; NaN while nothing flies.
+    restarts
+        How often each process was started again.
     """
 
     phase: Phase
@@ -105,7 +112,8 @@ class Monitor:
 
     Parameters
     ----------
-    vehicles: names, in the order in which they are shown.
+    vehicles
+        Names, in the order in which they are shown.
     """
 
     def __init__(self, vehicles: tuple[str, ...]) -> None:
@@ -178,7 +186,8 @@ class Pace:
 
     Parameters
     ----------
-    window_s: wall time that is looked back.
+    window_s
+        Wall time that is looked back.
     """
 
     def __init__(self, window_s: float = 3.0) -> None:

@@ -14,7 +14,8 @@ def answer_of(executable: Path, request: dict[str, Any], timeout_s: float) -> di
 
     Raises
     ------
-    OrchestratorError: in one line, why there is no answer: its own reason, or the time.
+    OrchestratorError
+        In one line, why there is no answer: its own reason, or the time.
     """
     try:
         done = subprocess.run(

@@ -35,12 +35,15 @@ def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
 
     Parameters
     ----------
-    domain: value of ``ROS_DOMAIN_ID``.
-    folder: where the lock file lies, by default the system's folder for temporary files.
+    domain
+        Value of ``ROS_DOMAIN_ID``.
+    folder
+        Where the lock file lies, by default the system's folder for temporary files.
 
     Raises
     ------
-    SetupError: if another mission of this user holds it.
+    SetupError
+        If another mission of this user holds it.
     """
     folder = Path(tempfile.gettempdir()) if folder is None else folder
     path = folder / f'rocsafe-{os.getuid()}-domain-{domain}.lock'

@@ -25,7 +25,8 @@ def find_executable(package: str, executable: str) -> Path:
 
     Raises
     ------
-    SetupError: saying what to do.
+    SetupError
+        Saying what to do.
     """
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     for prefix in filter(None, prefixes):
@@ -43,7 +44,8 @@ def require_executables(table: Iterable[ProcessSpec]) -> None:
 
     Raises
     ------
-    SetupError: if an executable is missing.
+    SetupError
+        If an executable is missing.
     """
     for spec in table:
         find_executable(spec.package, spec.executable)
@@ -56,11 +58,13 @@ def launches(
 
     Parameters
     ----------
-    config: a parameter file for all nodes; the scenario's values come after it and win.
+    config
+        A parameter file for all nodes; the scenario's values come after it and win.
 
     Raises
     ------
-    SetupError: if an executable is missing.
+    SetupError
+        If an executable is missing.
     """
     return (*(_launch(spec, run, config) for spec in table), _report_launch(run))
 

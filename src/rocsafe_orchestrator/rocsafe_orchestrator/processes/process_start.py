@@ -44,9 +44,12 @@ class Start:
 
     Attributes
     ----------
-    command: executable, as a path, and arguments.
-    output: takes what it prints.
-    environment: all of its variables.
+    command
+        Executable, as a path, and arguments.
+    output
+        Takes what it prints.
+    environment
+        All of its variables.
     """
 
     command: tuple[str, ...]
@@ -59,7 +62,8 @@ def begin_anew(start: Start) -> Process:
 
     Raises
     ------
-    OSError: if it cannot be started.
+    OSError
+        If it cannot be started.
     """
     return subprocess.Popen(
         start.command,
@@ -81,7 +85,8 @@ def begin_as_copy(start: Start) -> Process:
 
     Raises
     ------
-    OSError: if it cannot be started.
+    OSError
+        If it cannot be started.
     """
     script = Path(start.command[0])
     if not _is_of_this_interpreter(script) or threading.active_count() > 1:

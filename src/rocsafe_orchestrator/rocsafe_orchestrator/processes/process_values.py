@@ -13,9 +13,12 @@ class RestartPolicy:
 
     Attributes
     ----------
-    limit: restarts in a run; 0: never.
-    first_pause_s: before the first restart; each further pause is twice as long.
-    longest_pause_s: no pause is longer.
+    limit
+        Restarts in a run; 0: never.
+    first_pause_s
+        Before the first restart; each further pause is twice as long.
+    longest_pause_s
+        No pause is longer.
     """
 
     limit: int = 5
@@ -44,9 +47,12 @@ class Launch:
 
     Attributes
     ----------
-    command: executable, as a path, and arguments.
-    log: file to which its output is appended.
-    is_task: it does one thing and ends with code 0; otherwise every end is a failure.
+    command
+        Executable, as a path, and arguments.
+    log
+        File to which its output is appended.
+    is_task
+        It does one thing and ends with code 0; otherwise every end is a failure.
     """
 
     name: str

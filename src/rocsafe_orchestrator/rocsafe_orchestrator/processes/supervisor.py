@@ -51,9 +51,12 @@ class Supervisor:
 
     Parameters
     ----------
-    launches: what may be started; nothing is until `start`.
-    environment: of every process.
-    clock: seconds, monotonic.
+    launches
+        What may be started; nothing is until `start`.
+    environment
+        Of every process.
+    clock
+        Seconds, monotonic.
     """
 
     def __init__(
@@ -86,11 +89,13 @@ class Supervisor:
 
         Parameters
         ----------
-        begin: how; if it is started again it always begins anew.
+        begin
+            How; if it is started again it always begins anew.
 
         Raises
         ------
-        SetupError: if the executable cannot be started.
+        SetupError
+            If the executable cannot be started.
         """
         child = self._children[name]
         if not child.is_running and child.start_at_s is None:

@@ -37,7 +37,8 @@ def read_flight_log(path: Path) -> FlightLog:
 
     Raises
     ------
-    RecordingError: if it cannot be read.
+    RecordingError
+        If it cannot be read.
     """
     try:
         with path.open('rb') as stream:

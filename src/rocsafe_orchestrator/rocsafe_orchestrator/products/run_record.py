@@ -104,9 +104,12 @@ class Track:
 
     Attributes
     ----------
-    time_ns: shape (n,), increasing.
-    latitude_deg, longitude_deg, altitude_m: shape (n,), WGS84, above the ellipsoid.
-    is_truth: true positions of a simulated vehicle; else what the vehicle believed.
+    time_ns
+        Shape (n,), increasing.
+    latitude_deg, longitude_deg, altitude_m
+        Shape (n,), WGS84, above the ellipsoid.
+    is_truth
+        True positions of a simulated vehicle; else what the vehicle believed.
     """
 
     time_ns: IntArray
@@ -200,10 +203,14 @@ class RunRecord:
 
     Attributes
     ----------
-    path: the run directory.
-    info: content of ``run.json``.
-    missing: one line for each thing that is not there or cannot be read, for people.
-    estimates: sources that the readings support.
+    path
+        The run directory.
+    info
+        Content of ``run.json``.
+    missing
+        One line for each thing that is not there or cannot be read, for people.
+    estimates
+        Sources that the readings support.
     """
 
     path: Path

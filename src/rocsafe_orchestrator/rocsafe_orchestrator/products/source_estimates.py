@@ -52,8 +52,10 @@ def _localize(arguments: Sequence[str]) -> None:
 
     Raises
     ------
-    SetupError: if it is not installed.
-    OrchestratorError: if there is nothing to localise from; the reason is told.
+    SetupError
+        If it is not installed.
+    OrchestratorError
+        If there is nothing to localise from; the reason is told.
     """
     command = [str(find_executable('rocsafe_radiation', 'localize')), *arguments]
     try:
@@ -79,7 +81,8 @@ def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
 
     Raises
     ------
-    OrchestratorError: saying why there are none.
+    OrchestratorError
+        Saying why there are none.
     """
     folder = readings.parent
     _localize([str(readings), f'--out={folder}', *options])

@@ -70,11 +70,15 @@ class VehicleFigures:
 
     Attributes
     ----------
-    flown_duration_s: take-off to touch-down, or to the last word heard.
-    planned_duration_s, planned_length_m: of its route, None if it flew more than one plan: what
+    flown_duration_s
+        Take-off to touch-down, or to the last word heard.
+    planned_duration_s, planned_length_m
+        Of its route, None if it flew more than one plan: what
         each took of the flight is not told.
-    viewpoints_planned: by all plans; of one that another replaced, those visited before.
-    integrated_dose_usv: dose that the vehicle took, by trapezoids over its readings.
+    viewpoints_planned
+        By all plans; of one that another replaced, those visited before.
+    integrated_dose_usv
+        Dose that the vehicle took, by trapezoids over its readings.
     """
 
     name: str
@@ -98,15 +102,24 @@ class RunSummary:
 
     Attributes
     ----------
-    outcome: ``complete``, ``failed``, ``cancelled`` or ``unknown``.
-    mission_duration_s: first take-off to last touch-down, simulated.
-    wall_time_s: from the command to the making of the report.
-    start_up_s: wall time from the start of the run to the first word of a flight.
-    real_time_factor: simulated seconds a second of wall time while flying.
-    processes_restarted: process to number of restarts.
-    estimates: sources that the readings support.
-    nearest: the least distance of any two vehicles in the air.
-    missing: one line for each thing that is not there.
+    outcome
+        ``complete``, ``failed``, ``cancelled`` or ``unknown``.
+    mission_duration_s
+        First take-off to last touch-down, simulated.
+    wall_time_s
+        From the command to the making of the report.
+    start_up_s
+        Wall time from the start of the run to the first word of a flight.
+    real_time_factor
+        Simulated seconds a second of wall time while flying.
+    processes_restarted
+        Process to number of restarts.
+    estimates
+        Sources that the readings support.
+    nearest
+        The least distance of any two vehicles in the air.
+    missing
+        One line for each thing that is not there.
     """
 
     run: str

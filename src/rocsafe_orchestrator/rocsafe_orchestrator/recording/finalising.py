@@ -40,11 +40,16 @@ class FinalisedRecording:
 
     Attributes
     ----------
-    path: of the recording.
-    segment_count: segments it was made of; 0 if it had been made before.
-    message_count: messages in it.
-    duplicate_count: messages left out because the same had been recorded.
-    torn_bytes: bytes at the ends of segments that made no whole record.
+    path
+        Of the recording.
+    segment_count
+        Segments it was made of; 0 if it had been made before.
+    message_count
+        Messages in it.
+    duplicate_count
+        Messages left out because the same had been recorded.
+    torn_bytes
+        Bytes at the ends of segments that made no whole record.
     """
 
     path: Path
@@ -156,8 +161,10 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
 
     Parameters
     ----------
-    directory: the run directory.
-    attachments: small files to keep inside the recording; those missing are left out.
+    directory
+        The run directory.
+    attachments
+        Small files to keep inside the recording; those missing are left out.
 
     Returns
     -------
@@ -253,7 +260,8 @@ def _reopen(path: Path, directory: Path) -> None:
 
     Raises
     ------
-    ValueError: if the file is no recording.
+    ValueError
+        If the file is no recording.
     """
     try:
         with path.open('rb') as source:

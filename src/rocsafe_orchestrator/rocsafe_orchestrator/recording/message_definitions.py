@@ -32,7 +32,8 @@ class MessageDefinitions:
 
     Parameters
     ----------
-    prefixes: folders that hold ``share/<package>``; the first that has a type wins.
+    prefixes
+        Folders that hold ``share/<package>``; the first that has a type wins.
     """
 
     def __init__(self, prefixes: Iterable[Path]) -> None:
@@ -50,7 +51,8 @@ class MessageDefinitions:
 
         Raises
         ------
-        DefinitionError: if a definition is not found.
+        DefinitionError
+            If a definition is not found.
         """
         parts = [self._own_text(message_type)]
         for dependency in self._dependencies(message_type):

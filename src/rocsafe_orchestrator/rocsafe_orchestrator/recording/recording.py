@@ -42,10 +42,14 @@ class Channel:
 
     Attributes
     ----------
-    topic: full name, with its leading slash.
-    message_type: ``<package>/msg/<Name>``.
-    depth: of its publisher's history.
-    is_latched: its publisher hands the last message to whoever comes later.
+    topic
+        Full name, with its leading slash.
+    message_type
+        ``<package>/msg/<Name>``.
+    depth
+        Of its publisher's history.
+    is_latched
+        Its publisher hands the last message to whoever comes later.
     """
 
     topic: str
@@ -87,8 +91,10 @@ class RosWriter:
 
     Parameters
     ----------
-    stream: where it is written; stays open.
-    is_indexed: chunked, compressed and indexed; else each message stands alone.
+    stream
+        Where it is written; stays open.
+    is_indexed
+        Chunked, compressed and indexed; else each message stands alone.
     """
 
     def __init__(self, stream: BinaryIO, *, is_indexed: bool) -> None:
@@ -118,8 +124,10 @@ class SegmentWriter:
 
     Parameters
     ----------
-    directory: the run directory, made if it is missing.
-    definitions: where the types of the channels are defined.
+    directory
+        The run directory, made if it is missing.
+    definitions
+        Where the types of the channels are defined.
     """
 
     def __init__(self, directory: Path, definitions: MessageDefinitions) -> None:
@@ -135,7 +143,8 @@ class SegmentWriter:
 
         Raises
         ------
-        DefinitionError: if the definition of its type is not found.
+        DefinitionError
+            If the definition of its type is not found.
         """
         text = self._definitions.text(channel.message_type)
         number = self._writer.add_channel(
