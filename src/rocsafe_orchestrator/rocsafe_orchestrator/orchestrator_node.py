@@ -20,7 +20,7 @@ from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
-from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
+from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp

@@ -17,7 +17,7 @@ from rocsafe_orchestrator.recording.recorded_topics import (
     channel_of,
     recorded_topics,
 )
-from rocsafe_orchestrator.recording.recording import SegmentWriter
+from rocsafe_orchestrator.recording.segments import SegmentWriter
 from rocsafe_ros import topics
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options

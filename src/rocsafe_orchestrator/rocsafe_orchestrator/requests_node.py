@@ -17,7 +17,7 @@ from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.processes.processes import Endpoint
+from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 

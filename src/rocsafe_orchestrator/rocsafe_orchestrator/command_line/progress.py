@@ -129,7 +129,7 @@ class LiveDisplay:
 
     def show(self, status: RunStatus) -> None:
         """Redraw."""
-        self._live.update(picture(self._title, status), refresh=True)
+        self._live.update(status_table(self._title, status), refresh=True)
 
     def say(self, text: str) -> None:
         """Write a line above the table."""
@@ -152,7 +152,7 @@ def plain_line(status: RunStatus) -> str:
     return ', '.join(parts)
 
 
-def picture(title: str, status: RunStatus) -> RenderableType:
+def status_table(title: str, status: RunStatus) -> RenderableType:
     """Return `status` as a table of vehicles between a headline and the figures of the fleet."""
     headline = Text.assemble(
         (title, 'bold'), '  ', (status.phase.name, _PHASE_STYLES.get(status.phase, 'bold cyan'))

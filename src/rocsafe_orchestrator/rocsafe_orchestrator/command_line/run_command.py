@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rocsafe_orchestrator.command_line.mission_run import MissionRun, Parts
+from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
@@ -30,7 +30,7 @@ from rocsafe_orchestrator.processes.launches import (
 )
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.process_start import begin_as_copy
-from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
@@ -182,7 +182,7 @@ class _Flight:
                 run_info=self.run_info,
             )
             try:
-                run = MissionRun(parts, node.deadlines.stop_s, self.started_s)
+                run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)
                 return run.fly()
             finally:
                 self.text = mission.text

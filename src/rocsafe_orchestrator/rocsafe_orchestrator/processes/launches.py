@@ -9,8 +9,8 @@ from pathlib import Path
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.node_parameters import write_parameters
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
-from rocsafe_orchestrator.processes.processes import ProcessSpec
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.

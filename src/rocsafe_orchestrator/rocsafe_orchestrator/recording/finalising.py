@@ -24,9 +24,9 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Schema as SchemaRecord
 from mcap.writer import MCAP0_MAGIC, Writer
 
-from rocsafe_orchestrator.recording import recording
+from rocsafe_orchestrator.recording import segments as recording
 from rocsafe_orchestrator.recording.message_definitions import starts_with_header
-from rocsafe_orchestrator.recording.recording import MISSION_FILE, RosWriter
+from rocsafe_orchestrator.recording.segments import MISSION_FILE, RosWriter
 
 _FRAME = struct.Struct('<BQ')
 _MESSAGE_HEAD = struct.Struct('<HIQQ')

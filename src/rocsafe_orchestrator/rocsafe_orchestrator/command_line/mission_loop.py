@@ -14,8 +14,8 @@ from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
 from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
-from rocsafe_orchestrator.processes.processes import ProcessSpec
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory
@@ -49,7 +49,7 @@ class Parts:
     run_info: dict[str, Any]
 
 
-class MissionRun:
+class MissionLoop:
     """Flies one mission from the start of its processes to their end.
 
     Parameters
