@@ -33,7 +33,7 @@ ANSWER_PERIOD_S = 0.02
 
 
 class OrchestratorNode(Node):
-    """Sees and shows the mission: what the nodes say, which are ready, what phase it is.
+    """Receives the state of the nodes and publishes the state of the mission.
 
     Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
     ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.

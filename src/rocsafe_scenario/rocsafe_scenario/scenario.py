@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scenario: what one mission surveys, with which vehicles, over which ground and sources."""
+"""A scenario: region, vehicles, ground and sources of one mission."""
 
 from typing import Annotated, Any, Literal
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A running mission on the console: live on a terminal, plain lines elsewhere."""
+"""Progress of a mission on the console: a live table on a terminal, plain lines elsewhere."""
 
 import math
 from types import TracebackType
@@ -39,7 +39,7 @@ class Display(Protocol):
     """Shows the progress of a run."""
 
     def __enter__(self) -> 'Display':
-        """Begin to show."""
+        """Start to display."""
 
     def __exit__(
         self,
@@ -47,13 +47,13 @@ class Display(Protocol):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Leave the console as it was found."""
+        """Restore the console."""
 
     def show(self, status: RunStatus) -> None:
         """Show `status`; called several times a second."""
 
     def say(self, text: str) -> None:
-        """Show one line that stays."""
+        """Print one line."""
 
 
 def make_display(console: Console, title: str, *, is_quiet: bool) -> Display:
@@ -153,7 +153,7 @@ def plain_line(status: RunStatus) -> str:
 
 
 def status_table(title: str, status: RunStatus) -> RenderableType:
-    """Return `status` as a table of vehicles between a headline and the figures of the fleet."""
+    """Return `status` as a headline, a table of vehicles and the figures of the fleet."""
     headline = Text.assemble(
         (title, 'bold'), '  ', (status.phase.name, _PHASE_STYLES.get(status.phase, 'bold cyan'))
     )
@@ -210,7 +210,7 @@ def clock_text(seconds: float) -> str:
 
 
 def percent_text(fraction: float) -> str:
-    """Return a percentage, a dash for what is not known."""
+    """Return a percentage, a dash if it is unknown."""
     return '-' if math.isnan(fraction) else f'{100.0 * fraction:.0f} %'
 
 

@@ -16,7 +16,7 @@ COMPANY_TEXT = (
 )
 
 
-# Descriptors of the locks that are held. A copy of this process must not hold them with it.
+# Descriptors of the locks that are held. A forked process must not keep them open.
 _held: set[int] = set()
 
 
@@ -31,7 +31,7 @@ os.register_at_fork(after_in_child=_let_go)
 
 @contextmanager
 def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
-    """Hold the domain; the kernel lets go of it when this process ends, however that happens.
+    """Lock the domain; the kernel releases the lock when this process ends, in any way.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a finished run: values read from its files, before anything is made of them."""
+"""A finished run: values as read from its files."""
 
 import math
 from collections.abc import Mapping
@@ -109,7 +109,7 @@ class Track:
     latitude_deg, longitude_deg, altitude_m
         Shape (n,), WGS84, above the ellipsoid.
     is_truth
-        True positions of a simulated vehicle; else what the vehicle believed.
+        Whether these are the true positions of a simulated vehicle, not its fixes.
     """
 
     time_ns: IntArray
@@ -188,7 +188,7 @@ class RecordingFacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightLog:
-    """What the recording of a run says."""
+    """The content of the recording of a run."""
 
     facts: RecordingFacts
     readings: tuple[Reading, ...] = ()
@@ -199,7 +199,7 @@ class FlightLog:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRecord:
-    """All that the files of a run say. What is None or empty could not be read.
+    """The content of the files of a run; None or empty if it could not be read.
 
     Attributes
     ----------
@@ -208,9 +208,9 @@ class RunRecord:
     info
         Content of ``run.json``.
     missing
-        One line for each thing that is not there or cannot be read, for people.
+        One line for each part that is missing or cannot be read.
     estimates
-        Sources that the readings support.
+        Sources estimated from the readings.
     """
 
     path: Path
