@@ -79,7 +79,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     },
     'spacing-rule': {
         'choices': ('iou', 'linear'),
-        'help': 'definition of the overlap: intersection over union, or fraction of the image side',
+        'help': 'definition of the overlap: intersection over union, or part of the image side',
     },
     'grid': {
         'choices': ('axis_aligned', 'rotated', 'best'),
