@@ -32,7 +32,7 @@ def add_to(commands: Commands) -> None:
     add_options(parser, 'out', 'method', 'budget', 'exclude')
     group = parser.add_argument_group('region files', 'settings that a region file does not hold')
     add_options(group, 'drones', 'height', 'home')
-    group = parser.add_argument_group('survey', "override the values of the scenario")
+    group = parser.add_argument_group('survey', 'override the values of the scenario')
     add_options(
         group, 'objective', 'grid', 'overlap', 'front-overlap', 'spacing-rule', 'clearance',
         'wind', 'separation', 'separation-by', 'terrain', 'terrain-clearance', 'seed',

@@ -31,6 +31,7 @@ from rocsafe_orchestrator.processes.launches import (
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
+from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
@@ -101,6 +102,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
     run_info = provenance(sys.argv, started)
     write_json(directory.run_info, run_info)
     _log_to(directory)
+    export_scenes(scenario, directory)
     display = make_display(console, directory.name, is_quiet=request.is_quiet)
     flight = _Flight(
         request=request,

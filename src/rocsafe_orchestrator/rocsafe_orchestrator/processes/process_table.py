@@ -82,7 +82,7 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.world_parameters(scenario),
                  *_shared(topics.WORLD_RUN, topics.CLOCK)),
         _process('radiation_field', 'rocsafe_radiation/field',
-                 field_parameters(scenario), *detectors),
+                 field_parameters(scenario, run), *detectors),
         _process('localizer', 'rocsafe_radiation/localizer',
                  parameters.localizer_parameters(scenario, run),
                  *_shared(topics.HAZARD_SOURCES, topics.SUGGEST_VIEWPOINTS)),
