@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture -> messages: sources, dose map, cordons, beliefs, viewpoints wanted."""
+"""A assessment -> messages: sources, dose map, cordons, beliefs, viewpoints wanted."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from rocsafe_radiation.belief.belief_search import BeliefMap
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
-from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.assessment import Assessment
 from rocsafe_radiation.products.cordon import MEAN, Cordon
 from rocsafe_radiation.products.dose_map import DoseMap
 from rocsafe_radiation.products.level_colours import level_rgb
@@ -34,10 +34,12 @@ LINE_HEIGHT_M = 0.1
 LINE_WIDTH_M = {True: 1.0, False: 0.4}
 
 
-def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) -> HazardSourceArray:
+def sources_message(
+    assessment: Assessment, frame: LocalFrame | None, time_ns: int
+) -> HazardSourceArray:
     """Return what was found, with the stamp of the newest reading."""
-    found, rule = picture.found, picture.options.rule
-    kernel = picture.options.known.kernel
+    found, rule = assessment.found, assessment.options.rule
+    kernel = assessment.options.known.kernel
     message = HazardSourceArray(
         sources=[
             _source_message(number, source, found, frame)
@@ -49,10 +51,10 @@ def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) ->
         background_std_usvh=found.background_std_usvh,
         method=found.method,
         model=AIR_MODEL if kernel.is_lossy else PAPER_MODEL,
-        is_enough=picture.verdict.is_enough,
+        is_enough=assessment.verdict.is_enough,
         false_alarm_probability=rule.false_alarm,
         missed_probability=rule.missed,
-        verdict=picture.verdict.reason,
+        verdict=assessment.verdict.reason,
         misfit_standard_deviations=found.dispersion,
         doubts=list(found.doubts),
     )
@@ -137,14 +139,14 @@ def _ring_marker(cordon: Cordon, corners: FloatArray, number: int, stamp: Time) 
 
 def fill_suggestion(
     response: SuggestViewpoints.Response,
-    picture: Picture,
+    assessment: Assessment,
     waypoints: Sequence[Waypoint],
     frame: LocalFrame,
 ) -> SuggestViewpoints.Response:
     """Return `response` with what to measure next and why."""
     response.status = SuggestViewpoints.Response.OK
-    response.is_enough = picture.verdict.is_enough
-    response.reason = picture.verdict.reason
+    response.is_enough = assessment.verdict.is_enough
+    response.reason = assessment.verdict.reason
     response.viewpoints = [
         point_of_position(frame.position_of(np.array(one.position_enu_m))) for one in waypoints
     ]

@@ -19,7 +19,7 @@ from rocsafe_radiation.localization.source_count import LARGEST_ORDER
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
-from rocsafe_radiation.products.assessment import PictureOptions
+from rocsafe_radiation.products.assessment import AssessmentOptions
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.readings.reading_log import ReadingLog
 
@@ -163,7 +163,7 @@ class LocalizerOptions:
         nuclide(self.nuclide)
         self.origin()
         self.levels()
-        self.picture(frozenset())
+        self.assessment(frozenset())
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -211,7 +211,7 @@ class LocalizerOptions:
             largest_gap_s=self.largest_gap_s,
         )
 
-    def picture(self, models: Set[str]) -> PictureOptions:
+    def assessment(self, models: Set[str]) -> AssessmentOptions:
         """Return how readings that were made by the laws `models` are assessed."""
         is_paper = self.model == PAPER_MODEL or (
             self.model == AUTO_MODEL and models == {PAPER_MODEL}
@@ -228,6 +228,6 @@ class LocalizerOptions:
             ellipse_95_m=self.ellipse_95_m,
             smallest_usvh=self.smallest_source_usvh,
         )
-        return PictureOptions(
+        return AssessmentOptions(
             known=known, method=self.method, rule=rule, levels_usvh=self.cordon_levels_usvh
         )

@@ -25,7 +25,7 @@ from rocsafe_radiation.localization.localize import (
     require_enough,
 )
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 CELL_HEIGHTS = 0.5
 SMALLEST_CELL_M = 2.0
@@ -53,7 +53,7 @@ class BeliefMap:
 
 
 def believe(
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
     agents: Sequence[str] = (),
     smallest_usvh: float = SMALLEST_USVH,
@@ -103,7 +103,7 @@ class _Grid:
     shape: tuple[int, int]
 
     @classmethod
-    def over(cls, survey: Survey, source_height_m: float) -> '_Grid':
+    def over(cls, survey: RadiationSurvey, source_height_m: float) -> '_Grid':
         places = survey.positions_enu_m[:, :2]
         low, extent = places.min(axis=0), np.ptp(places, axis=0)
         cell = max(
@@ -124,7 +124,7 @@ class _Grid:
 
 
 def _beliefs(
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
     grid: _Grid,
     names: list[str],
@@ -152,7 +152,7 @@ def _beliefs(
     return list(beliefs.values())
 
 
-def _median_level_usvh(survey: Survey) -> float:
+def _median_level_usvh(survey: RadiationSurvey) -> float:
     """Return the background as half of the readings have it: sources raise fewer than half."""
     return max(float(np.median(survey.counts / survey.exposures)), 1e-6)
 
@@ -169,7 +169,7 @@ def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:
     return np.where(limits < 0.5, 0.0, below)
 
 
-def _are_peaks(survey: Survey, background: FloatArray, radius_m: float) -> BoolArray:
+def _are_peaks(survey: RadiationSurvey, background: FloatArray, radius_m: float) -> BoolArray:
     """Return which readings exceed the background at least half as much as any around them.
 
     A strong source is felt from afar: only where it is felt most it may be below.
@@ -217,7 +217,7 @@ def _source(
     cluster: list[tuple[int, int]],
     probabilities: FloatArray,
     grid: _Grid,
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
 ) -> SourceEstimate:
     """Return the source of one patch: where its readings exceed the background most."""
@@ -249,7 +249,7 @@ def _source(
 
 
 def _strength(
-    centre: FloatArray, survey: Survey, options: LocalizationOptions
+    centre: FloatArray, survey: RadiationSurvey, options: LocalizationOptions
 ) -> tuple[float, float]:
     """Return the strength that explains the readings around, and the deviation of its log.
 
@@ -268,7 +268,7 @@ def _strength(
 
 
 def _localization(
-    survey: Survey, sources: list[SourceEstimate], others: FloatArray
+    survey: RadiationSurvey, sources: list[SourceEstimate], others: FloatArray
 ) -> Localization:
     """Return what was found; `others`: probabilities of the cells away from all of `sources`."""
     count = len(sources)

@@ -7,7 +7,7 @@ QUIET_NS = 1_000_000_000
 MOST_ASKINGS = 3
 
 
-class Inquiry:
+class PendingRequest:
     """One question at a time, asked again until it is answered."""
 
     def __init__(self) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 STRENGTHS = 9
 # The range of strengths spans so many decades above the smallest that is looked for.
@@ -59,7 +59,7 @@ class SequentialEvidence:
 
 
 def sequential_evidence(
-    survey: Survey, setting: Setting, smallest_usvh: float
+    survey: RadiationSurvey, setting: Setting, smallest_usvh: float
 ) -> SequentialEvidence:
     """Return the evidence of `survey` for a source of at least `smallest_usvh` at 1 m.
 
@@ -79,7 +79,7 @@ def sequential_evidence(
     """
     if not 0.0 < smallest_usvh < math.inf:
         raise ValueError(f'smallest_usvh = {smallest_usvh} must be above 0 and finite')
-    grid = _within(candidate_grid(survey, setting.source_up_m), survey)
+    grid = _within(candidate_grid(survey, setting), survey)
     kernel = grid_kernel(survey, setting, grid)
     shape = np.ones(survey.size) if survey.background_shape is None else survey.background_shape
     natural = survey.exposures * shape
@@ -94,20 +94,20 @@ def sequential_evidence(
     )
 
 
-def _within(grid: FloatArray, survey: Survey) -> FloatArray:
+def _within(grid: FloatArray, survey: RadiationSurvey) -> FloatArray:
     """Return the places of `grid` over the ground surveyed, at least one."""
     places = survey.positions_enu_m[:, :2]
     inside = ((grid >= places.min(axis=0)) & (grid <= places.max(axis=0))).all(axis=1)
     return grid[inside] if inside.any() else grid
 
 
-def _level(survey: Survey, natural: FloatArray) -> float:
+def _level(survey: RadiationSurvey, natural: FloatArray) -> float:
     """Return the background without a source, uSv/h: the mean, by maximum likelihood."""
     return max(float(survey.counts.sum() / natural.sum()), 1e-9)
 
 
 def _log_ratios(
-    survey: Survey, added: FloatArray, natural: FloatArray, level: float
+    survey: RadiationSurvey, added: FloatArray, natural: FloatArray, level: float
 ) -> FloatArray:
     """Return the log of the ratio of each place: each side with its own best background.
 

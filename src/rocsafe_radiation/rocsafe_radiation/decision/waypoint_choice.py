@@ -15,7 +15,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_GRID = 5000
 PITCH_STEP_M = 0.5
@@ -66,7 +66,7 @@ def next_waypoints(
     return tuple(chosen)
 
 
-def candidate_places(survey: Survey, source_height_m: float) -> FloatArray:
+def candidate_places(survey: RadiationSurvey, source_height_m: float) -> FloatArray:
     """Return places at the height of a survey above its ground, half a height apart, (n, 3)."""
     height = survey.height_m(source_height_m)
     low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)

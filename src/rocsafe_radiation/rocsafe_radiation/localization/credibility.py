@@ -22,24 +22,13 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS
-from rocsafe_radiation.localization.hypothesis_values import OrderSearch
+from rocsafe_radiation.localization.hypothesis_values import OrderSearch, first_source_penalty
 from rocsafe_radiation.localization.likelihood import (
     LEVEL_PARAMETERS,
     SOURCE_PARAMETERS,
     Fit,
     Likelihood,
 )
-
-# Over the width of a source the ground varies by such a share of what it does smoothly.
-UNRESOLVED_SHARE = 0.5
-# As much as the first source needs to be believed on 441 readings.
-LEAST_EVIDENCE = 12.0
-# So much better explains uneven ground the readings, with as many sources.
-CLEARLY_BETTER = 3.0
-# Readings to which sources add less than this share of the background are far from them.
-LARGEST_EXCESS = 0.3
-# Standard deviations of the squared misfits of counts.
-CLEARLY_BEYOND = 3.0
 
 
 def credible(results: Sequence[OrderSearch]) -> OrderSearch:
@@ -59,7 +48,11 @@ def unevenness(best: OrderSearch, even: Sequence[OrderSearch]) -> float:
     even
         Those on even ground; 0 unless the best is none of them, and clearly better.
     """
-    if not _is_uneven(best) or _evidence(best) < max(map(_evidence, even)) + CLEARLY_BETTER:
+    if (
+        not _is_uneven(best)
+        or _evidence(best)
+        < max(map(_evidence, even)) + best.likelihood.setting.search.clearly_better
+    ):
         return 0.0
     smooth = _unresolved_share(best.likelihood) * _smooth_variation(best.likelihood, best.best)
     return max(smooth, _rough_variation(best.likelihood, best.best))
@@ -75,7 +68,7 @@ def _evidence(found: OrderSearch) -> float:
 
 def _unresolved_share(likelihood: Likelihood) -> float:
     narrow = likelihood.setting.background_spacing_heights / WIDE_SPACING_HEIGHTS
-    return UNRESOLVED_SHARE * narrow
+    return likelihood.setting.search.unresolved_share * narrow
 
 
 def weighed(found: OrderSearch, share: float) -> OrderSearch:
@@ -101,10 +94,10 @@ def _rough_variation(likelihood: Likelihood, fit: Fit) -> float:
     """Return the share by which readings far from all sources scatter beyond their counts."""
     background = likelihood.background_usvh(fit.parameters) * likelihood.survey.exposures
     expected = likelihood.expected(fit.parameters)
-    far = expected - background <= LARGEST_EXCESS * background
+    far = expected - background <= likelihood.setting.search.largest_excess * background
     misfits = (likelihood.survey.counts - expected)[far] ** 2 - expected[far]
     noise = math.sqrt(float((2.0 * expected[far] ** 2 + expected[far]).sum()))
-    if misfits.sum() <= CLEARLY_BEYOND * noise:
+    if misfits.sum() <= likelihood.setting.search.clearly_beyond * noise:
         return 0.0
     return math.sqrt(float(misfits.sum() / (background[far] ** 2).sum()))
 
@@ -128,7 +121,7 @@ def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> flo
         evidence[weakest] = min(evidence[weakest], gain)
     bounded = np.maximum(evidence, 1e-9)
     weighed_evidence = 1.0 / (1.0 / bounded + 2.0 * (share / ratios) ** 2)
-    return float(bounded[weighed_evidence < LEAST_EVIDENCE].sum())
+    return float(bounded[weighed_evidence < first_source_penalty(likelihood)].sum())
 
 
 def _without(likelihood: Likelihood, fit: Fit, index: int) -> FloatArray:

@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, field
 
+from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.physics.kernel import Kernel
 
 # A source seen from above is two heights wide at half its maximum, a bump of this spacing 3.3.
@@ -36,6 +37,8 @@ class Setting:
         Of what it hides; large: a step.
     shade
         Probability that something shields a reading.
+    search
+        Numbers that tune the search.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
@@ -48,3 +51,4 @@ class Setting:
     has_shield: bool = False
     edge_sharpness: float = SHARP_EDGE
     shade: float = 0.0
+    search: SearchOptions = field(default_factory=SearchOptions)

@@ -18,7 +18,7 @@ from rocsafe_radiation.localization.candidates import (
     score_candidates,
 )
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.hypothesis_values import OrderSearch
+from rocsafe_radiation.localization.hypothesis_values import OrderSearch, source_penalty
 from rocsafe_radiation.localization.likelihood import (
     HEIGHT_MEAN,
     LEVEL_PARAMETERS,
@@ -29,25 +29,13 @@ from rocsafe_radiation.localization.likelihood import (
 from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.reading_weights import background_level_usvh
 from rocsafe_radiation.localization.wall_shadow import LINE
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # What is changed of a setting.
 Nuisance = dict[str, Any]
 # Chi-square of two degrees of freedom at 0.95.
 ELLIPSE_95 = 5.991
-# Half axes longer than this share of the diagonal of the survey: it could be anywhere.
-LARGEST_ELLIPSE_SHARE = 0.25
-# East, north and strength; the height is known before.
-FREE_PARAMETERS = 3
-TRIED_CANDIDATES = 5
-REFINED_CANDIDATES = 3
-ROUGH_ITERATIONS = 8
 SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
-# Of a source before any reading: sources are rare, and ground and detectors never quite as
-# assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
-LOG_PRIOR_ODDS_FIRST = -3.0
-# Hills of the ground as narrow as a source shows are no more common than sources.
-LOG_PRIOR_ODDS_NARROW = -3.0
 # Readings from which a wall takes their part draw a source away from it: by so many heights.
 WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
 WALL_LINE, WALL_SHIFTS_HEIGHTS = 3.5, (0.0, 0.3)
@@ -57,11 +45,11 @@ EDGE_FACTORS = (0.7, 0.85, 1.0, 1.2, 1.45)
 class Trial:
     """Searches of one survey in different nuisance settings."""
 
-    def __init__(self, survey: Survey, setting: Setting) -> None:
+    def __init__(self, survey: RadiationSurvey, setting: Setting) -> None:
         self._survey = survey
-        self._setting = setting
+        self.setting = setting
         self._bases: dict[float, FloatArray] = {}
-        self._grid = candidate_grid(survey, setting.source_up_m)
+        self._grid = candidate_grid(survey, setting)
         self._kernel = grid_kernel(survey, setting, self._grid)
 
     def orders(
@@ -97,11 +85,12 @@ class Trial:
         starts = [
             start for order in range(most + 1) for start in _hinted(likelihood, hints, order)
         ]
-        fits = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+        rough = self.setting.search.rough_iterations
+        fits = (likelihood.fit(start, rough) for start in starts)
         return max(_score(likelihood, fit) for fit in fits)
 
     def _likelihood(self, nuisance: Nuisance) -> Likelihood:
-        setting = replace(self._setting, **nuisance)
+        setting = replace(self.setting, **nuisance)
         spacing = setting.background_spacing_heights
         if spacing not in self._bases:
             height = self._survey.height_m(setting.source_up_m)
@@ -162,10 +151,12 @@ def _with_one_more(
     ]
     if not starts:
         return None
-    rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+    options = likelihood.setting.search
+    rough = (likelihood.fit(start, options.rough_iterations) for start in starts)
     ranked = sorted(rough, key=_evidence, reverse=True)
     best = max(
-        (likelihood.fit(one.parameters) for one in ranked[:REFINED_CANDIDATES]), key=_evidence
+        (likelihood.fit(one.parameters) for one in ranked[: options.refined_candidates]),
+        key=_evidence,
     )
     images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
     return max((best, *images), key=_evidence)
@@ -182,11 +173,12 @@ def _added(
     kernel: FloatArray,
     height: float,
 ) -> list[FloatArray]:
+    tried = likelihood.setting.search.tried_candidates
     gains, strengths = score_candidates(likelihood, parameters, kernel)
     up = likelihood.setting.source_up_m
     return [
         np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
-        for index in best_separated(grid, gains, TRIED_CANDIDATES, height)
+        for index in best_separated(grid, gains, tried, height)
     ]
 
 
@@ -211,7 +203,8 @@ def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
     What could be anywhere raises all readings alike: it is background, not a source.
     """
     places = likelihood.survey.positions_enu_m[:, :2]
-    longest_m = LARGEST_ELLIPSE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0)))
+    diagonal_m = float(np.linalg.norm(np.ptp(places, axis=0)))
+    longest_m = likelihood.setting.search.largest_ellipse_share * diagonal_m
     covariance = np.linalg.inv(fit.information)
     starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
     blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
@@ -222,11 +215,12 @@ def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
 def _score(likelihood: Likelihood, fit: Fit) -> float:
     """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
     order = likelihood.source_count(fit.parameters)
-    penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
+    options = likelihood.setting.search
+    penalty = order * source_penalty(likelihood)
     if order > 0:
-        penalty -= LOG_PRIOR_ODDS_FIRST
+        penalty -= options.log_prior_odds_first
     if likelihood.has_narrow_hills:
-        penalty -= LOG_PRIOR_ODDS_NARROW
+        penalty -= options.log_prior_odds_narrow
     for part in (likelihood.bumps, likelihood.law):
         stds = likelihood.nuisance_stds[
             part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS

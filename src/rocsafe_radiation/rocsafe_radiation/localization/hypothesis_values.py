@@ -1,11 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits of rising order with what speaks for each."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_radiation.localization.likelihood import Fit, Likelihood
+
+FREE_PARAMETERS = 3
+"""Parameters of a source that the readings determine: east, north and strength."""
+
+
+def source_penalty(likelihood: Likelihood) -> float:
+    """Return the evidence that a source costs by its parameters (BIC, Schwarz 1978)."""
+    return 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
+
+
+def first_source_penalty(likelihood: Likelihood) -> float:
+    """Return the evidence that the first source needs: its parameters and the prior odds."""
+    return source_penalty(likelihood) - likelihood.setting.search.log_prior_odds_first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

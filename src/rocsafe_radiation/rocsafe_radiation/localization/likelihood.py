@@ -25,7 +25,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS, Setting
 from rocsafe_radiation.localization.law_deviation import LawDeviation
 from rocsafe_radiation.localization.reading_weights import SHADES, chances_of, log_sums, weights_of
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 SOURCE_PARAMETERS = 4
 UP = 2
@@ -56,7 +56,7 @@ class Fit:
 class Likelihood:
     """The likelihood of one survey in one setting."""
 
-    def __init__(self, survey: Survey, setting: Setting, basis: FloatArray) -> None:
+    def __init__(self, survey: RadiationSurvey, setting: Setting, basis: FloatArray) -> None:
         self.survey = survey
         self.setting = setting
         heights = survey.heights_m

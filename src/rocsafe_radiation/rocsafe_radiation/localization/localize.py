@@ -13,16 +13,15 @@ from rocsafe_radiation.localization.hypothesis import ELLIPSE_95
 from rocsafe_radiation.localization.hypothesis_values import OrderSearch
 from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
-from rocsafe_radiation.localization.source_count import LARGEST_DISPERSION, LARGEST_ORDER, search
+from rocsafe_radiation.localization.search_options import SearchOptions
+from rocsafe_radiation.localization.source_count import LARGEST_ORDER, search
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
-# Cells of this share of the height lose nothing that matters, and bound the time of a fit.
-CELL_HEIGHTS = 0.125
 # Measured of tank cars: benchmarks/localisation.py --only mismatched.
 WALL_ERROR_HEIGHTS = 0.04
 
@@ -43,12 +42,15 @@ class LocalizationOptions:
         Height of sources above the ground and its standard deviation; 0: exactly there.
     largest_order
         Most sources looked for.
+    search
+        Numbers that tune the search.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
     source_up_m: float = 0.5
     source_up_std_m: float = 1.0
     largest_order: int = LARGEST_ORDER
+    search: SearchOptions = field(default_factory=SearchOptions)
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.source_up_std_m < math.inf:
@@ -129,6 +131,8 @@ class Localization:
         The background varies from place to place.
     is_shielded
         Something beside the sources takes part of their dose rate.
+    is_misfit
+        Whether this is so much that ellipses are widened.
     method
         Name of the way it was found, one of `METHODS`.
     """
@@ -142,6 +146,7 @@ class Localization:
     rho: float
     is_structured: bool
     is_shielded: bool = False
+    is_misfit: bool = False
     method: str = ML_METHOD
 
     @property
@@ -154,7 +159,7 @@ class Localization:
             found.append('the background is uneven')
         if self.rho > 0.0:
             found.append(f'readings scatter by {self.rho:.0%} of the excess beyond their counts')
-        if self.dispersion >= LARGEST_DISPERSION:
+        if self.is_misfit:
             found.append(
                 f'the readings differ from this by {self.dispersion:.0f} standard deviations more '
                 'than they may: ellipses are widened'
@@ -162,7 +167,7 @@ class Localization:
         return tuple(found)
 
 
-def localize(survey: Survey, options: LocalizationOptions | None = None) -> Localization:
+def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None) -> Localization:
     """Return the sources that `survey` supports.
 
     Raises
@@ -172,18 +177,19 @@ def localize(survey: Survey, options: LocalizationOptions | None = None) -> Loca
     """
     options = options or LocalizationOptions()
     require_enough(survey)
-    cell_m = CELL_HEIGHTS * survey.height_m(options.source_up_m)
+    cell_m = options.search.cell_heights * survey.height_m(options.source_up_m)
     merged = survey.merged(cell_m)
     require_enough(merged)
     setting = Setting(
         kernel=options.kernel,
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
+        search=options.search,
     )
     return _described(search(merged, setting, options.largest_order), survey.size)
 
 
-def require_enough(survey: Survey) -> None:
+def require_enough(survey: RadiationSurvey) -> None:
     """Raise TooFewReadingsError if `survey` is too small to localise from."""
     if survey.size < FEWEST_READINGS:
         raise TooFewReadingsError(
@@ -210,7 +216,12 @@ def _described(found: OrderSearch, reading_count: int) -> Localization:
         rho=setting.rho,
         is_structured=setting.background_std > 0.0,
         is_shielded=setting.has_shield or setting.shade > 0.0,
+        is_misfit=_is_misfit(likelihood, fit),
     )
+
+
+def _is_misfit(likelihood: Likelihood, fit: Fit) -> bool:
+    return likelihood.dispersion(fit.parameters) >= likelihood.setting.search.large_dispersion
 
 
 def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
@@ -221,7 +232,7 @@ def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
     a wall, they add how far a real one moves sources that a straight one explains.
     """
     covariance = covariance_with_images(likelihood, fit)
-    if likelihood.dispersion(fit.parameters) >= LARGEST_DISPERSION:
+    if _is_misfit(likelihood, fit):
         covariance = covariance * max(1.0, likelihood.misfit(fit.parameters)[1])
     if likelihood.setting.has_shield:
         moved_m = WALL_ERROR_HEIGHTS * likelihood.survey.height_m(likelihood.setting.source_up_m)

@@ -4,7 +4,7 @@
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Shares of the dose rate of sources that shields leave.
 SHADES = (0.8, 0.66, 0.54, 0.44, 0.36, 0.29, 0.22, 0.14, 0.06, 0.0)
@@ -23,7 +23,7 @@ def chances_of(logs: FloatArray) -> FloatArray:
     return np.asarray(np.exp(logs - log_sums(logs)))
 
 
-def background_level_usvh(survey: Survey) -> float:
+def background_level_usvh(survey: RadiationSurvey) -> float:
     """Return a low level of all readings: the rate of the quiet fifth."""
     rates = survey.counts / survey.exposures
     quiet = rates <= np.quantile(rates, 0.2)
@@ -31,7 +31,7 @@ def background_level_usvh(survey: Survey) -> float:
     return max(float(level), 1e-6)
 
 
-def weights_of(survey: Survey, rho: float) -> FloatArray:
+def weights_of(survey: RadiationSurvey, rho: float) -> FloatArray:
     """Return the weight of each reading whose excess scatters by a share `rho`, shape (n,)."""
     excess = survey.counts - survey.exposures * background_level_usvh(survey)
     excess = np.maximum(excess, 0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole picture that readings give: sources, dose rates, cordons, and whether it is enough."""
+"""Assessment of a hazard from readings: sources, dose rates, cordons, whether they are enough."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from shapely.geometry import Polygon
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_radiation.belief.belief_search import BeliefMap, believe
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
-from rocsafe_radiation.decision.stopping import StoppingRule, Verdict
+from rocsafe_radiation.decision.stopping import StoppingRule, StoppingVerdict
 from rocsafe_radiation.decision.waypoint_choice import Waypoint, candidate_places, next_waypoints
 from rocsafe_radiation.localization.candidates import best_separated
 from rocsafe_radiation.localization.fit_setting import Setting
@@ -25,15 +25,15 @@ from rocsafe_radiation.localization.localize import (
 )
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # As many bytes of a message; files hold finer maps.
 LARGEST_CELLS = 40_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PictureOptions:
-    """How a picture is made.
+class AssessmentOptions:
+    """How a assessment is made.
 
     Attributes
     ----------
@@ -58,14 +58,14 @@ class PictureOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
+class Assessment:
     """What the readings so far say; `belief` is that of the method ``belief-grid`` alone."""
 
-    options: PictureOptions
-    survey: Survey
+    options: AssessmentOptions
+    survey: RadiationSurvey
     found: Localization
     evidence: SequentialEvidence
-    verdict: Verdict
+    verdict: StoppingVerdict
     dose: DoseMap
     cordons: tuple[Cordon, ...]
     belief: BeliefMap | None = None
@@ -74,27 +74,31 @@ class Picture:
 Found = tuple[Localization, BeliefMap | None]
 
 
-def _by_likelihood(survey: Survey, options: PictureOptions, _agents: Sequence[str]) -> Found:
+def _by_likelihood(
+    survey: RadiationSurvey, options: AssessmentOptions, _agents: Sequence[str]
+) -> Found:
     return localize(survey, options.known), None
 
 
-def _by_belief(survey: Survey, options: PictureOptions, agents: Sequence[str]) -> Found:
+def _by_belief(
+    survey: RadiationSurvey, options: AssessmentOptions, agents: Sequence[str]
+) -> Found:
     return believe(survey, options.known, agents, options.rule.smallest_usvh)
 
 
-FINDERS: dict[str, Callable[[Survey, PictureOptions, Sequence[str]], Found]] = {
+FINDERS: dict[str, Callable[[RadiationSurvey, AssessmentOptions, Sequence[str]], Found]] = {
     ML_METHOD: _by_likelihood,
     BELIEF_METHOD: _by_belief,
 }
 
 
-def picture_of(
-    survey: Survey,
-    options: PictureOptions,
+def assess(
+    survey: RadiationSurvey,
+    options: AssessmentOptions,
     agents: Sequence[str] = (),
     largest_cells: int = LARGEST_CELLS,
-) -> Picture:
-    """Return the picture of `survey`.
+) -> Assessment:
+    """Return the assessment of `survey`.
 
     Parameters
     ----------
@@ -119,7 +123,7 @@ def picture_of(
     evidence = sequential_evidence(survey.merged(cell_m), setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
     dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
-    return Picture(
+    return Assessment(
         options=options,
         survey=survey,
         found=found,
@@ -132,7 +136,7 @@ def picture_of(
 
 
 def suggested_waypoints(
-    picture: Picture, count: int, area: Polygon | None = None
+    assessment: Assessment, count: int, area: Polygon | None = None
 ) -> tuple[Waypoint, ...]:
     """Return up to `count` places to measure at next, the most telling first.
 
@@ -141,25 +145,25 @@ def suggested_waypoints(
     """
     if count < 1:
         return ()
-    known = picture.options.known
-    candidates = candidate_places(picture.survey, known.source_up_m)
+    known = assessment.options.known
+    candidates = candidate_places(assessment.survey, known.source_up_m)
     candidates = candidates[_are_within(candidates, area)]
     if not len(candidates):
         return ()
-    if picture.found.sources:
-        exposure = float(np.median(picture.survey.exposures))
-        return next_waypoints(picture.found, candidates, exposure, known.kernel, count)
-    return _doubtful(picture, count, area)
+    if assessment.found.sources:
+        exposure = float(np.median(assessment.survey.exposures))
+        return next_waypoints(assessment.found, candidates, exposure, known.kernel, count)
+    return _doubtful(assessment, count, area)
 
 
-def _doubtful(picture: Picture, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
+def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
     """Return places over the ground on which a source of the smallest strength may still be."""
-    evidence, survey = picture.evidence, picture.survey
+    evidence, survey = assessment.evidence, assessment.survey
     inside = _are_within(evidence.places_m, area)
     places, doubts = evidence.places_m[inside], evidence.doubts[inside]
     if not len(places):
         return ()
-    above = picture.options.known.source_up_m
+    above = assessment.options.known.source_up_m
     height = survey.height_m(above)
     # Above 0 for `best_separated`, in the same order.
     ranks = doubts - doubts.min() + 1.0

@@ -11,7 +11,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.residual_kriging import residual
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Where responders measure: IAEA, EPR-First Responders.
 HEIGHT_M = 1.0
@@ -49,7 +49,7 @@ class DoseMap:
 
 def dose_map(
     found: Localization,
-    survey: Survey,
+    survey: RadiationSurvey,
     kernel: Kernel,
     lowest_level_usvh: float,
     seed: int = 0,
@@ -86,7 +86,7 @@ def dose_map(
 
 
 def _bounds(
-    found: Localization, survey: Survey, level_usvh: float
+    found: Localization, survey: RadiationSurvey, level_usvh: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the south-western and the north-eastern corner of what the map shows."""
     places = survey.positions_enu_m[:, :2]
@@ -99,7 +99,7 @@ def _bounds(
     return low, high
 
 
-def _ups(survey: Survey, east: FloatArray, north: FloatArray) -> FloatArray | None:
+def _ups(survey: RadiationSurvey, east: FloatArray, north: FloatArray) -> FloatArray | None:
     """Return how high the nodes lie, one metre above the ground; None if that is level."""
     if survey.ground.is_level:
         return None

@@ -14,7 +14,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 MOST_READINGS = 600
 MOST_NODES_A_SIDE = 60
@@ -38,7 +38,11 @@ class Residual:
 
 
 def residual(
-    found: Localization, survey: Survey, kernel: Kernel, east: FloatArray, north: FloatArray
+    found: Localization,
+    survey: RadiationSurvey,
+    kernel: Kernel,
+    east: FloatArray,
+    north: FloatArray,
 ) -> Residual | None:
     """Return the residual at all nodes, None where readings agree with the estimate."""
     sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
@@ -101,7 +105,7 @@ class _Kriging:
         return np.asarray(self._sill * np.exp(-np.sqrt(squares) / self._length_m))
 
 
-def _thinned(survey: Survey, cell_m: float) -> Survey:
+def _thinned(survey: RadiationSurvey, cell_m: float) -> RadiationSurvey:
     """Return `survey` merged into at most `MOST_READINGS` cells."""
     merged = survey.merged(cell_m)
     while merged.size > MOST_READINGS:
@@ -110,7 +114,7 @@ def _thinned(survey: Survey, cell_m: float) -> Survey:
     return merged
 
 
-def _rates_usvh(found: Localization, survey: Survey, kernel: Kernel) -> FloatArray:
+def _rates_usvh(found: Localization, survey: RadiationSurvey, kernel: Kernel) -> FloatArray:
     rates: FloatArray = np.full(survey.size, found.background_usvh)
     for source in found.sources:
         squares = ((survey.positions_enu_m - source.position_enu_m) ** 2).sum(axis=1)
