@@ -30,20 +30,20 @@ from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
-# How often a running fit is looked at, on the wall clock: simulated time may stand still.
+# Period of looks at a running fit, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1
 
 
 class LocalizerNode(Node):
-    """Localises sources from the readings of all vehicles, and adds up their doses.
+    """Localises sources from the readings of all vehicles and adds up their doses.
 
     Subscribes: for each vehicle ``radiation``, and ``region``. Publishes: ``hazard/sources``,
     ``hazard/dose_map``, ``hazard/cordons`` and ``hazard/belief`` (all latched), after each fit;
     for each vehicle what `VehicleWatch` says. Service: ``hazard/suggest_viewpoints``.
 
-    A fit begins when the last is done, the period has passed and there are new readings, so the
-    last one covers all readings; those in between depend on how fast this machine is. A node that
-    is started again knows the readings in its spool directory.
+    A fit begins when the last one is done, the period has passed and there are new readings. The
+    last fit covers all readings; which ones the others cover depends on the speed of the machine.
+    A node that is started again has the readings in its spool directory.
     """
 
     def __init__(self, **node_options: Any) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`localize`: sources from a survey file, without ROS."""
+"""The command `localize`: sources from a survey file, without ROS."""
 
 import argparse
 import dataclasses
@@ -104,7 +104,7 @@ def _ground(
     Raises
     ------
     GroundError
-        In one line, why there is none.
+        In one line, if there is none.
     """
     if readings.frame is None:
         raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
@@ -148,7 +148,7 @@ def _notes(readings: ReadingsFile, options: argparse.Namespace) -> list[str]:
         lowest = readings.frame.origin.altitude_m if readings.frame else 0.0
         notes.append(
             f'the lowest reading, at {lowest:.1f} m, is taken for the ground: '
-            '--ground or --terrain may know better'
+            'use --ground or --terrain to set it'
         )
     return notes
 

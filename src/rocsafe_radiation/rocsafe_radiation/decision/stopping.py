@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When the evidence is enough: Wald's sequential test, and sources placed well enough."""
+"""When the evidence is enough: Wald's sequential test, and the size of the ellipses."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StoppingVerdict:
-    """Whether a survey may end, and why or why not, in words."""
+    """Whether a survey may end, and the reason in words."""
 
     is_enough: bool
     reason: str
@@ -23,8 +23,8 @@ class StoppingRule:
     """Error rates and precision at which a search may end.
 
     Wald (1945): decide for a source when the likelihood ratio exceeds (1 - missed) / false_alarm,
-    against it below missed / (1 - false_alarm); in between, measure on. The rates hold for any
-    number of looks at the data, which a test of fixed size does not allow.
+    and against it below missed / (1 - false_alarm); in between, continue to measure. The rates
+    hold for any number of looks at the data, which a test of fixed size does not allow.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class StoppingRule:
         return CONTINUE
 
     def verdict(self, found: Localization, evidence: SequentialEvidence) -> StoppingVerdict:
-        """Return whether it is decided what there is, and all of that is placed well enough."""
+        """Return whether the number of sources is decided and each is placed well enough."""
         if not found.sources:
             return self._verdict_of_none(evidence)
         ratio = _log_ratio_to_rival(found.order_probabilities)
@@ -71,7 +71,7 @@ class StoppingRule:
                 is_enough=False, reason=f'{what} found, but the number is not decided'
             )
         widest = max(source.ellipse_95()[0] for source in found.sources)
-        # Nothing is placed within 0.0 m.
+        # A width is never stated as 0.0 m.
         within = f'placed within {max(widest, 0.1):.1f} m (95 %)'
         if widest > self.ellipse_95_m:
             limit = f'{self.ellipse_95_m:g} m are wanted'

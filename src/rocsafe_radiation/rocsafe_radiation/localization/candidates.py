@@ -14,7 +14,7 @@ SMALLEST_STRENGTH_USVH = 1e-3
 
 
 def candidate_grid(survey: RadiationSurvey, setting: Setting) -> FloatArray:
-    """Return places to try, east and north, shape (m, 2): a grid over the readings and around."""
+    """Return a grid of places over and around the readings, east and north, shape (m, 2)."""
     height, options = survey.height_m(setting.source_up_m), setting.search
     margin = options.margin_heights * height
     low = survey.positions_enu_m[:, :2].min(axis=0) - margin
@@ -39,10 +39,10 @@ def grid_kernel(survey: RadiationSurvey, setting: Setting, grid: FloatArray) -> 
 def score_candidates(
     likelihood: Likelihood, parameters: FloatArray, kernel: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the gain of likelihood of one more source at each place, and its strength.
+    """Return the gain in log likelihood of one more source at each place, and its strength.
 
-    The score test: the first step of Newton's method from no source at all, with the level of the
-    background free; both of shape (m,).
+    By the score test: the first step of Newton's method from strength 0, with the level of the
+    background free. Both have shape (m,).
     """
     survey, weights = likelihood.survey, likelihood.weights
     expected = np.maximum(likelihood.expected(parameters), SMALLEST_COUNTS)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which sources are more than the ground's own unevenness.
+"""Which sources an uneven background cannot imitate.
 
-Where the background is seen to vary smoothly, it also varies over shorter ways, which no smooth
-field follows and a weak source does. So the evidence of a source is weighed against a background
-that varies by a share a over the width of a source: its matched filter has the variance of the
-counts plus that of the ground, and its log likelihood ratio L becomes
+A background that varies smoothly also varies over shorter lengths. A smooth field cannot follow
+this, but a weak source can. Let the background vary by a share a over the width of the response to
+a source. The matched filter of a source then has the variance of the counts plus that of the
+background, and its log likelihood ratio L becomes
 
     1 / (1/L + 2 a^2/q^2),
 
-with the largest dose rate q that it adds to a reading in units of the background: never more than
-q^2/(2 a^2), however long one counts. The share a is half of what the ground varies smoothly, or
-what readings far from all sources scatter beyond their counts, if that is more. On even ground a
-is 0, and nothing changes.
+where q is the largest dose rate that the source adds to a reading, in units of the background.
+This is at most q^2/(2 a^2), for any counting time. The share a is half of the smooth variation of
+the background or, if that is more, the scatter of readings far from all sources beyond that of
+their counts. Over a constant background a is 0, and nothing changes.
 """
 
 import math
@@ -32,21 +32,22 @@ from rocsafe_radiation.localization.likelihood import (
 
 
 def credible(results: Sequence[OrderSearch]) -> OrderSearch:
-    """Return the best of `results`, the first without an uneven ground, that can be believed."""
+    """Return the result with the most evidence, sources that may be imitated left out."""
     best = max(results, key=_evidence)
     share = unevenness(best, [one for one in results if not _is_uneven(one)])
     return max((weighed(one, share) for one in results), key=_evidence)
 
 
 def unevenness(best: OrderSearch, even: Sequence[OrderSearch]) -> float:
-    """Return the share by which the ground varies unforeseen over the width of a source.
+    """Return the share by which the background varies over the width of a source.
 
     Parameters
     ----------
     best
-        The fit that explains the readings best.
+        The result with the most evidence.
     even
-        Those on even ground; 0 unless the best is none of them, and clearly better.
+        Results with a constant background. If `best` is one of them or not clearly better, the
+        share is 0.
     """
     if (
         not _is_uneven(best)
@@ -72,7 +73,7 @@ def _unresolved_share(likelihood: Likelihood) -> float:
 
 
 def weighed(found: OrderSearch, share: float) -> OrderSearch:
-    """Return `found` with orders that need incredible sources ranked below those that do not."""
+    """Return `found` with scores lowered by the evidence of sources that may be imitated."""
     if share <= 0.0:
         return found
     gains = [0.0, *(found.gain(order) for order in range(1, len(found.fits)))]
@@ -85,13 +86,13 @@ def weighed(found: OrderSearch, share: float) -> OrderSearch:
 
 
 def _smooth_variation(likelihood: Likelihood, fit: Fit) -> float:
-    """Return the standard deviation of the logarithm of the smooth background over readings."""
+    """Return the standard deviation of the logarithm of the smooth background at the readings."""
     bumps = fit.parameters[LEVEL_PARAMETERS : likelihood.head_size]
     return float((likelihood.basis[:, LEVEL_PARAMETERS - 1 :] @ bumps).std())
 
 
 def _rough_variation(likelihood: Likelihood, fit: Fit) -> float:
-    """Return the share by which readings far from all sources scatter beyond their counts."""
+    """Return the share by which readings far from all sources scatter beyond Poisson."""
     background = likelihood.background_usvh(fit.parameters) * likelihood.survey.exposures
     expected = likelihood.expected(fit.parameters)
     far = expected - background <= likelihood.setting.search.largest_excess * background
@@ -103,10 +104,10 @@ def _rough_variation(likelihood: Likelihood, fit: Fit) -> float:
 
 
 def _penalty(likelihood: Likelihood, fit: Fit, gain: float, share: float) -> float:
-    """Return the evidence that incredible sources of a fit have brought it.
+    """Return the evidence of those sources of a fit that an uneven background may imitate.
 
-    `gain` is that of the last source added, which replaces the evidence of the weakest: the
-    others would take over part of what that explains.
+    `gain` is the gain of the last source added. It bounds the evidence of the weakest source,
+    because without that source the others would be fitted anew and explain a part of its readings.
     """
     level = float(np.median(likelihood.background_usvh(fit.parameters)))
     ratios = likelihood.source_rates_usvh(fit.parameters).max(axis=1, initial=0.0) / level

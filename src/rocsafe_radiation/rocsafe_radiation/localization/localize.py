@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources found in readings: where, how strong, how sure."""
+"""Sources from readings: places, strengths, uncertainties."""
 
 import math
 from dataclasses import dataclass, field
@@ -22,12 +22,13 @@ ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
-# Measured of tank cars: benchmarks/localisation.py --only mismatched.
+# Error of the place beside a wall, heights; measured beside tank cars: benchmarks/localisation.py
+# --only mismatched.
 WALL_ERROR_HEIGHTS = 0.04
 
 
 class TooFewReadingsError(RadiationError):
-    """There is nothing to localise from."""
+    """There are too few readings to localise sources."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +40,7 @@ class LocalizationOptions:
     kernel
         Law of the dose rate.
     source_up_m, source_up_std_m
-        Height of sources above the ground and its standard deviation; 0: exactly there.
+        Expected height of sources above the ground and its standard deviation, metres; 0: fixed.
     largest_order
         Most sources looked for.
     search
@@ -68,13 +69,13 @@ class SourceEstimate:
     Attributes
     ----------
     position_enu_m
-        Where, shape (3,).
+        Its place, shape (3,), metres.
     dose_rate_at_1m_usvh
-        Strength, without air.
+        Its strength, without air.
     joint_covariance
-        Of east, north, up in metres and the logarithm of the strength, (4, 4).
+        Covariance of east, north, up in metres and the logarithm of the strength, (4, 4).
     detection_llr
-        What the logarithm of the likelihood loses without it, all else unchanged.
+        Decrease of the log likelihood without it, all else unchanged.
     """
 
     position_enu_m: FloatArray
@@ -98,7 +99,7 @@ class SourceEstimate:
         return self.dose_rate_at_1m_usvh * self.log_std
 
     def interval_95_usvh(self) -> tuple[float, float]:
-        """Return the bounds that hold the strength with a probability of 0.95."""
+        """Return the bounds of the strength with a probability of 0.95."""
         factor = math.exp(min(NORMAL_95 * self.log_std, 50.0))
         return self.dose_rate_at_1m_usvh / factor, self.dose_rate_at_1m_usvh * factor
 
@@ -111,30 +112,30 @@ class SourceEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Localization:
-    """All sources that the readings support.
+    """The sources that the readings support.
 
     Attributes
     ----------
     sources
-        Strongest evidence first.
+        The sources, the one with the most evidence first.
     order_probabilities
-        Of 0, 1, 2 ... sources.
+        Probability of 0, 1, 2 ... sources.
     background_usvh, background_std_usvh
         Mean background at the readings and its uncertainty.
     reading_count
-        Readings used.
+        Number of readings used.
     dispersion
-        By how many standard deviations the misfit exceeds what the model allows.
+        Standard deviations by which the misfit exceeds that of the model.
     rho
-        Share of the excess by which readings scatter beyond their counts.
+        Share of the excess by which readings scatter beyond Poisson.
     is_structured
-        The background varies from place to place.
+        Whether the background varies from place to place.
     is_shielded
-        Something beside the sources takes part of their dose rate.
+        Whether something beside the sources takes part of their dose rate.
     is_misfit
-        Whether this is so much that ellipses are widened.
+        Whether the misfit is so large that ellipses are widened.
     method
-        Name of the way it was found, one of `METHODS`.
+        Method by which they were found, one of `METHODS`.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -151,7 +152,7 @@ class Localization:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is not as assumed, in words; empty: counts of sources over an even background."""
+        """What differs from counts of sources over a constant background, in words."""
         found = []
         if self.is_shielded:
             found.append('something beside the sources takes part of their dose rate')
@@ -173,7 +174,7 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     Raises
     ------
     TooFewReadingsError
-        With fewer than 8 readings, or all of them at one place.
+        If there are fewer than 8 readings, or all of them are at one place.
     """
     options = options or LocalizationOptions()
     require_enough(survey)
@@ -225,11 +226,11 @@ def _is_misfit(likelihood: Likelihood, fit: Fit) -> bool:
 
 
 def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
-    """Return the covariance of the parameters, larger where the model does not explain enough.
+    """Return the covariance of the parameters, enlarged where the model does not fit.
 
-    Misfits beyond what the model allows make the place less sure by their variance, as if all
-    readings scattered so much (quasi-likelihood, McCullagh and Nelder 1989, section 9.2). Beside
-    a wall, they add how far a real one moves sources that a straight one explains.
+    A misfit scales the covariance, as if all readings scattered so much (quasi-likelihood,
+    McCullagh and Nelder 1989, section 9.2). Beside a wall, the error that comes from its unknown
+    shape is added.
     """
     covariance = covariance_with_images(likelihood, fit)
     if _is_misfit(likelihood, fit):

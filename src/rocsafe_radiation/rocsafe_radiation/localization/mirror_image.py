@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which side of a line: readings along a straight way say how far a source is, not where.
+"""Mirror images of sources: readings along a line do not tell on which side of it a source is.
 
-The place of a source and its mirror image about the line of the nearest readings explain these
-alike; only readings farther away can tell. So each source is tried on the other side, too, and
-where both remain likely, its covariance is that of both.
+A source and its mirror image about the line of the nearest readings explain these equally well.
+Only other readings decide. So each source is also fitted on the other side of the line. If both
+places remain likely, the covariance covers both.
 """
 
 import math
@@ -15,7 +15,7 @@ from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Fit, Li
 
 
 def mirror_images(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArray]:
-    """Return `parameters` with one source each on the other side of its nearest readings' line."""
+    """Return copies of `parameters`, each with one source mirrored about its line of readings."""
     images = []
     for index, source in enumerate(likelihood.sources(parameters)):
         place = _image(likelihood, source[:2])
@@ -30,8 +30,8 @@ def mirror_images(likelihood: Likelihood, parameters: FloatArray) -> list[FloatA
 def covariance_with_images(likelihood: Likelihood, fit: Fit) -> FloatArray:
     """Return the covariance of the parameters of `fit`, likely mirror images included.
 
-    Each image that explains the readings nearly as well adds, by its probability, the square of
-    its distance: the second moment of both about the place stated.
+    Each image that explains the readings nearly as well adds the square of its distance, weighted
+    by its probability: the second moment of both about the place stated.
     """
     covariance = np.asarray(np.linalg.inv(fit.information), np.float64)
     for start in mirror_images(likelihood, fit.parameters):
@@ -46,7 +46,7 @@ def covariance_with_images(likelihood: Likelihood, fit: Fit) -> FloatArray:
 
 
 def _image(likelihood: Likelihood, place: FloatArray) -> FloatArray | None:
-    """Return the mirror image of `place`, None if the nearest readings are on no line."""
+    """Return the mirror image of `place`, None if the nearest readings are not on a line."""
     places = likelihood.survey.positions_enu_m[:, :2]
     distances = np.hypot(*(places - place).T)
     options = likelihood.setting.search

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far each reading is to be believed: weights against errors, chances of being shaded."""
+"""Weights of readings, and probabilities of their being shaded."""
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# Shares of the dose rate of sources that shields leave.
+# Shares of the dose rate of sources that a shaded reading may keep.
 SHADES = (0.8, 0.66, 0.54, 0.44, 0.36, 0.29, 0.22, 0.14, 0.06, 0.0)
 
 
@@ -24,7 +24,7 @@ def chances_of(logs: FloatArray) -> FloatArray:
 
 
 def background_level_usvh(survey: RadiationSurvey) -> float:
-    """Return a low level of all readings: the rate of the quiet fifth."""
+    """Return the mean rate of the lowest fifth of the readings."""
     rates = survey.counts / survey.exposures
     quiet = rates <= np.quantile(rates, 0.2)
     level = survey.counts[quiet].sum() / survey.exposures[quiet].sum()

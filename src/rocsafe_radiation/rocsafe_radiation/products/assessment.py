@@ -27,24 +27,24 @@ from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordo
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# As many bytes of a message; files hold finer maps.
+# One byte a cell in a message; files hold finer maps.
 LARGEST_CELLS = 40_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssessmentOptions:
-    """How a assessment is made.
+    """How an assessment is made.
 
     Attributes
     ----------
     known
-        Before the readings.
+        What is known before the readings.
     method
-        Name of the way sources are found, one of `METHODS`.
+        Method by which sources are found, one of `METHODS`.
     rule
-        When it is enough.
+        When the evidence is enough.
     levels_usvh
-        Of cordons.
+        Dose rates of cordons, microsievert per hour.
     """
 
     known: LocalizationOptions = field(default_factory=LocalizationOptions)
@@ -59,7 +59,7 @@ class AssessmentOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assessment:
-    """What the readings so far say; `belief` is that of the method ``belief-grid`` alone."""
+    """What the readings so far show; `belief` is None but for the method ``belief-grid``."""
 
     options: AssessmentOptions
     survey: RadiationSurvey
@@ -105,11 +105,11 @@ def assess(
     survey
         Readings.
     options
-        How.
+        How they are assessed.
     agents
-        Who took each reading, for the method ``belief-grid``.
+        Agent of each reading, for the method ``belief-grid``.
     largest_cells
-        About as many cells has the map of dose rates.
+        Approximate number of cells of the map of dose rates.
 
     Raises
     ------
@@ -138,10 +138,11 @@ def assess(
 def suggested_waypoints(
     assessment: Assessment, count: int, area: Polygon | None = None
 ) -> tuple[Waypoint, ...]:
-    """Return up to `count` places to measure at next, the most telling first.
+    """Return up to `count` places to measure at next, the largest gain first.
 
-    With sources they are those that sharpen them most; without, those over the ground on which a
-    source is least excluded. All lie within `area`, east and north, if it is given.
+    With sources, they are those that reduce the uncertainty of the sources most. Without, they are
+    over the ground where a source is least excluded. All lie within `area`, east and north, if it
+    is given.
     """
     if count < 1:
         return ()
@@ -157,7 +158,7 @@ def suggested_waypoints(
 
 
 def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
-    """Return places over the ground on which a source of the smallest strength may still be."""
+    """Return places over the ground where a source of the smallest strength is least excluded."""
     evidence, survey = assessment.evidence, assessment.survey
     inside = _are_within(evidence.places_m, area)
     places, doubts = evidence.places_m[inside], evidence.doubts[inside]
@@ -165,7 +166,7 @@ def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple
         return ()
     above = assessment.options.known.source_up_m
     height = survey.height_m(above)
-    # Above 0 for `best_separated`, in the same order.
+    # `best_separated` needs ranks above 0; the order is the same.
     ranks = doubts - doubts.min() + 1.0
     chosen = best_separated(places, ranks, count, height)
     ups = survey.ground.ups_at(places[chosen]) + above + height

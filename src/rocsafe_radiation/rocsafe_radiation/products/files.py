@@ -14,9 +14,9 @@ from rocsafe_radiation.products.source_document import assessment_document, sour
 
 
 def write_products(folder: Path, assessment: Assessment, frame: LocalFrame | None) -> None:
-    """Write all products to `folder`, which is made if need be.
+    """Write all products to `folder`, which is created if it does not exist.
 
-    Without `frame`, which places them on the earth, that is ``sources.json`` alone.
+    Without `frame`, places have no latitude and longitude: only ``sources.json`` is written.
 
     Raises
     ------

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What readings say beyond sources and an even background: kriged, in the logarithm.
+"""Kriged residual of readings about sources and a constant background, in the logarithm.
 
-Logarithms of counts over what the estimate expects are taken for a random field with exponential
-covariance plus the noise of the counts (simple kriging, or a Gaussian process). Its variance is
-what the readings scatter beyond their counts, its length the likeliest of a few. Where the
-readings agree with the estimate there is nothing to krige.
+The logarithms of counts over expected counts are a random field with exponential covariance plus
+the noise of the counts (simple kriging, or a Gaussian process). Its variance is that of the
+readings beyond their counts, its length the most likely of a few. Where the readings agree with
+the estimate, there is no residual.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ LEAST_MISFIT = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Residual:
-    """By how much the logarithm of the dose rate differs from the estimate, and its deviation.
+    """Difference of the logarithm of the dose rate from the estimate, and its deviation.
 
     Attributes
     ----------

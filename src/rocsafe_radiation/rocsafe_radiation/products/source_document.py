@@ -12,12 +12,12 @@ from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.products.assessment import Assessment
 
 ELLIPSE_CORNERS = 72
-# A millimetre on the ground.
+# Digits of degrees for a millimetre on the ground.
 DEGREE_DIGITS = 8
 
 
 def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found; places in degrees with `frame`, else in metres."""
+    """Return the sources found; places in degrees with `frame`, else in metres."""
     return {
         'method': found.method,
         'reading_count': found.reading_count,
@@ -33,7 +33,7 @@ def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, 
 
 
 def assessment_document(assessment: Assessment, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found, and whether that is enough and at which error rates."""
+    """Return the sources found, whether the evidence is enough, and the error rates."""
     rule = assessment.options.rule
     return {
         **source_document(assessment.found, frame),
