@@ -122,8 +122,8 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
 @pytest.fixture(scope='session')
 def drawing() -> None:
     """Skip, with the reason, where nothing can draw."""
-    from rocsafe_scene.engine.pipe import open_pipe
     from rocsafe_scene.errors import EngineError
+    from rocsafe_scene.graphics.pipe import open_pipe
 
     try:
         open_pipe()

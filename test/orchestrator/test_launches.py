@@ -12,6 +12,7 @@ import pytest
 import yaml
 from test.planner.terrains import write_terrain
 
+from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.conversions import unseen_viewpoint
@@ -24,7 +25,7 @@ from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, proce
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
-from rocsafe_orchestrator.report.sections import what_is_simulated
+from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES
@@ -38,7 +39,7 @@ from rocsafe_radiation.physics.photons import AIR, materials
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
-from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
+from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
     'planner': PlannerOptions,
@@ -84,12 +85,21 @@ def test_every_parameter_is_an_option_of_its_node(
     changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
 ) -> None:
     """No node refuses what it is started with: names, types and ranges fit its options."""
-    for spec in process_table(read_scenario(small(changes)), run):
+    scenario = read_scenario(small(changes))
+    for spec in process_table(scenario, run):
+        path = run.parameters_of(spec.name)
+        write_parameters(path, spec.node, spec.parameters)
+        written = yaml.safe_load(path.read_text())[spec.node]['ros__parameters']
         values = {
             key: tuple(value) if isinstance(value, list) else value
-            for key, value in spec.parameters.items()
+            for key, value in written.items()
         }
-        OPTIONS[spec.executable](**values)
+        options = OPTIONS[spec.executable](**values)
+        if isinstance(options, VehicleOptions):
+            assert options.cameras()[0].image_height_px == scenario.camera.image_height_px
+            assert options.airframe().performance.autopilot == ARDUCOPTER
+        if isinstance(options, FleetOptions):
+            assert [vehicle.name for vehicle in options.vehicles()] == ['rav1', 'rav2']
 
 
 def test_vehicles_are_processes_of_their_own_or_one(

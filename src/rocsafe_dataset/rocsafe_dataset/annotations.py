@@ -8,7 +8,7 @@ import numpy as np
 
 from rocsafe_dataset.outlines import outline
 from rocsafe_dataset.rle import run_lengths, short_text
-from rocsafe_scene.engine.outputs import Frame
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER, SceneObject
 
@@ -41,7 +41,7 @@ class Annotation:
     is_cut: bool
 
 
-def large_enough(frame: Frame, least_pixels: int) -> list[int]:
+def large_enough(frame: Rendering, least_pixels: int) -> list[int]:
     """Return the numbers of the instances with at least so many pixels, rising."""
     counts = np.bincount(frame.numbers.ravel())
     found = np.flatnonzero(counts >= least_pixels).tolist()
@@ -49,13 +49,13 @@ def large_enough(frame: Frame, least_pixels: int) -> list[int]:
 
 
 def annotate(
-    frame: Frame, objects: Mapping[int, SceneObject], shares: Mapping[int, float]
+    frame: Rendering, objects: Mapping[int, SceneObject], shares: Mapping[int, float]
 ) -> list[Annotation]:
     """Return the annotations of the instances in `shares`, which says how visible they are."""
     return [_annotation(frame, objects[number], shares[number]) for number in sorted(shares)]
 
 
-def _annotation(frame: Frame, thing: SceneObject, share: float) -> Annotation:
+def _annotation(frame: Rendering, thing: SceneObject, share: float) -> Annotation:
     mask = frame.numbers == thing.number
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, bottom, left, right = int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])

@@ -28,7 +28,7 @@ class DatasetOptions:
     weathers : drawn from evenly.
     image_format : jpg or png.
     jpeg_quality : 1 to 100.
-    oversampling : 1 to 4, see `rocsafe_scene.engine.studio.Studio`.
+    oversampling : 1 to 4, see `rocsafe_scene.engine.oversampled_camera.OversampledCamera`.
     per_arrangement : pictures with the same placement of things and the same light.
     splits : shares of `SPLITS`, sum 1.
     least_pixels : smaller instances are not annotated.

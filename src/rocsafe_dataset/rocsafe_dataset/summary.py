@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rocsafe_dataset.card import card
+from rocsafe_dataset.data_card import data_card
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import Folder
+from rocsafe_dataset.files import DatasetFolder
 from rocsafe_dataset.options import SPLITS
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_scene.mesh.classes import CLASSES
@@ -17,7 +17,7 @@ from rocsafe_scene.mesh.classes import CLASSES
 Record = Mapping[str, Any]
 
 
-def finish(folder: Folder, scene: str) -> Counter[str]:
+def finish(folder: DatasetFolder, scene: str) -> Counter[str]:
     """Write what can only be written when all pictures are there; return the counts by class.
 
     Raises
@@ -37,7 +37,7 @@ def finish(folder: Folder, scene: str) -> Counter[str]:
             write_whole(folder.path / 'annotations' / f'instances_{split}.json', content)
         write_whole(folder.path / 'data.yaml', _data_yaml().encode())
         write_whole(
-            folder.path / 'README.md', card(records, counts, folder.options, scene).encode()
+            folder.path / 'README.md', data_card(records, counts, folder.options, scene).encode()
         )
     except OSError as error:
         raise DatasetError(f'{error.filename}: {error.strerror}') from error

@@ -22,13 +22,13 @@ from rocsafe_interfaces.msg import (
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.drone.drone import DroneSpec
-from rocsafe_mavlink.drone.observation import Observation
+from rocsafe_mavlink.drone.status import DroneStatus
 from rocsafe_mavlink.flight.fence import Ring
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.flight.preflight import Check, Verdict
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
-from rocsafe_mavlink.knowledge.vehicle import Contact
+from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_ros.conversions import position_of_point
 
 STATES = {
@@ -44,9 +44,9 @@ STATES = {
     FlightState.LOST: VehicleState.LOST,
 }
 _VERDICTS = {
-    Verdict.PASS: PreflightCheck.PASS,
-    Verdict.WARN: PreflightCheck.WARN,
-    Verdict.FAIL: PreflightCheck.FAIL,
+    CheckVerdict.PASS: PreflightCheck.PASS,
+    CheckVerdict.WARN: PreflightCheck.WARN,
+    CheckVerdict.FAIL: PreflightCheck.FAIL,
 }
 # MAV_SEVERITY: 0 to 3 are errors, 4 a warning, 5 and 6 notes.
 _SEVERITIES = (VehicleEvent.ERROR,) * 4 + (VehicleEvent.WARN,) + (VehicleEvent.INFO,) * 2
@@ -65,7 +65,7 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     if not message.viewpoints:
         raise ValueError('the route has no viewpoint')
     _require_plain(message)
-    waypoints: list[Waypoint] = []
+    waypoints: list[FlightWaypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
     last = waypoints[-1]
@@ -92,14 +92,14 @@ def _require_plain(message: RouteMessage) -> None:
         raise ValueError('the route ends elsewhere: must end at home')
 
 
-def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[Waypoint]:
+def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[FlightWaypoint]:
     """Return the bends before a viewpoint, and the viewpoint."""
     place = position_of_point(viewpoint.position)
     # Both altitudes have one datum, whichever it is: their difference has none.
     height_m = place.altitude_m - home.altitude_m
     if not math.isfinite(height_m):
         height_m = viewpoint.height_agl_m
-    stop = Waypoint(
+    stop = FlightWaypoint(
         position=_level(place),
         height_m=height_m,
         hold_s=hover_s,
@@ -108,7 +108,7 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
     return [*(_bend(point, stop) for point in viewpoint.approach), stop]
 
 
-def _bend(point: GeoPoint, stop: Waypoint) -> Waypoint:
+def _bend(point: GeoPoint, stop: FlightWaypoint) -> FlightWaypoint:
     """Return a bend of the way to or from `stop`: as high, and looking the same way."""
     place = _level(position_of_point(point))
     return replace(stop, position=place, hold_s=0.0, is_bend=True)
@@ -124,7 +124,7 @@ def ring_of(polygon: GeoPolygon) -> Ring:
     return places[:-1] if len(places) > 1 and places[0] == places[-1] else places
 
 
-def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix | None:
+def predicted_message(seen: DroneStatus, stamp: Time, frame_id: str) -> NavSatFix | None:
     """Return where a silent vehicle should be; None while it is heard."""
     if seen.prediction is None:
         return None
@@ -140,7 +140,7 @@ def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFi
     )
 
 
-def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatteryState:
+def battery_message(seen: DroneStatus, stamp: Time, frame_id: str) -> BatteryState:
     """Return the charge; what the autopilot does not tell is NaN. Discharging is negative."""
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
@@ -163,7 +163,7 @@ def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatterySta
 
 
 def state_message(
-    seen: Observation, vehicle: str, stamp: Time, shots: tuple[int, int]
+    seen: DroneStatus, vehicle: str, stamp: Time, shots: tuple[int, int]
 ) -> VehicleState:
     """Return the state; `shots` are those taken and those not yet stored."""
     return VehicleState(

@@ -15,9 +15,9 @@ from rocsafe_mavlink.conversions import (
     state_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.drone.observation import Observation, enu_of, fix_quality
+from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
-from rocsafe_mavlink.knowledge.vehicle import Motion
+from rocsafe_mavlink.knowledge.telemetry import Motion
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -38,7 +38,7 @@ LARGEST_PATH = 7200
 TEXTS_PER_S = 5
 
 
-class DroneTelemetry:
+class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
     Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
@@ -111,7 +111,7 @@ class DroneTelemetry:
         is_slow = now_s - self._slow_s >= SLOW_S
         if not is_slow and self._drone.news() == self._said:
             return
-        seen = self._drone.observe(now_s)
+        seen = self._drone.status(now_s)
         if is_slow:
             self._slow_s, self._texts_left = now_s, TEXTS_PER_S
             self._publish_slow(seen)
@@ -119,7 +119,7 @@ class DroneTelemetry:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
 
-    def _publish_slow(self, seen: Observation) -> None:
+    def _publish_slow(self, seen: DroneStatus) -> None:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(
             topics.BATTERY_STATE, battery_message(seen, stamp, f'{self._name}/base_link')

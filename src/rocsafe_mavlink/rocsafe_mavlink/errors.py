@@ -18,5 +18,9 @@ class NotAllowedError(MavlinkError):
     """A message or command is not among those that may be sent."""
 
 
-class OrderRefusedError(MavlinkError):
+class CommandRefusedError(MavlinkError):
     """An operator's order cannot be given now."""
+
+
+class WaitError(MavlinkError):
+    """It cannot be said yet whether a route may be flown: ask again."""

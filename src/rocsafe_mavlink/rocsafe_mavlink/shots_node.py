@@ -6,7 +6,7 @@ import time
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
-from rocsafe_mavlink.camera.camera_trigger import Exposure, Photographer
+from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -32,7 +32,7 @@ class ShotSender:
     ----------
     node: in the vehicle's namespace.
     drone: the vehicle.
-    photographer: follows its camera.
+    geotagger: follows its camera.
     horizontal_fov_rad: of the camera.
     """
 
@@ -40,17 +40,17 @@ class ShotSender:
         self,
         node: VehicleScopeNode,
         drone: Drone,
-        photographer: Photographer,
+        geotagger: Geotagger,
         horizontal_fov_rad: float,
     ) -> None:
         self._node = node
         self._drone = drone
-        self._photographer = photographer
+        self._photographer = geotagger
         self._fov_rad = horizontal_fov_rad
         self._due_s = 0.0
         self._compressed = topics.create_publisher(node, topics.CAMERA_IMAGE_COMPRESSED)
         self._info = topics.create_publisher(node, topics.CAMERA_INFO)
-        self._delivery = ShotDelivery(node, photographer.film.store, self._message_of)
+        self._delivery = ShotDelivery(node, geotagger.film.store, self._message_of)
 
     @property
     def counts(self) -> tuple[int, int]:
@@ -71,7 +71,7 @@ class ShotSender:
         if now_s < self._due_s:
             return
         self._due_s = now_s + DEVELOP_S
-        exposure = Exposure(
+        exposure = GeotagContext(
             vehicle=self._drone.spec.name,
             assignment=self._drone.assignment,
             gps=self._drone.vehicle.gps,

@@ -114,12 +114,12 @@ def _places(ring: Any) -> tuple[LatLon, ...]:
 def _with_files(scenario: Scenario, path: Path) -> Scenario:
     """Return `scenario` with the absolute paths of the other files that it names."""
     camera, radiation = scenario.camera, scenario.radiation
-    ground = None if camera.ground == 'procedural' else camera.ground
+    ground = None if camera.ground == 'scene' else camera.ground
     scene = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
     drawn = scene if camera.backend == 'engine' else None
     terrain = scenario.survey.terrain_file or None
     for block, key, named, what in (
-        ('camera', 'ground', ground, 'procedural or the path of a GeoTIFF'),
+        ('camera', 'ground', ground, 'scene or the path of a GeoTIFF'),
         ('camera', 'scene_file', drawn, 'the path of a scene'),
         ('survey', 'terrain_file', terrain, 'the path of a GeoTIFF of heights'),
         ('radiation', 'scene_file', radiation.scene_file or None, 'the path of a scene'),

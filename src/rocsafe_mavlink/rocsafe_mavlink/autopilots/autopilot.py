@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from rocsafe_mavlink.knowledge.vehicle import Contact, Landed, MissionPhase, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import command
 from rocsafe_mavlink.wire.authority import DO_SET_MODE
 from rocsafe_mavlink.wire.dialect import Message
@@ -77,11 +77,16 @@ class Autopilot:
     starts_anywhere: bool
     unsent: frozenset[str]
 
+    @property
+    def first_own_item(self) -> int:
+        """Number of the first item of a mission that is ours, not the autopilot's home."""
+        return 1 if self.has_home_item else 0
+
     def mode_name(self, custom_mode: int) -> str:
         """Return the name of a mode; an unknown one is never taken for its neighbour."""
         return self.mode_names.get(custom_mode, f'UNKNOWN({custom_mode})')
 
-    def is_in(self, vehicle: Vehicle, verb: Verb) -> bool:
+    def is_in(self, vehicle: VehicleTelemetry, verb: Verb) -> bool:
         """Whether the vehicle's heartbeat says that it is in the mode for `verb`."""
         return vehicle.custom_mode == self.modes[verb]
 
@@ -91,7 +96,7 @@ class Autopilot:
         main, sub = (mode >> 16 & 0xFF, mode >> 24) if self.is_mode_packed else (mode, 0)
         return command(DO_SET_MODE, target, CUSTOM_MODE_ENABLED, main, sub)
 
-    def state_of(self, vehicle: Vehicle, now_s: float) -> FlightState:
+    def state_of(self, vehicle: VehicleTelemetry, now_s: float) -> FlightState:
         """Return what `vehicle` does, as far as it can be told at `now_s`."""
         contact = vehicle.contact(now_s)
         if contact in (Contact.NONE, Contact.LOST):
@@ -102,7 +107,7 @@ class Autopilot:
             return FlightState.ARMED
         return self._airborne(vehicle)
 
-    def _airborne(self, vehicle: Vehicle) -> FlightState:
+    def _airborne(self, vehicle: VehicleTelemetry) -> FlightState:
         if vehicle.landed is Landed.TAKEOFF:
             return FlightState.TAKING_OFF
         if vehicle.landed is Landed.LANDING:

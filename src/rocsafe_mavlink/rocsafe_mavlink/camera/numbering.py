@@ -11,7 +11,7 @@ from rocsafe_geo.storage.shot_store import ShotStore, SpoolError
 _NEXT = 'next.json'
 
 
-class Film:
+class ShotNumbering:
     """Photographs with numbers from 0, without gaps, kept until each has a receipt.
 
     Attributes

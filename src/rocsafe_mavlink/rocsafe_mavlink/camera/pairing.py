@@ -9,8 +9,8 @@ picture stay alone.
 
 from dataclasses import dataclass
 
-from rocsafe_mavlink.camera.camera_shot import CameraShot
-from rocsafe_mavlink.camera.source import Picture
+from rocsafe_mavlink.camera.camera_trigger import CameraTrigger
+from rocsafe_mavlink.camera.source import CameraImage
 
 # Half of the shortest time between two shots.
 TOLERANCE_S = 0.5
@@ -24,19 +24,19 @@ LOOKED_AT = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class ImagePair:
     """A picture and its shot."""
 
-    shot: CameraShot
-    picture: Picture
+    shot: CameraTrigger
+    picture: CameraImage
 
 
-class PicturePairing:
+class ImagePairing:
     """Pairs what comes of one camera with what its autopilot reports."""
 
     def __init__(self) -> None:
-        self._shots: list[CameraShot] = []
-        self._pictures: list[Picture] = []
+        self._shots: list[CameraTrigger] = []
+        self._pictures: list[CameraImage] = []
         self._offset_s: float | None = None
 
     @property
@@ -44,7 +44,7 @@ class PicturePairing:
         """Clock of the camera less that of the autopilot; None while it is not known."""
         return self._offset_s
 
-    def add(self, shots: list[CameraShot], pictures: list[Picture]) -> list[Pair]:
+    def add(self, shots: list[CameraTrigger], pictures: list[CameraImage]) -> list[ImagePair]:
         """Take what has come; return the pairs that are sure now, in order of time."""
         self._shots = [*self._shots, *shots][-LARGEST_WAITING:]
         self._pictures = [*self._pictures, *pictures][-LARGEST_WAITING:]
@@ -69,7 +69,7 @@ class PicturePairing:
             for picture in self._pictures[:LOOKED_AT]
         )
 
-    def _paired(self) -> list[Pair]:
+    def _paired(self) -> list[ImagePair]:
         pairs = []
         for picture in list(self._pictures):
             pair = self._nearest(picture)
@@ -79,11 +79,11 @@ class PicturePairing:
                 pairs.append(pair)
         return sorted(pairs, key=lambda pair: pair.shot.unix_s)
 
-    def _nearest(self, picture: Picture) -> Pair | None:
+    def _nearest(self, picture: CameraImage) -> ImagePair | None:
         offset_s = self._offset_s or 0.0
         taken_s = picture.unix_s - offset_s
         shot = min(self._shots, key=lambda shot: abs(shot.unix_s - taken_s), default=None)
         if shot is None or abs(shot.unix_s - taken_s) > TOLERANCE_S:
             return None
         self._offset_s = offset_s + DRIFT_SHARE * (taken_s - shot.unix_s)
-        return Pair(shot, picture)
+        return ImagePair(shot, picture)

@@ -6,7 +6,7 @@ from typing import Protocol
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
+class CameraImage:
     """An image file and when it was taken by the clock of whoever wrote it, seconds since 1970."""
 
     name: str
@@ -14,7 +14,7 @@ class Picture:
     jpeg: bytes
 
 
-class PictureSource(Protocol):
+class ImageSource(Protocol):
     """What pictures are taken from.
 
     Attributes
@@ -24,10 +24,10 @@ class PictureSource(Protocol):
 
     is_stream: bool
 
-    def take(self) -> list[Picture]:
+    def take(self) -> list[CameraImage]:
         """Return the pictures that came since the last call, oldest first."""
 
-    def at(self, unix_s: float) -> Picture | None:
+    def at(self, unix_s: float) -> CameraImage | None:
         """Return the picture of a time; None if there is none."""
 
     def close(self) -> None:

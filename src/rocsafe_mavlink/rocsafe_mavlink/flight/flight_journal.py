@@ -11,8 +11,8 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_mavlink.flight.flight_outcome import Outcome
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,7 +39,7 @@ class Assignment:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class JournalEntry:
     """How far an assignment is, as last noted.
 
     Attributes
@@ -58,7 +58,7 @@ class Entry:
     visited: int = 0
     distance_m: float = 0.0
     duration_s: float = 0.0
-    outcome: Outcome | None = None
+    outcome: FlightOutcome | None = None
     reason: str = ''
     successor: Assignment | None = None
 
@@ -68,9 +68,9 @@ class FlightJournal:
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
-        self.entry: Entry | None = None if path is None else _read(path)
+        self.entry: JournalEntry | None = None if path is None else _read(path)
 
-    def write(self, entry: Entry) -> None:
+    def write(self, entry: JournalEntry) -> None:
         """Keep `entry`: once this returns, a kill does not lose it."""
         if entry == self.entry:
             return
@@ -82,7 +82,7 @@ class FlightJournal:
         write_whole(self._path, json.dumps(record).encode())
 
 
-def _read(path: Path) -> Entry | None:
+def _read(path: Path) -> JournalEntry | None:
     """Return the entry in `path`, None if there is none.
 
     Raises
@@ -96,9 +96,9 @@ def _read(path: Path) -> Entry | None:
         outcome = record.pop('outcome')
         assignment = _assignment(record.pop('assignment'))
         successor = record.pop('successor', None)
-        return Entry(
+        return JournalEntry(
             assignment=assignment,
-            outcome=None if outcome is None else Outcome[outcome],
+            outcome=None if outcome is None else FlightOutcome[outcome],
             successor=None if successor is None else _assignment(successor),
             **record,
         )
@@ -109,7 +109,7 @@ def _read(path: Path) -> Entry | None:
 def _assignment(record: dict[str, Any]) -> Assignment:
     plan = record['plan']
     waypoints = tuple(
-        Waypoint(**{**waypoint, 'position': GeoPosition(**waypoint['position'])})
+        FlightWaypoint(**{**waypoint, 'position': GeoPosition(**waypoint['position'])})
         for waypoint in plan.pop('waypoints')
     )
     home = plan.pop('home')

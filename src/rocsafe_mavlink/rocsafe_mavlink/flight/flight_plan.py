@@ -25,7 +25,7 @@ LARGEST_HOLD_S = 3600.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
+class FlightWaypoint:
     """A place to fly to.
 
     Attributes
@@ -63,7 +63,7 @@ class FlightPlan:
         not on the way from one to the next; once at waypoints that lie on none. 0: it does not.
     """
 
-    waypoints: tuple[Waypoint, ...]
+    waypoints: tuple[FlightWaypoint, ...]
     speed_mps: float
     takes_photographs: bool = False
     home: GeoPosition | None = None
@@ -76,7 +76,7 @@ class FlightPlan:
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
 
     @property
-    def stops(self) -> tuple[Waypoint, ...]:
+    def stops(self) -> tuple[FlightWaypoint, ...]:
         """Waypoints that count: all but the bends of the way."""
         return tuple(waypoint for waypoint in self.waypoints if not waypoint.is_bend)
 
@@ -157,7 +157,7 @@ def _trigger(distance_m: float, at_once: float) -> MissionItem:
     )
 
 
-def _turns(waypoints: Sequence[Waypoint], autopilot: Autopilot) -> list[list[MissionItem]]:
+def _turns(waypoints: Sequence[FlightWaypoint], autopilot: Autopilot) -> list[list[MissionItem]]:
     """Return what it is told of its heading before each waypoint: what is not as it was."""
     headings_deg = [waypoint.heading_deg for waypoint in waypoints]
     is_told = not autopilot.turns_at_waypoints
@@ -173,14 +173,14 @@ def _turn(heading_deg: float) -> MissionItem:
     )
 
 
-def _takeoff(first: Waypoint, autopilot: Autopilot) -> MissionItem:
+def _takeoff(first: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
     """Return the climb to the height of the first waypoint, straight up."""
     if autopilot.flies_to_takeoff:
         return replace(_item_of(first, autopilot), command=TAKEOFF)
     return MissionItem(command=TAKEOFF, z_m=first.height_m)
 
 
-def _item_of(waypoint: Waypoint, autopilot: Autopilot) -> MissionItem:
+def _item_of(waypoint: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
     heading_deg = waypoint.heading_deg if autopilot.turns_at_waypoints else 0.0
     return MissionItem(
         command=WAYPOINT,

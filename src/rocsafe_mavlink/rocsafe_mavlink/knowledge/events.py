@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from rocsafe_mavlink.knowledge.vehicle import SystemStatus, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import SystemStatus, VehicleTelemetry
 
 
 class EventKind(Enum):
@@ -32,7 +32,7 @@ class Event:
     severity: int = 6
 
 
-def events_between(before: Vehicle, after: Vehicle) -> list[Event]:
+def events_between(before: VehicleTelemetry, after: VehicleTelemetry) -> list[Event]:
     """Return what happened from one state to the next, text apart."""
     events = []
     if before.autopilot is None and after.autopilot is not None:
@@ -49,7 +49,9 @@ def events_between(before: Vehicle, after: Vehicle) -> list[Event]:
     return events
 
 
-def _compared(before: Vehicle, after: Vehicle) -> list[tuple[EventKind, object, object]]:
+def _compared(
+    before: VehicleTelemetry, after: VehicleTelemetry
+) -> list[tuple[EventKind, object, object]]:
     return [
         (EventKind.MODE, before.custom_mode, after.custom_mode),
         (EventKind.STATUS, _status(before), _status(after)),
@@ -58,7 +60,7 @@ def _compared(before: Vehicle, after: Vehicle) -> list[tuple[EventKind, object, 
     ]
 
 
-def _status(vehicle: Vehicle) -> str:
+def _status(vehicle: VehicleTelemetry) -> str:
     try:
         return SystemStatus(vehicle.status).name
     except ValueError:

@@ -3,7 +3,7 @@
 
 import math
 
-from rocsafe_mavlink.knowledge.vehicle import FIX_3D, EkfFlag, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import FIX_3D, EkfFlag, VehicleTelemetry
 
 # A receiver whose time stands still this long has stopped.
 FROZEN_AFTER_S = 1.0
@@ -15,7 +15,7 @@ LARGEST_SEPARATION_M = 110.0
 SMALLEST_SEPARATION_M = 0.001
 
 
-def fix_fault(vehicle: Vehicle, now_s: float) -> str:
+def fix_fault(vehicle: VehicleTelemetry, now_s: float) -> str:
     """Return why the position of `vehicle` cannot be believed at `now_s`; empty if it can."""
     gps, motion = vehicle.gps, vehicle.motion
     if motion is None or now_s - motion.heard_s > OLD_AFTER_S:

@@ -7,10 +7,10 @@ frame says is remembered before its signature was found good.
 
 from rocsafe_mavlink.wire.counters import Counters, Reason
 from rocsafe_mavlink.wire.dialect import Message, decode
-from rocsafe_mavlink.wire.framing import LARGEST_FRAME, Frame, scan
+from rocsafe_mavlink.wire.framing import LARGEST_FRAME, MavlinkFrame, scan
 from rocsafe_mavlink.wire.plausibility import fault_of, is_read
 from rocsafe_mavlink.wire.rate_limit import RateLimit
-from rocsafe_mavlink.wire.signing import SignatureGate, Verdict
+from rocsafe_mavlink.wire.signing import SignatureGate, SignatureVerdict
 
 LARGEST_DATAGRAM = 4096
 LARGEST_RATE_PER_S = 2000.0
@@ -20,10 +20,10 @@ LARGEST_GAP = 128
 # What a radio modem puts in of itself; it has no key.
 UNSIGNED_ALLOWED = frozenset({109})
 _REASONS = {
-    Verdict.FORGED: Reason.FORGED,
-    Verdict.REPLAYED: Reason.REPLAYED,
-    Verdict.TOO_OLD: Reason.REPLAYED,
-    Verdict.TOO_MANY_STREAMS: Reason.TOO_MANY_STREAMS,
+    SignatureVerdict.FORGED: Reason.FORGED,
+    SignatureVerdict.REPLAYED: Reason.REPLAYED,
+    SignatureVerdict.TOO_OLD: Reason.REPLAYED,
+    SignatureVerdict.TOO_MANY_STREAMS: Reason.TOO_MANY_STREAMS,
 }
 
 
@@ -75,7 +75,7 @@ class Peer:
         self._counters.received += len(messages)
         return messages
 
-    def _frames(self, data: bytes) -> list[Frame]:
+    def _frames(self, data: bytes) -> list[MavlinkFrame]:
         if not self._is_stream and len(data) > LARGEST_DATAGRAM:
             self._counters.drop(Reason.OVERSIZE)
             return []
@@ -89,7 +89,7 @@ class Peer:
             self._counters.drop(Reason.FALSE_START, found.false_starts)
         return found.frames
 
-    def _is_genuine(self, frame: Frame, time_s: float) -> bool:
+    def _is_genuine(self, frame: MavlinkFrame, time_s: float) -> bool:
         if self._gate is None:
             return True
         if not frame.is_signed:
@@ -98,11 +98,11 @@ class Peer:
             self._counters.drop(Reason.UNSIGNED)
             return False
         verdict = self._gate.judge(frame, time_s)
-        if verdict is not Verdict.GOOD:
+        if verdict is not SignatureVerdict.GOOD:
             self._counters.drop(_REASONS[verdict])
-        return verdict is Verdict.GOOD
+        return verdict is SignatureVerdict.GOOD
 
-    def _count_lost(self, frame: Frame) -> None:
+    def _count_lost(self, frame: MavlinkFrame) -> None:
         sender = (frame.system, frame.component)
         last = self._sequences.get(sender)
         if last is None and len(self._sequences) >= LARGEST_SENDER_COUNT:
@@ -112,7 +112,7 @@ class Peer:
         if gap < LARGEST_GAP:
             self._counters.lost += gap
 
-    def _believable(self, frame: Frame) -> Message | None:
+    def _believable(self, frame: MavlinkFrame) -> Message | None:
         message = decode(frame.message_id, frame.payload, frame.system, frame.component)
         if not is_read(message.name):
             self._counters.drop(Reason.UNUSED)

@@ -50,7 +50,7 @@ class CallStage(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class HeardText:
     """A text of the autopilot and when it came, steady seconds."""
 
     time_s: float
@@ -78,7 +78,7 @@ class CommandCall:
     wait_until_s: float = 0.0
     sends: int = 0
     result: int = -1
-    heard: tuple[Heard, ...] = ()
+    heard: tuple[HeardText, ...] = ()
 
     @property
     def is_over(self) -> bool:
@@ -97,7 +97,7 @@ class CommandCall:
         return '; '.join((f'command {self.command["command"]} {what}', *texts))
 
     def begin(
-        self, now_s: float, heard: Sequence[Heard] = ()
+        self, now_s: float, heard: Sequence[HeardText] = ()
     ) -> tuple['CommandCall', list[Message]]:
         """Send it; `heard` are the latest texts."""
         return replace(self, heard=_recent(heard, now_s))._send(now_s)
@@ -107,7 +107,7 @@ class CommandCall:
         if self.is_over or message.system != self.command['target_system']:
             return self
         if message.name == 'STATUSTEXT':
-            return self._hear(Heard(now_s, str(message['text'])))
+            return self._hear(HeardText(now_s, str(message['text'])))
         if self.stage is CallStage.WAITING and self._is_answer(message):
             return self._answered(int(message['result']), now_s)
         return self
@@ -129,7 +129,7 @@ class CommandCall:
         sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + REPEAT_S)
         return sent, [Message(self.command.name, fields)]
 
-    def _hear(self, word: Heard) -> 'CommandCall':
+    def _hear(self, word: HeardText) -> 'CommandCall':
         is_explaining = self.stage is CallStage.EXPLAINING
         kept = self.heard if is_explaining else _recent(self.heard, word.time_s)
         return replace(self, heard=(*kept, word)[:LARGEST_TEXT_COUNT])
@@ -198,5 +198,5 @@ def set_interval(target: Target, message_id: int, rate_hz: float) -> Message:
     return command(SET_MESSAGE_INTERVAL, target, message_id, 1e6 / rate_hz)
 
 
-def _recent(heard: Sequence[Heard], now_s: float) -> tuple[Heard, ...]:
+def _recent(heard: Sequence[HeardText], now_s: float) -> tuple[HeardText, ...]:
     return tuple(word for word in heard if now_s - word.time_s <= TEXT_BEFORE_S)

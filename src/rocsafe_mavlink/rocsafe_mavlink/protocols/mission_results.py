@@ -12,6 +12,11 @@ class MissionType(IntEnum):
     FENCE = 1
     RALLY = 2
 
+    @property
+    def word(self) -> str:
+        """Word for people."""
+        return self.name.lower()
+
 
 ACCEPTED, INVALID_SEQUENCE = 0, 13
 RESULTS: Mapping[int, str] = {

@@ -12,7 +12,7 @@ from enum import Enum
 
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
 from rocsafe_mavlink.protocols.mission_item import MissionItem, difference
-from rocsafe_mavlink.protocols.mission_results import ACCEPTED, result_text
+from rocsafe_mavlink.protocols.mission_results import ACCEPTED, MissionType, result_text
 from rocsafe_mavlink.protocols.mission_upload import Upload, UploadStage
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
@@ -64,6 +64,11 @@ class Transfer:
     def is_over(self) -> bool:
         """Whether nothing more will happen."""
         return self.stage in (TransferStage.VERIFIED, TransferStage.FAILED)
+
+    @property
+    def mission_type(self) -> MissionType:
+        """Mission, fence or rally points."""
+        return MissionType(self.upload.mission_type)
 
     def begin(self, now_s: float) -> tuple['Transfer', list[Message]]:
         """Start the upload."""

@@ -23,7 +23,7 @@ _MAGIC = re.compile(b'[\xfd\xfe]')
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class MavlinkFrame:
     """One whole frame, its checksum right.
 
     Attributes
@@ -54,7 +54,7 @@ class Scan:
     false_starts: places that looked like a frame and were none.
     """
 
-    frames: list[Frame]
+    frames: list[MavlinkFrame]
     used: int = 0
     false_starts: int = 0
 
@@ -116,7 +116,7 @@ def _frame_size(data: bytes, start: int) -> int:
     return HEADER_2 + length + signature
 
 
-def _frame(data: bytes, extras: Mapping[int, bytes]) -> Frame | None:
+def _frame(data: bytes, extras: Mapping[int, bytes]) -> MavlinkFrame | None:
     """Return the frame that `data` is, or None."""
     if data[0] == MAGIC_1:
         head, is_signed, message_id = HEADER_1, False, data[5]
@@ -134,4 +134,4 @@ def _frame(data: bytes, extras: Mapping[int, bytes]) -> Frame | None:
         return None
     if checksum(data[1:end] + extra) != int.from_bytes(data[end : end + 2], 'little'):
         return None
-    return Frame(data, message_id, system, component, sequence, data[head:end], is_signed)
+    return MavlinkFrame(data, message_id, system, component, sequence, data[head:end], is_signed)

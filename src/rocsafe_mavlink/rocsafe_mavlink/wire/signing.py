@@ -15,7 +15,7 @@ from pathlib import Path
 from stat import S_IMODE
 
 from rocsafe_mavlink.errors import KeyFileError
-from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, Frame
+from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, MavlinkFrame
 from rocsafe_mavlink.wire.timestamp_store import StreamKey, TimestampStore
 
 KEY_SIZE = 32
@@ -28,7 +28,7 @@ NEW_STREAM_LAG_TICKS = 60 * TICKS_PER_S
 MAC_SIZE = 6
 
 
-class Verdict(Enum):
+class SignatureVerdict(Enum):
     """What became of a signature."""
 
     GOOD = 'good'
@@ -99,22 +99,22 @@ class SignatureGate:
         self._key = key
         self._store = store
 
-    def judge(self, frame: Frame, time_s: float) -> Verdict:
+    def judge(self, frame: MavlinkFrame, time_s: float) -> SignatureVerdict:
         """Return the verdict on a signed `frame`; only a good one is remembered."""
         if not hmac.compare_digest(self._key.mac(frame.data[:-MAC_SIZE]), frame.data[-MAC_SIZE:]):
-            return Verdict.FORGED
+            return SignatureVerdict.FORGED
         trailer = frame.data[-SIGNATURE_SIZE:]
         ticks = int.from_bytes(trailer[1:7], 'little')
         stream: StreamKey = (trailer[0], frame.system, frame.component)
         last = self._store.last_of(stream)
         if last is not None and ticks <= last:
-            return Verdict.REPLAYED
+            return SignatureVerdict.REPLAYED
         if last is None and ticks + NEW_STREAM_LAG_TICKS < self._store.newest(ticks_at(time_s)):
-            return Verdict.TOO_OLD
+            return SignatureVerdict.TOO_OLD
         if last is None and self._store.is_full:
-            return Verdict.TOO_MANY_STREAMS
+            return SignatureVerdict.TOO_MANY_STREAMS
         self._store.accept(stream, ticks)
-        return Verdict.GOOD
+        return SignatureVerdict.GOOD
 
 
 def _from_hexadecimal(path: Path, content: bytes) -> bytes:

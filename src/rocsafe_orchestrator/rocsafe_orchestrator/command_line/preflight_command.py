@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe preflight`: real vehicles looked at before a flight."""
 
-import math
 import tempfile
 from collections.abc import Iterable
 from datetime import datetime, timezone
@@ -56,7 +55,7 @@ def look(
     ------
     OrchestratorError: saying why it says nothing.
     """
-    bridge = {key: _json_value(value) for key, value in bridge_parameters(scenario, '').items()}
+    bridge = bridge_parameters(scenario, state_directory='')
     request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': patience_s}
     executable = find_executable('rocsafe_mavlink', 'preflight')
     answer = answer_of(executable, request, patience_s + SPARE_S)
@@ -118,12 +117,6 @@ def planned_routes(path: Path, scenario: Scenario) -> dict[str, Any]:
 def _waypoint(viewpoint: dict[str, Any], ground_m: float) -> list[float]:
     place = (viewpoint['latitude_deg'], viewpoint['longitude_deg'])
     return [*place, viewpoint['altitude_m'] - ground_m]
-
-
-def _json_value(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_json_value(part) for part in value]
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def _table(answer: dict[str, Any]) -> Table:

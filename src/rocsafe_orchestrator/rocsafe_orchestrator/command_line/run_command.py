@@ -163,7 +163,7 @@ class _Flight:
             speed = self.scenario.clock.speed
             mission = Mission(
                 crew_of(self.scenario, self.table),
-                node.options,
+                node.deadlines,
                 planning_budget_s=self.scenario.survey.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.radiation.search.extra_rounds,
@@ -183,7 +183,7 @@ class _Flight:
                 run_info=self.run_info,
             )
             try:
-                run = MissionRun(parts, node.options.stop_timeout_s, self.started_s)
+                run = MissionRun(parts, node.deadlines.stop_s, self.started_s)
                 return run.fly()
             finally:
                 self.text = mission.text

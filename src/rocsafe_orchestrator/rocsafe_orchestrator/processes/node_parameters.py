@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario to the ROS parameters of each node."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -65,9 +64,11 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
 def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the one process of all simulated vehicles, which are alike."""
     return {
-        'vehicles': [vehicle.name for vehicle in scenario.simulated],
-        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.simulated],
-        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.simulated],
+        'fleet_file': {
+            'vehicles': [
+                {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
+            ]
+        },
         **_vehicle_model(scenario, scenario.simulated[0]),
         'spool_directory': str(run.spool),
     }
@@ -75,22 +76,23 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
     """Return the parameters of the bridge to all real vehicles."""
-    linked, camera = scenario.linked, scenario.camera
-    separations = [vehicle.drone.geoid_separation_m for vehicle in linked]
     return {
-        'vehicles': [vehicle.name for vehicle in linked],
-        'links': [vehicle.link for vehicle in linked],
-        'systems': [vehicle.drone.system for vehicle in linked],
-        'components': [vehicle.drone.component for vehicle in linked],
-        'speeds_mps': [vehicle.cruise_speed_mps for vehicle in linked],
-        'hovers_s': [vehicle.hover_s for vehicle in linked],
-        'endurances_s': [vehicle.endurance_s for vehicle in linked],
-        'image_folders': [vehicle.drone.image_folder for vehicle in linked],
-        'signing_key_files': [vehicle.drone.signing_key_file for vehicle in linked],
-        'geoid_separations_m': [math.nan if s is None else s for s in separations],
+        'drones_file': {
+            'drones': [
+                {
+                    'name': vehicle.name,
+                    'link': vehicle.link,
+                    'speed_mps': vehicle.cruise_speed_mps,
+                    'hover_s': vehicle.hover_s,
+                    'endurance_s': vehicle.endurance_s,
+                    **vehicle.drone.model_dump(exclude={'detector'}),
+                }
+                for vehicle in scenario.linked
+            ]
+        },
         'state_directory': state_directory,
         'needs_supervisor': True,
-        'camera_horizontal_fov_deg': camera.horizontal_fov_deg,
+        'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **_origin(scenario),
     }
 
@@ -171,7 +173,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),
-        **vehicle.autopilot.model_dump(),
+        'autopilot_file': vehicle.autopilot.model_dump(),
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.wind_mps[0],
         'wind_north_mps': scenario.survey.wind_mps[1],

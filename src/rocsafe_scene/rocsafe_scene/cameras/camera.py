@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,13 +15,13 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Truth
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.studio import Studio, open_renderer
+from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import CLASSES
+from rocsafe_scene.painting.canvas import Image
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObject
 from rocsafe_scene.scene.scene_file import read_scene
-from rocsafe_scene.scenery.canvas import Image
 
 # Far above the numbers of things; 65535 stays free, which stands for what 16 bits cannot hold.
 GROUND_NUMBERS = 65_279
@@ -74,7 +74,7 @@ class EngineCamera:
     ----------
     scene : to look at.
     lens : of the camera.
-    oversampling : 1 to 4, see `Studio`.
+    oversampling : 1 to 4, see `OversampledCamera`.
 
     Raises
     ------
@@ -85,7 +85,7 @@ class EngineCamera:
         self.lens = lens
         self.truth: Truth | None = None
         self._scene = scene
-        self._studio = Studio(scene.renderer, lens, oversampling)
+        self._camera = OversampledCamera(scene.renderer, lens, oversampling)
 
     @property
     def remark(self) -> str:
@@ -107,9 +107,9 @@ class EngineCamera:
     ) -> Image:
         """Return the picture seen from a pose at a time: blue, green, red."""
         self._scene.set_time(time_ns)
-        expose = self._studio.glance if is_quick else self._studio.expose
+        expose = self._camera.expose_once if is_quick else self._camera.expose
         frame = expose(np.array(position_enu), rotation_enu_from_optical)
-        self.truth = Truth(depth_m=frame.depth_m, numbers=told_numbers(frame))
+        self.truth = Truth(depth_m=frame.depth_m, numbers=reported_numbers(frame))
         return frame.image
 
 
@@ -117,7 +117,7 @@ def _sun_time(start_ns: int) -> datetime | None:
     return datetime.fromtimestamp(start_ns / NS_PER_S, timezone.utc) if start_ns else None
 
 
-def told_numbers(frame: Frame) -> NDArray[np.uint32]:
+def reported_numbers(frame: Rendering) -> NDArray[np.uint32]:
     """Return the instances of a frame, the ground told apart by what it is: road, grass, water."""
     ground = GROUND_NUMBERS + frame.classes.astype(np.uint32)
     return np.where(frame.numbers == GROUND_NUMBER, ground, frame.numbers)

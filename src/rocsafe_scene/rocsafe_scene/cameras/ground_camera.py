@@ -12,8 +12,8 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.ground.picture import Ground, GroundBounds
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.ground.ground_patch import Ground, GroundBounds
+from rocsafe_scene.painting.canvas import Image
 
 # Interpolation reads one texel beyond; one more for rounding.
 _MARGIN_TEXELS = 2.0

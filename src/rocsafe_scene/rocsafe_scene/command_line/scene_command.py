@@ -15,15 +15,15 @@ import numpy as np
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.solids_file import write_solids
+from rocsafe_scene.command_line.label_images import truth_sheet
+from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.height_file import write_heights
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.building import check, ground_works, terrain_of
 from rocsafe_scene.scene.description import SceneDescription
-from rocsafe_scene.scene.label_picture import truth_sheet
 from rocsafe_scene.scene.map_cache import default_folder
-from rocsafe_scene.scene.overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.scene.placing import to_world
 from rocsafe_scene.scene.scene_file import read_scene
 from rocsafe_scene.scene.sunlight import WEATHERS
@@ -191,14 +191,14 @@ def _render(arguments: argparse.Namespace) -> None:
 
 def _drawn(description: SceneDescription, view: View, arguments: argparse.Namespace) -> list[Path]:
     # Only here, so that check and list work where the engine is not installed.
-    from rocsafe_scene.engine.studio import Studio, open_scene
+    from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_scene
 
     routes = read_run(arguments.overview) if arguments.overview else None
     origin = routes.origin if routes else None
     renderer = open_scene(description, origin=origin, cache=default_folder())
     lens = PinholeCamera(math.radians(view.fov_deg), *view.size_px)
     pose = _pose_over(routes) if routes else _pose(description, view)
-    frame = Studio(renderer, lens, arguments.quality).expose(*pose)
+    frame = OversampledCamera(renderer, lens, arguments.quality).expose(*pose)
     image = frame.image
     if routes:
         image = draw_routes(image, frame.depth_m, lens, pose, routes)
@@ -212,7 +212,7 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
 
 def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
     """Return a pose from the south-west that has all planned viewpoints in view."""
-    from rocsafe_scene.engine.lens import looking
+    from rocsafe_scene.graphics.lens import looking
 
     reach = max(60.0, min(routes.reach_m, 160.0))
     target = np.array([*routes.survey_middle[:2], 0.0])
@@ -221,7 +221,7 @@ def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
 
 
 def _pose(description: SceneDescription, view: View) -> tuple[Floats, Floats]:
-    from rocsafe_scene.engine.lens import looking
+    from rocsafe_scene.graphics.lens import looking
 
     eye = np.array([*to_world(description, [view.eye[:2]])[0], view.eye[2]])
     if view.target is None:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_scene.engine.renderer import Renderer
-from rocsafe_scene.engine.shading import shader
-from rocsafe_scene.engine.stage import ALONE
+from rocsafe_scene.engine.scene_graph import ALONE
+from rocsafe_scene.engine.shaders import shader
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.graphics.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_scene.mesh.mesh import Floats
 
 Box = tuple[int, int, int, int]
@@ -33,12 +33,12 @@ class Silhouettes:
         self._texture = core.Texture('alone')
         self._buffer = self._make_buffer()
         camera = core.Camera('alone', pinhole_lens(lens))
-        camera.setScene(renderer.stage.root)
+        camera.setScene(renderer.graph.root)
         camera.setCameraMask(ALONE)
         state = core.NodePath('state')
         state.setShader(shader('alone'), 1000)
         camera.setInitialState(state.getState())
-        self._node = renderer.stage.root.attachNewNode(camera)
+        self._node = renderer.graph.root.attachNewNode(camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
         self._buffer.setActive(False)
 
@@ -90,7 +90,7 @@ class Silhouettes:
 
     def _areas(self, batch: Sequence[int], pose: tuple[Floats, Floats]) -> dict[int, int]:
         """Return of how many pixels each thing is when these alone are drawn."""
-        things = self._renderer.stage.things
+        things = self._renderer.graph.things
         for number in batch:
             things[number].show(ALONE)
         self._node.setMat(node_matrix(*pose))

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import NEAR_M, node_matrix, pinhole_lens
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.pipe import Pipe, open_pipe
-from rocsafe_scene.engine.software_stage import KNOW, LOOK, SoftwareStage
-from rocsafe_scene.engine.target import OneThread, make_buffer, pixels_of
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.engine.software_scene_graph import KNOW, LOOK, SoftwareSceneGraph
+from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
+from rocsafe_scene.graphics.lens import NEAR_M, node_matrix, pinhole_lens
+from rocsafe_scene.graphics.pipe import Pipe, open_pipe
+from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.mesh import Floats, unit
 from rocsafe_scene.scene.environment import Environment
 from rocsafe_scene.scene.sunlight import Lighting
@@ -41,28 +41,28 @@ class SoftwareRenderer:
     def __init__(self, environment: Environment, lighting: Lighting) -> None:
         self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
-        self.stage = SoftwareStage(environment, lighting)
-        self.stage.move(0.0)
+        self.graph = SoftwareSceneGraph(environment, lighting)
+        self.graph.move(0.0)
         self.sky = np.clip(np.sqrt(0.6 * np.array(lighting.horizon)), 0.0, 1.0)
 
     def set_time(self, time_s: float) -> None:
         """Put what moves where it is at a time, seconds after the start."""
         self.thread.require()
-        self.stage.move(time_s)
+        self.graph.move(time_s)
 
-    def camera(self, lens: PinholeCamera) -> 'SoftwareEye':
+    def camera(self, lens: PinholeCamera) -> 'SoftwareRendererCamera':
         """Return a camera of this scene."""
         self.thread.require()
-        return SoftwareEye(self, lens)
+        return SoftwareRendererCamera(self, lens)
 
 
-class SoftwareEye:
+class SoftwareRendererCamera:
     """A camera with its buffers; make it once and use it again."""
 
     def __init__(self, renderer: SoftwareRenderer, lens: PinholeCamera) -> None:
         self.lens = lens
         self._renderer = renderer
-        self._node = renderer.stage.root.attachNewNode('eye')
+        self._node = renderer.graph.root.attachNewNode('eye')
         matrix = lens.matrix
         # Of the rays (x, y, 1) through the pixels: x by column, y by row.
         self._x = ((np.arange(lens.image_width_px) - matrix[0, 2]) / matrix[0, 0])[None]
@@ -79,7 +79,7 @@ class SoftwareEye:
         sky = (*self._renderer.sky.tolist(), 1.0) if state is None else (0.0, 0.0, 0.0, 0.0)
         buffer.setClearColor(core.LVecBase4f(*sky))
         camera = core.Camera(name, pinhole_lens(self.lens))
-        camera.setScene(self._renderer.stage.root)
+        camera.setScene(self._renderer.graph.root)
         camera.setCameraMask(mask)
         if state is not None:
             camera.setInitialState(state)
@@ -90,7 +90,7 @@ class SoftwareEye:
     def resolve(self, focal_px: float) -> None:
         """Do nothing: this pipe draws all things the same at any distance."""
 
-    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose.
 
         Parameters
@@ -117,8 +117,8 @@ class SoftwareEye:
     def _plane(self, number: int) -> NDArray[np.uint8]:
         return pixels_of(self._passes[number][1], self.lens)
 
-    def _frame(self, position: Floats, rotation: Floats) -> Frame:
-        triangles = self._renderer.stage.triangles
+    def _frame(self, position: Floats, rotation: Floats) -> Rendering:
+        triangles = self._renderer.graph.triangles
         packed = np.asarray(cv2.flip(self._plane(1), 0)).view(np.uint32)[..., 0]
         drawn = packed & np.uint32(0xFFFFFF)
         # What cannot be is an edge that the pipe blended: sky.
@@ -129,7 +129,7 @@ class SoftwareEye:
         normal = unit(np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0]))
         depth = self._depth(placed, normal, (position, rotation), row)
         depth[drawn == 0] = np.inf
-        return Frame(
+        return Rendering(
             image=np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0)),
             depth_m=depth,
             numbers=_taken(triangles.numbers[owner], row),
@@ -174,7 +174,7 @@ class SoftwareEye:
         east, north = (
             (reach * self._along(rotation[axis]) + np.float32(position[axis])) for axis in (0, 1)
         )
-        inner, outer = self._renderer.stage.ground_maps
+        inner, outer = self._renderer.graph.ground_maps
         found = _class_picture(inner, east, north)
         width, height = inner.size_m
         is_inner = (np.abs(east - (inner.west_m + 0.5 * width)) < 0.5 * width) & (

@@ -10,9 +10,9 @@ import shapely
 
 from rocsafe_scene.ground.relief import Course
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.scenery import farmland, roads
-from rocsafe_scene.scenery.marks import Mark, Paint, normals_of, polygon, ribbon, stroke
-from rocsafe_scene.scenery.outlines import blob, faded, generator, smooth_line
+from rocsafe_scene.painting import farmland, roads
+from rocsafe_scene.painting.marks import Mark, Paint, normals_of, polygon, ribbon, stroke
+from rocsafe_scene.painting.outlines import blob, faded, generator, smooth_line
 
 Rgb = Sequence[int]
 
@@ -46,8 +46,8 @@ class GroundWork:
 
 def ploughed_field(outline: Floats, seed: int, yaw_rad: float = 0.0) -> GroundWork:
     """Return soil in furrows."""
-    thing = farmland.ploughed_field('field', outline, yaw_rad, seed)
-    return GroundWork(marks=thing.ground, stencils=(Stencil('soil', [outline]),))
+    marks = farmland.ploughed_field(outline, yaw_rad, seed)
+    return GroundWork(marks=marks, stencils=(Stencil('soil', [outline]),))
 
 
 def meadow(
@@ -59,8 +59,8 @@ def meadow(
 ) -> GroundWork:
     """Return a mown meadow."""
     red, green, blue = colour
-    thing = farmland.meadow('meadow', outline, yaw_rad, (red, green, blue), seed, swath_m)
-    return GroundWork(marks=thing.ground, stencils=(Stencil('meadow', [outline]),))
+    marks = farmland.meadow(outline, yaw_rad, (red, green, blue), seed, swath_m)
+    return GroundWork(marks=marks, stencils=(Stencil('meadow', [outline]),))
 
 
 def yard(
@@ -70,7 +70,7 @@ def yard(
     red, green, blue = colour
     rng = generator(seed, 81)
     low, high = outline.min(axis=0), outline.max(axis=0)
-    marks: list[Mark] = list(farmland.yard('yard', outline, (red, green, blue)).ground)
+    marks: list[Mark] = list(farmland.yard(outline, (red, green, blue)))
     for _ in range(9):
         worn = Paint((red - 26, green - 28, blue - 26), 140, 0.35)
         patch = blob(
@@ -84,7 +84,7 @@ def road(line: Floats, seed: int, width_m: float = 6.2, lift_m: float = 0.25) ->
     """Return an asphalt road, a little above the fields."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.road('road', line, width_m, seed).ground,
+        marks=roads.road(line, width_m, seed),
         stencils=(Stencil('asphalt', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.5 * width_m + 1.0, lift_m, 5.0),),
     )
@@ -94,7 +94,7 @@ def gravel_track(line: Floats, seed: int, width_m: float = 3.4) -> GroundWork:
     """Return a farm track."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.gravel_track('track', line, width_m, seed).ground,
+        marks=roads.gravel_track(line, width_m, seed),
         stencils=(Stencil('gravel', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.5 * width_m + 0.5, 0.08, 3.0),),
     )
@@ -104,7 +104,7 @@ def stream(line: Floats, seed: int, width_m: float = 2.4, depth_m: float = 1.1) 
     """Return a stream in its bed."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.stream('stream', line, width_m, seed).ground,
+        marks=roads.stream(line, width_m, seed),
         stencils=(Stencil('water', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.45 * width_m, -depth_m, 3.2),),
     )

@@ -12,8 +12,8 @@ from pyproj.exceptions import ProjError
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.ground.picture import GroundBounds, Patch, require_patch_size
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.ground.ground_patch import GroundBounds, Patch, require_patch_size
+from rocsafe_scene.painting.canvas import Image
 
 _BLUE_GREEN_RED = (3, 2, 1)
 

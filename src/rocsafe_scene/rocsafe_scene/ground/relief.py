@@ -10,7 +10,7 @@ from rocsafe_geo.terrain.height_grid import GridFrame
 from rocsafe_scene.ground.terrain import HeightFunction
 from rocsafe_scene.mesh.lines import nearest_on, resampled, run_of
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.scenery.noise import CM_PER_M, Window, fractal_at
+from rocsafe_scene.painting.noise import CM_PER_M, Window, fractal_at
 
 # Share of the relief by octave, of spacing 2^k cm: from bumps of a metre to rises of 80 m.
 _LOCAL = {7: 0.012, 8: 0.03, 9: 0.07, 10: 0.14, 11: 0.25, 12: 0.5, 13: 0.75}

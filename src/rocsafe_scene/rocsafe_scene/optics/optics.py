@@ -12,9 +12,9 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.optics.distortion import Distortion, lens_to_draw, pixel_rays
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_scene.optics.light import fall_off, image_of_light, light_of, with_noise
 from rocsafe_scene.optics.motion import Rates
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.optics.sensor_response import fall_off, image_of_light, light_of, with_noise
+from rocsafe_scene.painting.canvas import Image
 
 # A blur is made of pictures this far apart at most, but of no more than so many.
 _BLUR_STEP_PX = 0.7

@@ -11,19 +11,19 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.ground_kinds import GROUND_KINDS, GroundWork, yaw_of
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.real_ground import measured_heights, open_photo
 from rocsafe_scene.ground.relief import Pad, Relief
 from rocsafe_scene.ground.terrain import INNER_HALF_M, Terrain, make_terrain
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.mesh import Floats, Mesh
+from rocsafe_scene.painting.noise import Window, fractal_at
 from rocsafe_scene.parts.plants import tufts
 from rocsafe_scene.scene import map_cache, scene_cache
 from rocsafe_scene.scene.catalogue import maker_of
 from rocsafe_scene.scene.description import GroundBlock, SceneDescription
 from rocsafe_scene.scene.environment import Environment, SceneObject
 from rocsafe_scene.scene.placing import Placer, to_world
-from rocsafe_scene.scenery.noise import Window, fractal_at
 
 _TUFTS_PER_M2 = 1.6
 _PATCHES = {6: 0.5, 7: 0.8, 8: 1.0, 9: 0.8}

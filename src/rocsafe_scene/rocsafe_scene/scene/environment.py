@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.lines import run_of
 from rocsafe_scene.mesh.mesh import Floats, Mesh

@@ -6,7 +6,7 @@ from hashlib import sha256
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_MAKERS = ('mesh', 'parts', 'ground', 'scene', 'scenery')
+_MAKERS = ('mesh', 'parts', 'ground', 'scene', 'painting')
 
 
 def stamp(path: str | None) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.ground.ground_kinds import GroundWork
-from rocsafe_scene.ground.ground_picture import GroundMap, inner_map, outer_map
+from rocsafe_scene.ground.ground_map import GroundMap, inner_map, outer_map
 from rocsafe_scene.ground.real_ground import draped
 from rocsafe_scene.scene.description import SceneDescription
 from rocsafe_scene.scene.file_stamp import source_digest, stamp

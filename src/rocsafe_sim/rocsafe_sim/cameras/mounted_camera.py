@@ -18,7 +18,7 @@ from rocsafe_scene.optics.motion import (
     plane_depth_m,
 )
 from rocsafe_scene.optics.optics import Optics
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
 

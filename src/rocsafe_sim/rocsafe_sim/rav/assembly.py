@@ -13,15 +13,15 @@ from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera
 from rocsafe_scene.cameras.ground_camera import GroundCamera
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.flat_ground.ground_photograph import read_photograph
+from rocsafe_scene.flat_ground.scene_ground import SceneGround
+from rocsafe_scene.ground.ground_patch import Ground
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
-from rocsafe_scene.ground.picture import Ground
-from rocsafe_scene.ground.procedural_ground import ProceduralGround
 from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scene.map_cache import default_folder
-from rocsafe_scene.scenery.catalogue import make_scene
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
-from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
+from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.surroundings import Surroundings
@@ -43,11 +43,14 @@ class SharedParts:
 
 
 def make_shared(options: VehicleOptions) -> SharedParts:
-    """Return the cameras of `options.rig()`, and what stands in the vehicles' way.
+    """Return the cameras of the vehicles, and what they may fly into.
 
     Raises
     ------
-    ViewError: if the ground, the scene or the engine cannot be had.
+    ValueError
+        If the file of the cameras is wrong.
+    ViewError
+        If the ground, the scene or the engine cannot be had.
     """
     # Other vehicles are other processes: threads of their own would only contend.
     cv2.setNumThreads(1)
@@ -55,7 +58,7 @@ def make_shared(options: VehicleOptions) -> SharedParts:
     draws, surroundings = _engine(options) if is_engine else _flat(options)
     cameras = tuple(
         CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
-        for settings in options.rig()
+        for settings in options.cameras()
     )
     return SharedParts(cameras=cameras, surroundings=surroundings)
 
@@ -89,7 +92,7 @@ def _engine(
             seed=options.seed,
             origin=options.frame().origin,
             start_ns=round(options.scene_start_s * NS_PER_S),
-            cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
+            cache=default_folder(),
         )
     )
 
@@ -106,8 +109,8 @@ def make_ground(options: VehicleOptions) -> Ground:
     ------
     GroundError: if it is a file that cannot be read.
     """
-    if options.ground == PROCEDURAL:
-        return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
+    if options.ground == SCENE_GROUND:
+        return SceneGround(read_photograph(options.scene), options.seed)
     return OrthophotoGround(Path(options.ground), options.frame())
 
 
@@ -122,7 +125,10 @@ def make_rav(
 
     Raises
     ------
-    JournalError, SpoolError: if `spool` holds what cannot be read.
+    JournalError, SpoolError
+        If `spool` holds what cannot be read.
+    ValueError
+        If the file of the autopilot is wrong, or there is too much wind.
     """
     frame = options.frame()
     east, north, _ = frame.enu_of(home).tolist()
