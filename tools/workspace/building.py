@@ -54,8 +54,10 @@ def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_i
 
     Parameters
     ----------
-    token: tells this build from others.
-    stand_in: whether a ``ros2`` command is needed.
+    token
+        Tells this build from others.
+    stand_in
+        Whether a ``ros2`` command is needed.
     """
     captured = capture(layout, ros)
     records.write_text(layout.environment_script, shell_script(layout, captured, token))

@@ -21,7 +21,8 @@ def exclusive(path: Path) -> Iterator[None]:
 
     Raises
     ------
-    SetupError: if another process holds it for longer than `WAIT_LIMIT_S`.
+    SetupError
+        If another process holds it for longer than `WAIT_LIMIT_S`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open('a+') as file:

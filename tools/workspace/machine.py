@@ -66,13 +66,17 @@ def choose_python(
 
     Parameters
     ----------
-    environment: of the user.
-    wanted: the only version that will do, None if any that ROCSAFE supports will.
-    venv: virtual environment that is about to be made, so nothing in it is taken.
+    environment
+        Of the user.
+    wanted
+        The only version that will do, None if any that ROCSAFE supports will.
+    venv
+        Virtual environment that is about to be made, so nothing in it is taken.
 
     Raises
     ------
-    SetupError: if there is none, saying what the best one lacks.
+    SetupError
+        If there is none, saying what the best one lacks.
     """
     versions = (wanted,) if wanted else PYTHON_VERSIONS
     best = None
@@ -119,7 +123,8 @@ def check_tools(path: str) -> None:
 
     Raises
     ------
-    SetupError: naming every one that is missing, why it is needed and its Debian package.
+    SetupError
+        Naming every one that is missing, why it is needed and its Debian package.
     """
     needs = (
         ('g++', 'compiles the messages', 'g++'),
@@ -166,7 +171,8 @@ def check_wheels_exist() -> None:
 
     Raises
     ------
-    SetupError: if it does not.
+    SetupError
+        If it does not.
     """
     system, processor = platform.system(), platform.machine()
     if (system, processor) != ('Linux', 'x86_64'):
@@ -181,7 +187,8 @@ def check_disk(folder: Path) -> None:
 
     Raises
     ------
-    SetupError: if less than `DISK_NEEDED_BYTES` is free.
+    SetupError
+        If less than `DISK_NEEDED_BYTES` is free.
     """
     free = shutil.disk_usage(folder).free
     if free < DISK_NEEDED_BYTES:

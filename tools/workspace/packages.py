@@ -124,7 +124,8 @@ def remove(path: Path) -> None:
 
     Raises
     ------
-    SetupError: if the system does not allow it.
+    SetupError
+        If the system does not allow it.
     """
     try:
         if path.is_symlink() or path.is_file():

@@ -74,7 +74,8 @@ def run_logged(
 
     Raises
     ------
-    CommandError: with the end of the log, if the command fails or cannot start.
+    CommandError
+        With the end of the log, if the command fails or cannot start.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     process = None

@@ -24,9 +24,12 @@ class Workspace:
 
     Attributes
     ----------
-    layout: its files.
-    ros: the system's ROS, None for wheels.
-    user: environment that the user started the set-up in.
+    layout
+        Its files.
+    ros
+        The system's ROS, None for wheels.
+    user
+        Environment that the user started the set-up in.
     """
 
     layout: Layout

@@ -51,7 +51,8 @@ def position_of_point(point: GeoPoint) -> GeoPosition:
 
     Raises
     ------
-    ValueError: if latitude or longitude is out of range or not finite.
+    ValueError
+        If latitude or longitude is out of range or not finite.
     """
     return GeoPosition(
         latitude_deg=point.latitude, longitude_deg=point.longitude, altitude_m=point.altitude
@@ -70,7 +71,8 @@ def position_of_fix(fix: NavSatFix) -> GeoPosition:
 
     Raises
     ------
-    ValueError: if it has no position.
+    ValueError
+        If it has no position.
     """
     if not has_position(fix):
         raise ValueError(f'fix has no position (status {fix.status.status})')
@@ -209,7 +211,8 @@ def area_of_region(region: Region) -> SurveyArea:
 
     Raises
     ------
-    ValueError: if its polygons do not make an area, see `SurveyArea`.
+    ValueError
+        If its polygons do not make an area, see `SurveyArea`.
     """
     return SurveyArea(
         name=region.name,

@@ -29,11 +29,15 @@ class Participant:
 
     Parameters
     ----------
-    node: the node that takes part; it is made to use simulated time.
-    name: how the world knows the participant.
-    on_step: gets the time in nanoseconds, does all the work of that step, publishing included,
+    node
+        The node that takes part; it is made to use simulated time.
+    name
+        How the world knows the participant.
+    on_step
+        Gets the time in nanoseconds, does all the work of that step, publishing included,
         and returns whether it is idle, that is, has nothing to do until somebody asks.
-    is_ready: tells whether the participant hears all that it works with; until it does, but for
+    is_ready
+        Tells whether the participant hears all that it works with; until it does, but for
         no longer than ten seconds, its first report is held back and so is simulated time.
     """
 

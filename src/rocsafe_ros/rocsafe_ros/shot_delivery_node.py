@@ -18,10 +18,14 @@ class ShotDelivery:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    store: keeps what has no receipt.
-    message_of: makes the message of a photograph.
-    on_receipt: is called after each receipt of an own photograph.
+    node
+        In the vehicle's namespace.
+    store
+        Keeps what has no receipt.
+    message_of
+        Makes the message of a photograph.
+    on_receipt
+        Is called after each receipt of an own photograph.
     """
 
     def __init__(

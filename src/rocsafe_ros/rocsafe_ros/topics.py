@@ -2,7 +2,7 @@
 """Every topic, service and action of ROCSAFE: name, type, quality of service, rate.
 
 Names are relative. A name of vehicle scope lives in the namespace of a vehicle (``rav1/fix``), a
-name of fleet scope in that of the suite. The tables of docs/interfaces.md are made from this module.
+name of fleet scope in that of the suite. `make docs` writes docs/interfaces.md from this module.
 """
 
 from collections.abc import Callable
@@ -118,11 +118,16 @@ class TopicSpec:
 
     Attributes
     ----------
-    name: relative to the namespace that `scope` says.
-    message_type: its message class.
-    qos: quality of service offered by its publisher.
-    rate: how often it comes, for people.
-    note: what it means, for people.
+    name
+        Relative to the namespace that `scope` says.
+    message_type
+        Its message class.
+    qos
+        Quality of service offered by its publisher.
+    rate
+        How often it comes, for people.
+    note
+        What it means, for people.
     """
 
     name: str
@@ -285,7 +290,8 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
 
     Raises
     ------
-    ValueError: if a vehicle is named for a name of fleet scope.
+    ValueError
+        If a vehicle is named for a name of fleet scope.
     """
     if not vehicle:
         return spec.name
@@ -299,7 +305,8 @@ def of_camera(spec: TopicSpec, camera: str) -> TopicSpec:
 
     Raises
     ------
-    ValueError: if it is not of a camera.
+    ValueError
+        If it is not of a camera.
     """
     first, _, rest = spec.name.partition('/')
     if first != FIRST_CAMERA or not rest:
