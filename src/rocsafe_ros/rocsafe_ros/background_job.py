@@ -18,7 +18,7 @@ def start_job(work: Callable[[], T], name: str) -> 'Future[T]':
     Parameters
     ----------
     work
-        What to do. Its error is raised by `Future.result`.
+        The work. `Future.result` raises its error.
     name
         Name of the thread.
     """

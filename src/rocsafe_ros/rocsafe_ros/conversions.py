@@ -21,7 +21,7 @@ from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
 
 EARTH_FRAME = 'earth'
 MAP_FRAME = 'map'
-# Of a fix without error: ROS takes 0 for "unknown" in some readers.
+# Variance of a fix without error; some readers take 0 for "unknown".
 _LEAST_VARIANCE_M2 = 1e-12
 _NO_DISTORTION = [0.0] * 5
 
@@ -60,14 +60,14 @@ def position_of_point(point: GeoPoint) -> GeoPosition:
 
 
 def has_position(fix: NavSatFix) -> bool:
-    """Whether `fix` says where the receiver is."""
+    """Return whether `fix` has a position."""
     return fix.status.status >= NavSatStatus.STATUS_FIX and math.isfinite(
         fix.latitude + fix.longitude
     )
 
 
 def position_of_fix(fix: NavSatFix) -> GeoPosition:
-    """Return where `fix` is; its altitude is above the ellipsoid, NaN if unknown.
+    """Return the position of `fix`; altitude above the ellipsoid, NaN if unknown.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def fix_message(
     std_m: tuple[float, float],
     status: int = NavSatStatus.STATUS_FIX,
 ) -> NavSatFix:
-    """Return a fix; `std_m` is horizontal and vertical, NaN: nobody knows how good it is."""
+    """Return a fix; `std_m` is horizontal and vertical standard deviation, NaN if unknown."""
     message = NavSatFix(
         header=Header(stamp=stamp, frame_id=frame_id),
         status=NavSatStatus(status=status, service=NavSatStatus.SERVICE_GPS),
