@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the machine has to bring: a complete Python, a compiler, CMake, room on the disk."""
+"""Checks of the machine: a complete Python, a compiler, CMake, space on the disk."""
 
 import json
 import os
@@ -32,7 +32,7 @@ print(json.dumps({
 
 @dataclass(frozen=True)
 class BasePython:
-    """A Python of the machine, as it described itself."""
+    """A Python of the machine, described by its own output."""
 
     executable: Path
     version: tuple[int, int, int]
@@ -46,11 +46,11 @@ class BasePython:
 
     @property
     def name(self) -> str:
-        """Version as people write it."""
+        """Version as text."""
         return '.'.join(str(part) for part in self.version)
 
     def complaint(self) -> str:
-        """Return what it lacks and how to get it, empty if nothing."""
+        """Return what it lacks and how to install that; empty if nothing."""
         package = f'python{self.minor[0]}.{self.minor[1]}'
         if self.lacks:
             return _complaint(self, f'module {self.lacks[0]}', f'{package}-venv')
@@ -167,7 +167,7 @@ def _check_cmake(path: str) -> None:
 
 
 def check_wheels_exist() -> None:
-    """Check that ROS 2 comes as wheels for this kind of machine.
+    """Check that there are wheels of ROS 2 for this kind of machine.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def check_wheels_exist() -> None:
 
 
 def check_disk(folder: Path) -> None:
-    """Check the room left for a first set-up.
+    """Check that the disk has space for a first set-up.
 
     Raises
     ------
