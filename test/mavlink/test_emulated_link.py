@@ -18,6 +18,8 @@ from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.wire.dialect import decode
 from rocsafe_mavlink.wire.framing import scan
 
+pytestmark = pytest.mark.slow
+
 READY_S = 46.0
 
 

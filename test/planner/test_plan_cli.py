@@ -9,6 +9,8 @@ import pytest
 
 from rocsafe_planner.command_line.plan_command import main
 
+pytestmark = pytest.mark.slow
+
 REQUEST = {
     'region': {
         'name': 'rectangle',

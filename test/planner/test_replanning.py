@@ -18,6 +18,8 @@ from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, 
 
 from .fleets import FIELD, FLEET, request, vehicle
 
+pytestmark = pytest.mark.slow
+
 PLAN = plan_survey(request(area=FIELD, height_agl_m=60.0, method='boustrophedon_minmax'))
 
 

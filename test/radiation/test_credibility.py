@@ -16,6 +16,8 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
+pytestmark = pytest.mark.slow
+
 STRONG = (40.0, 55.0, 2000.0)
 SETTING = Setting(kernel=LOSSLESS.kernel)
 

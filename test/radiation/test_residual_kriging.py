@@ -11,6 +11,8 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
+pytestmark = pytest.mark.slow
+
 AXIS = np.arange(0.0, 300.1, 10.0)
 
 
