@@ -46,16 +46,16 @@ from rich.table import Table
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.alignment.photo import footprint
-from rocsafe_mapping.alignment.survey import BY_FEATURES
+from rocsafe_mapping.alignment.block import BY_FEATURES
+from rocsafe_mapping.alignment.model.photo import footprint
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.command_line.map_command import Stopwatch
-from rocsafe_mapping.mosaic.live import TILES_S, LiveMap
+from rocsafe_mapping.live.live_map import TILES_S, LiveMap
 from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.products.error_map import STANDING_M, error_map
-from rocsafe_mapping.products.handover import Handover, hand_over
+from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.products.quality import violations
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 from rocsafe_mapping.store.catalogue import read_store
@@ -114,18 +114,18 @@ def mapped(
     if draw:
         with tempfile.TemporaryDirectory() as folder:
             place = Path(folder)
-            wanted = Handover(geotiff=place / 'm.tif', folder=place, with_overlays=False)
-            hand_over(maker, alignment, wanted, watch.lap)
+            wanted = ProductOptions(geotiff=place / 'm.tif', folder=place, with_overlays=False)
+            write_products(maker, alignment, wanted, watch.lap)
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     found, true = [], []
     if maker.frame is None:
         raise ValueError('no photograph could be placed')
     origin = frame.enu_of(maker.frame.frame.origin)[:2]
-    sheets = maker.sheets()
+    placed_photos = maker.placed_photos()
     for sample in samples:
         name = sample.record.shot_id
-        if name in sheets:
-            found.append(sheets[name].corners_m + origin)
+        if name in placed_photos:
+            found.append(placed_photos[name].corners_m + origin)
             true.append(sample.corners_m)
     off = np.linalg.norm(alignment.held_out_px, axis=1)
     states = [placement.placed_by for placement in alignment.placements.values()]
@@ -140,7 +140,7 @@ def mapped(
         stated_m=math.sqrt(float(np.mean(stated))),
         cpu_s=cpu,
         wall_s=wall,
-        refused='; '.join(violations(alignment, maker.survey.state)),
+        refused='; '.join(violations(alignment, maker.block.state)),
         stages=_stages(watch),
     )
 
@@ -175,8 +175,8 @@ def brighton(options: argparse.Namespace) -> list[Row]:
         maker.add(shot.record, shot.read_image)
     alignment = maker.align()
     folder = Path(tempfile.mkdtemp(prefix='brighton-'))
-    wanted = Handover(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)
-    quality = hand_over(maker, alignment, wanted)
+    wanted = ProductOptions(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)
+    quality = write_products(maker, alignment, wanted)
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     ties = quality['held_out_ties']['px']
     # More places than the quality document asks: a quantile of twenty is anybody's guess.
@@ -286,14 +286,14 @@ def derailment(options: argparse.Namespace) -> list[Row]:
     for shot in shots:
         maker.add(shot.record, partial(getattr, shot, 'jpeg'))
     alignment = maker.align()
-    wanted = Handover(geotiff=folder / 'm.tif', folder=folder, labels=folder / LABELS)
-    quality = hand_over(maker, alignment, wanted)
+    wanted = ProductOptions(geotiff=folder / 'm.tif', folder=folder, labels=folder / LABELS)
+    quality = write_products(maker, alignment, wanted)
     cpu = time.process_time() - cpu
     if maker.frame is None:
         raise ValueError('no photograph could be placed')
     shift_m = frame.enu_of(maker.frame.frame.origin)[:2]
-    sheets = maker.sheets()
-    off = np.concatenate([errors_m(s, sheets[s.record.shot_id], shift_m) for s in shots])
+    placed_photos = maker.placed_photos()
+    off = np.concatenate([errors_m(s, placed_photos[s.record.shot_id], shift_m) for s in shots])
     is_ground = np.concatenate([shot.is_ground for shot in shots])
     stated, everything = quality['stated_error_m']['rms'], _rms(off)
     off = off[is_ground]
@@ -322,17 +322,17 @@ def _by_place(
     from mapping_scene import shown_m
 
     renderer = maker.renderer(with_relief=True)
-    errors, window = error_map(alignment, renderer), renderer.label_window
-    sheets, found = maker.sheets(), []
+    errors, window = error_map(alignment, renderer), renderer.owner_window
+    placed_photos, found = maker.placed_photos(), []
     for shot in shots:
         name = shot.record.shot_id
-        at_m = shown_m(shot, sheets[name])
+        at_m = shown_m(shot, placed_photos[name])
         columns, rows = np.floor(renderer.coarse.places_of(at_m)).astype(int).T
         inside = (rows >= window.row) & (rows < window.row + window.height)
         inside &= (columns >= window.column) & (columns < window.column + window.width)
         place = rows[inside] - window.row, columns[inside] - window.column
         true = np.linalg.norm(at_m - (shot.true_m - shift_m), axis=1)[inside]
-        is_own = renderer.labels[place] == renderer.names.index(name)
+        is_own = renderer.owners[place] == renderer.names.index(name)
         parts = (true, errors.error_m[place], errors.heights_m[place], shot.is_ground[inside])
         found.append(np.array([part[is_own] for part in parts], float))
     true, stated, height, is_ground = np.concatenate(found, axis=1)
@@ -418,7 +418,7 @@ def live(options: argparse.Namespace) -> list[Row]:
             shown.append(time.perf_counter() - start - landed[name])
             queue.append(name)
         elif growing.work():
-            placed = growing.maker.survey.state.poses
+            placed = growing.maker.block.state.poses
             for name in [name for name in queue if name in placed]:
                 refined.append(time.perf_counter() - start - landed[name])
                 queue.remove(name)
@@ -430,8 +430,8 @@ def live(options: argparse.Namespace) -> list[Row]:
     growing.finish()
     watch.lap('finish')
     alignment = growing.maker.align(watch.lap)
-    wanted = Handover(geotiff=folder / 'm.tif', folder=folder)
-    hand_over(growing.maker, alignment, wanted, watch.lap)
+    wanted = ProductOptions(geotiff=folder / 'm.tif', folder=folder)
+    write_products(growing.maker, alignment, wanted, watch.lap)
     final = time.perf_counter() - wall
     growing.close()
     p95 = float(np.quantile(refined, 0.95))
@@ -581,8 +581,10 @@ def _ground(options: argparse.Namespace) -> Orthophoto:
         maker = Mapmaker(MapOptions(ground_resolution_m=0.05))
         for shot in photographs_of(options.data / 'brighton_beach', print):
             maker.add(shot.record, shot.read_image)
-        renderer_folder = Handover(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)
-        hand_over(maker, maker.align(), renderer_folder)
+        renderer_folder = ProductOptions(
+            geotiff=folder / 'm.tif', folder=folder, with_overlays=False
+        )
+        write_products(maker, maker.align(), renderer_folder)
         import rasterio
         import rasterio.shutil
 

@@ -6,6 +6,7 @@ Pixel (row, column) of a UTM zone spans eastings from column to column + 1 and n
 together.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,10 +15,13 @@ import numpy as np
 from pyproj import Transformer
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.alignment.photo import FloatArray, GroundFrame
+from rocsafe_mapping.alignment.model.photo import FloatArray, GroundFrame
 from rocsafe_mapping.errors import PlacementError
 
-WGS84_EPSG = 4326
+WGS84_EPSG, WEB_MERCATOR_EPSG = 4326, 3857
+# Half the side of the square of Web Mercator, metres; side of its tiles.
+WORLD_M = math.pi * 6_378_137.0
+TILE_PX = 256
 UTM_NORTH_EPSG, UTM_SOUTH_EPSG = 32600, 32700
 UTM_ZONE_DEG, UTM_ZONES = 6.0, 60
 # UTM ends at these latitudes (NGA.SIG.0012).

@@ -15,19 +15,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.sheet import Shares
+from rocsafe_mapping.drawing.placed_photo import Shares
+from rocsafe_mapping.drawing_options import ReliefOptions
 
-# Side of the windows that are compared, coarse pixels: a waggon is some ten of them wide.
-COMPARED_PX = 7
-# What noise adds to the variance of grey levels: a surface without structure is like nothing.
-NOISE_VARIANCE = 9.0
 NOT_SEEN = -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class SweepImage:
     """A photograph on the coarse grid.
 
     Attributes
@@ -46,7 +43,13 @@ class Look:
     height_m: float
 
 
-def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatArray) -> Shares:
+def likeness(
+    first: SweepImage,
+    box: Window,
+    others: Sequence[SweepImage],
+    heights_m: FloatArray,
+    options: ReliefOptions,
+) -> Shares:
     """Return how alike `first` and the others are, -1 to 1, at each height: (n, height, width).
 
     It is the mean, over those of the others that see the place, of the correlation of windows;
@@ -61,7 +64,7 @@ def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatA
     total = np.zeros((len(heights_m), *one.shape), np.float32)
     count = np.zeros(total.shape, np.uint8)
     for other in others:
-        alike, is_seen = _compared(one, _laid(first, box, other, heights_m))
+        alike, is_seen = _compared(one, _laid(first, box, other, heights_m), options)
         alike *= is_seen
         total += alike
         count += is_seen
@@ -71,7 +74,7 @@ def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatA
 
 
 def _laid(
-    first: Look, box: Window, other: Look, heights_m: FloatArray
+    first: SweepImage, box: Window, other: SweepImage, heights_m: FloatArray
 ) -> tuple[Shares, NDArray[np.uint8]]:
     """Return `other` laid on `first` for each height (n, height, width), and what it shows."""
     shape = (len(heights_m), box.height, box.width)
@@ -101,7 +104,7 @@ def _laid(
 
 
 def _compared(
-    one: Shares, laid: tuple[Shares, NDArray[np.uint8]]
+    one: Shares, laid: tuple[Shares, NDArray[np.uint8]], options: ReliefOptions
 ) -> tuple[Shares, NDArray[np.uint8]]:
     """Return the correlation of windows of `one` and each of the laid pictures, and `is_seen`.
 
@@ -109,22 +112,23 @@ def _compared(
     window, a picture's correlation is not right.
     """
     gray, is_seen = laid
-    mean, variance = _moments(one)
+    side_px, noise = options.compared_px, options.noise_variance
+    mean, variance = _moments(one, side_px)
     tall = gray.reshape(-1, gray.shape[2])
-    means, variances = (part.reshape(gray.shape) for part in _moments(tall))
-    product = _smooth((gray * one).reshape(tall.shape)).reshape(gray.shape)
+    means, variances = (part.reshape(gray.shape) for part in _moments(tall, side_px))
+    product = _smooth((gray * one).reshape(tall.shape), side_px).reshape(gray.shape)
     product -= means * mean
-    product /= np.sqrt((variances + NOISE_VARIANCE) * (variance + NOISE_VARIANCE))
+    product /= np.sqrt((variances + noise) * (variance + noise))
     return product, is_seen
 
 
-def _moments(picture: Shares) -> tuple[Shares, Shares]:
+def _moments(picture: Shares, side_px: int) -> tuple[Shares, Shares]:
     """Return mean and variance of the windows about each pixel."""
-    mean = _smooth(picture)
-    return mean, np.maximum(_smooth(picture * picture) - mean * mean, np.float32(0.0))
+    mean = _smooth(picture, side_px)
+    return mean, np.maximum(_smooth(picture * picture, side_px) - mean * mean, np.float32(0.0))
 
 
-def _smooth(picture: Shares) -> Shares:
-    side = (COMPARED_PX, COMPARED_PX)
+def _smooth(picture: Shares, side_px: int) -> Shares:
+    side = (side_px, side_px)
     smoothed: Shares = cv2.boxFilter(picture, -1, side, borderType=cv2.BORDER_REPLICATE)
     return smoothed

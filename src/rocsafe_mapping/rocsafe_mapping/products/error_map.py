@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.sheet import Shares
 from rocsafe_mapping.mosaic.mapmaker import Alignment
 from rocsafe_mapping.products.cog import write_values
 
@@ -68,7 +68,7 @@ class ErrorMap:
 
 def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
     """Return how far each place of the map may be off."""
-    labels, whole = renderer.labels, renderer.label_window
+    labels, whole = renderer.owners, renderer.owner_window
     error = np.full(labels.shape, np.nan, np.float32)
     for number, name in enumerate(renderer.names):
         part = renderer.shown_window(name)
@@ -81,7 +81,7 @@ def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
         ground_m = (0.5 * (edges[:-1, :-1] + edges[1:, 1:]))[is_own]
         rise_m = renderer.relief.rise_m[place][is_own].astype(float)
         error[place][is_own] = alignment.errors_at_m(name, ground_m, rise_m)
-    heights = np.where(labels == NOBODY, np.float32(np.nan), renderer.relief.heights_m)
+    heights = np.where(labels == NO_PHOTO, np.float32(np.nan), renderer.relief.heights_m)
     return ErrorMap(error_m=error, heights_m=heights)
 
 
@@ -94,7 +94,7 @@ def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
     OSError: if the picture cannot be.
     """
     bands = {'standard error, m': found.error_m, 'height above the ground, m': found.heights_m}
-    write_values(folder / ERROR_TIF, renderer.coarse, renderer.label_window, bands)
+    write_values(folder / ERROR_TIF, renderer.coarse, renderer.owner_window, bands)
     write_whole(folder / ERROR_PNG, _png(found))
     return ERROR_PNG
 

@@ -19,8 +19,8 @@ from rasterio.vrt import WarpedVRT
 from rasterio.warp import calculate_default_transform, transform_bounds
 
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
+from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.mosaic.web_tiles import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.products.cog import CACHE_BYTES
 
 LONGEST_SIDE_PX = 2048

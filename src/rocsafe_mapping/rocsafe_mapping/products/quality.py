@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
-from rocsafe_mapping.alignment.rotation import tilt_and_yaw
-from rocsafe_mapping.alignment.state import State
-from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
-from rocsafe_mapping.drawing.labels import NOBODY, Labels
+from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
+from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_mapping.alignment.model.state import State
+from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
@@ -226,11 +226,11 @@ def _tiles(alignment: Alignment, renderer: Renderer, errors: ErrorMap) -> list[d
     """Return, for each tile of the map, what places it and how far it may be off."""
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
     side = max(1, QUALITY_TILE_PX // step)
-    window = renderer.label_window
+    window = renderer.owner_window
     tiles = []
     for place in window.tiles(side):
         at = place.cut(window).within(window)
-        off = _errors_by_name(renderer, renderer.labels[at], errors.error_m[at])
+        off = _errors_by_name(renderer, renderer.owners[at], errors.error_m[at])
         if off:
             is_by_gps = any(alignment.placements[n].placed_by == BY_GPS for n in off)
             tiles.append({
@@ -248,7 +248,7 @@ def _errors_by_name(
     renderer: Renderer, labels: Labels, error_m: NDArray[np.float32]
 ) -> dict[str, float]:
     """Return how far off each photograph is in what the map shows of it at a place."""
-    numbers = sorted(set(np.unique(labels).tolist()) - {NOBODY})
+    numbers = sorted(set(np.unique(labels).tolist()) - {NO_PHOTO})
     squares = {renderer.names[number]: error_m[labels == number] ** 2 for number in numbers}
     return {name: float(np.sqrt(np.mean(square))) for name, square in squares.items()}
 

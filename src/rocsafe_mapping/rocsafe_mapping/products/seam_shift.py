@@ -5,9 +5,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.photo import FloatArray
+from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
 PATCH_PX = 64
@@ -26,13 +26,13 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
     About `most` places are asked, by phase correlation of patches of 64 pixels (Kuglin, Hines
     1975); patches without a clear answer do not count.
     """
-    labels, window = renderer.labels, renderer.label_window
+    labels, window = renderer.owners, renderer.owner_window
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
     places = []
     for axis in (0, 1):
         one = labels[:-1] if axis == 0 else labels[:, :-1]
         other = labels[1:] if axis == 0 else labels[:, 1:]
-        rows, columns = np.nonzero((one != other) & (one != NOBODY) & (other != NOBODY))
+        rows, columns = np.nonzero((one != other) & (one != NO_PHOTO) & (other != NO_PHOTO))
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
     chosen = places[:: max(1, len(places) // most)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
