@@ -46,7 +46,8 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
 
     Raises
     ------
-    MappingError: if a folder has no photographs, or the flights do not tie to each other.
+    MappingError
+        If a folder has no photographs, or the flights do not tie to each other.
     """
     maker = Mapmaker(MapOptions(ground_resolution_m=wanted.resolution_m), _note)
     for folder, prefix in ((before, BEFORE), (after, AFTER)):

@@ -16,7 +16,7 @@ from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.products.overlays import write_mbtiles
-from rocsafe_mapping.products.pmtiles import write_pmtiles
+from rocsafe_mapping.products.pmtiles_file import write_pmtiles
 from rocsafe_mapping.store.catalogue import MANIFEST, StoredShot, read_store
 from rocsafe_mapping.store.photograph_files import photographs_of
 
@@ -65,7 +65,8 @@ def make_map(options: argparse.Namespace) -> int:
 
     Raises
     ------
-    MappingError: if there is nothing to map or a file cannot be written.
+    MappingError
+        If there is nothing to map or a file cannot be written.
     """
     watch = Stopwatch()
     maker = Mapmaker(
@@ -111,7 +112,8 @@ def shots_of(folder: Path) -> tuple[StoredShot, ...]:
 
     Raises
     ------
-    StoreError: if it cannot be read.
+    StoreError
+        If it cannot be read.
     """
     if (folder / MANIFEST).exists():
         return read_store(folder, _note)

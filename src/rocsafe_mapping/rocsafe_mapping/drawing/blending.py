@@ -24,9 +24,12 @@ class Part:
 
     Attributes
     ----------
-    place: rows and columns of the window, all multiples of 16, see `reach`.
-    picture: shape (height, width, 3) of the place.
-    mask: which pixels of the whole window it shall own.
+    place
+        Rows and columns of the window, all multiples of 16, see `reach`.
+    picture
+        Shape (height, width, 3) of the place.
+    mask
+        Which pixels of the whole window it shall own.
     """
 
     place: Place
@@ -55,9 +58,12 @@ def blended(ground: Colour, ground_mask: Mask, parts: Sequence[Part]) -> Colour:
 
     Parameters
     ----------
-    ground: a picture of the whole window, shape (height, width, 3), multiples of 16.
-    ground_mask: what it owns; no pixel is in two masks.
-    parts: the other pictures.
+    ground
+        A picture of the whole window, shape (height, width, 3), multiples of 16.
+    ground_mask
+        What it owns; no pixel is in two masks.
+    parts
+        The other pictures.
     """
     # Each level of the joined pyramid is linear in the pictures, with shares that add up to one:
     # only what the others differ from the first needs a pyramid of its own.

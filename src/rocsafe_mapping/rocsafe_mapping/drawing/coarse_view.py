@@ -21,9 +21,12 @@ class CoarseView:
 
     Attributes
     ----------
-    window: where.
-    colours: blue, green, red, shape (height, width, 3).
-    scores: how well it shows each pixel, 0 where it does not.
+    window
+        Where.
+    colours
+        Blue, green, red, shape (height, width, 3).
+    scores
+        How well it shows each pixel, 0 where it does not.
     """
 
     window: Window

@@ -90,9 +90,12 @@ class MapGrid:
 
     Attributes
     ----------
-    epsg: UTM zone, or 3857 for the tiles of web maps.
-    resolution_m: side of a pixel in the map's units.
-    frame: of the local metres.
+    epsg
+        UTM zone, or 3857 for the tiles of web maps.
+    resolution_m
+        Side of a pixel in the map's units.
+    frame
+        Of the local metres.
     """
 
     epsg: int
@@ -151,7 +154,8 @@ def utm_epsg(latitude_deg: float, longitude_deg: float) -> int:
 
     Raises
     ------
-    PlacementError: if it is outside the latitudes of UTM.
+    PlacementError
+        If it is outside the latitudes of UTM.
     """
     if not UTM_SOUTH_LIMIT_DEG <= latitude_deg <= UTM_NORTH_LIMIT_DEG:
         raise PlacementError(

@@ -28,10 +28,13 @@ def label_tiles(
 
     Parameters
     ----------
-    renderer, placed_photos: of the map.
-    labels_of: returns the label image of a photograph by name, as large as the photograph, 0
-        where nothing is known; None where there is none.
-    side: of a tile, a multiple of 16.
+    renderer, placed_photos
+        Of the map.
+    labels_of
+        Returns the label image of a photograph by name, as large as the photograph, 0 where
+        nothing is known; None where there is none.
+    side
+        Of a tile, a multiple of 16.
     """
     for tile in renderer.window.tiles(side):
         index = renderer.owner_index(tile)

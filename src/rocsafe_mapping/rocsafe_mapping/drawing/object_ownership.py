@@ -34,8 +34,10 @@ def keep_objects_whole(
 
     Parameters
     ----------
-    labels: index in `views` of who is shown at each pixel of `window`, changed here.
-    cost: of a seam through each pixel.
+    labels
+        Index in `views` of who is shown at each pixel of `window`, changed here.
+    cost
+        Of a seam through each pixel.
     """
     # A seam must keep off what stands up by a pixel.
     cost = cv2.dilate(cost, AROUND)

@@ -24,7 +24,8 @@ class PixelCache:
 
     Parameters
     ----------
-    most_bytes: of pixels that are kept.
+    most_bytes
+        Of pixels that are kept.
     """
 
     def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
@@ -42,8 +43,10 @@ class PixelCache:
 
         Raises
         ------
-        PlacementError: if it cannot be decoded or is not what its record says.
-        StoreError: if it cannot be read.
+        PlacementError
+            If it cannot be decoded or is not what its record says.
+        StoreError
+            If it cannot be read.
         """
         return self._cached(name, self._decoded)
 
@@ -73,8 +76,8 @@ def decoded(photo: Photo, jpeg: bytes) -> Colour:
 
     Raises
     ------
-    PlacementError: if it cannot be decoded, is not what `photo` says, or the lens's model is
-        not known.
+    PlacementError
+        If it cannot be decoded, is not what `photo` says, or the lens's model is not known.
     """
     camera = photo.camera
     flags = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION

@@ -27,9 +27,12 @@ class PixelMap:
 
     Attributes
     ----------
-    across, down: pixels of the photograph.
-    window: that is seen.
-    steepness: squared cosines of the angles off nadir, at every 16th pixel edge of the window.
+    across, down
+        Pixels of the photograph.
+    window
+        That is seen.
+    steepness
+        Squared cosines of the angles off nadir, at every 16th pixel edge of the window.
     """
 
     across: Shares
@@ -49,8 +52,10 @@ class PlacedPhoto:
 
     Attributes
     ----------
-    photo, pose, lens, surface: what was found of it and of the ground.
-    gains: factors of blue, green, red that make its colours those of the map.
+    photo, pose, lens, surface
+        What was found of it and of the ground.
+    gains
+        Factors of blue, green, red that make its colours those of the map.
     """
 
     photo: Photo

@@ -29,11 +29,16 @@ class SweepImage:
 
     Attributes
     ----------
-    window: where.
-    gray: shape (height, width).
-    is_seen: which of it the photograph shows, 1 or 0, shape (height, width).
-    below: the place (column, row) on the grid below the camera.
-    height_m: of the camera above the ground.
+    window
+        Where.
+    gray
+        Shape (height, width).
+    is_seen
+        Which of it the photograph shows, 1 or 0, shape (height, width).
+    below
+        The place (column, row) on the grid below the camera.
+    height_m
+        Of the camera above the ground.
     """
 
     window: Window
@@ -57,8 +62,10 @@ def likeness(
 
     Parameters
     ----------
-    box: what of the grid is asked, within the window of `first`.
-    heights_m: above the ground that are tried, shape (n,).
+    box
+        What of the grid is asked, within the window of `first`.
+    heights_m
+        Above the ground that are tried, shape (n,).
     """
     one = first.gray[box.within(first.window)].astype(np.float32)
     total = np.zeros((len(heights_m), *one.shape), np.float32)

@@ -31,8 +31,10 @@ class Relief:
 
     Attributes
     ----------
-    heights_m: of what is shown above the ground, NaN where nothing tells, (height, width).
-    rise_m: root mean square height that is to be reckoned with, (height, width).
+    heights_m
+        Of what is shown above the ground, NaN where nothing tells, (height, width).
+    rise_m
+        Root mean square height that is to be reckoned with, (height, width).
     """
 
     heights_m: Shares
@@ -51,10 +53,14 @@ def relief(
 
     Parameters
     ----------
-    views, placed_photos: by name of photograph.
-    tied: photographs whose places are good enough to tell heights.
-    labels: index of who is shown, in the sorted names of `views`, and where that is.
-    grid: the coarse grid.
+    views, placed_photos
+        By name of photograph.
+    tied
+        Photographs whose places are good enough to tell heights.
+    labels
+        Index of who is shown, in the sorted names of `views`, and where that is.
+    grid
+        The coarse grid.
     """
     owner, window = labels
     heights = np.full(owner.shape, np.nan, np.float32)

@@ -28,11 +28,15 @@ class Renderer:
 
     Parameters
     ----------
-    placed_photos: aligned photographs by name.
-    pictures: their pixels.
-    grid: of the map.
-    tied: photographs whose places are good enough to tell what stands on the ground; without
-        them `relief` says that nothing does.
+    placed_photos
+        Aligned photographs by name.
+    pictures
+        Their pixels.
+    grid
+        Of the map.
+    tied
+        Photographs whose places are good enough to tell what stands on the ground; without them
+        `relief` says that nothing does.
     """
 
     def __init__(

@@ -19,7 +19,8 @@ def seam_cost(first: Colours, second: Colours, options: SeamOptions) -> Shares:
 
     Parameters
     ----------
-    first, second: what two photographs show of it, shape (height, width, 3).
+    first, second
+        What two photographs show of it, shape (height, width, 3).
     """
     different = cv2.absdiff(first, second).astype(np.float32)
     square = np.einsum('ijk,ijk->ij', different, different) / np.float32(options.colour_unit)

@@ -35,9 +35,12 @@ class LiveMap:
 
     Parameters
     ----------
-    options: what map is wanted.
-    tiles_directory: where its tiles for web maps are kept up to date, None: nowhere.
-    notice: is told, in one line each, of photographs that cannot be on the map.
+    options
+        What map is wanted.
+    tiles_directory
+        Where its tiles for web maps are kept up to date, None: nowhere.
+    notice
+        Is told, in one line each, of photographs that cannot be on the map.
     """
 
     def __init__(self, options: MapOptions, tiles_directory: Path | None, notice: Notice) -> None:
@@ -71,8 +74,10 @@ class LiveMap:
 
         Raises
         ------
-        PlacementError: if it can never be placed.
-        StoreError: if it cannot be read now.
+        PlacementError
+            If it can never be placed.
+        StoreError
+            If it cannot be read now.
         """
         read()
         photo = self.maker.add(record, read)

@@ -25,7 +25,8 @@ class Preview:
 
     Parameters
     ----------
-    maker: of the map, which knows the frame and the pixels.
+    maker
+        Of the map, which knows the frame and the pixels.
     """
 
     def __init__(self, maker: Mapmaker) -> None:
@@ -48,7 +49,8 @@ class Preview:
 
         Raises
         ------
-        PlacementError: if there is none.
+        PlacementError
+            If there is none.
         """
         if not self._views:
             raise PlacementError('no photograph is placed yet')
@@ -66,7 +68,8 @@ class Preview:
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
         window = self.window
         assert self._grid is not None  # noqa: S101 - a window has a grid
@@ -80,7 +83,8 @@ class Preview:
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
         self.is_due = False
         bgra = self._composed(self.window)

@@ -33,9 +33,12 @@ class WebTiles:
 
     Parameters
     ----------
-    maker: of the map.
-    directory: of the tiles.
-    resolution_m: side of a pixel that the finest tiles must at least have; 0: the photographs'.
+    maker
+        Of the map.
+    directory
+        Of the tiles.
+    resolution_m
+        Side of a pixel that the finest tiles must at least have; 0: the photographs'.
     """
 
     def __init__(self, maker: Mapmaker, directory: Path, resolution_m: float) -> None:

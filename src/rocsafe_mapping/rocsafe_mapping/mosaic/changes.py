@@ -33,10 +33,14 @@ class ChangeOptions:
 
     Attributes
     ----------
-    resolution_m: side of a pixel that is compared.
-    least_area_m2: smaller changes are not told.
-    least_levels: difference of colour, of 255, after the light was made alike.
-    least_stds: difference over the usual difference of the two maps.
+    resolution_m
+        Side of a pixel that is compared.
+    least_area_m2
+        Smaller changes are not told.
+    least_levels
+        Difference of colour, of 255, after the light was made alike.
+    least_stds
+        Difference over the usual difference of the two maps.
     """
 
     resolution_m: float = 0.2
@@ -56,9 +60,12 @@ class Change:
 
     Attributes
     ----------
-    outline: in places (column, row) of the compared grid.
-    area_m2: of it.
-    levels: mean difference of colour, of 255.
+    outline
+        In places (column, row) of the compared grid.
+    area_m2
+        Of it.
+    levels
+        Mean difference of colour, of 255.
     """
 
     outline: shapely.Polygon

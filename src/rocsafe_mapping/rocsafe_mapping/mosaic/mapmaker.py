@@ -52,8 +52,10 @@ class MapOptions:
 
     Attributes
     ----------
-    ground_resolution_m: side of a pixel; 0: that of the photographs.
-    max_pixels: limit of width times height; a larger map gets coarser pixels.
+    ground_resolution_m
+        Side of a pixel; 0: that of the photographs.
+    max_pixels
+        Limit of width times height; a larger map gets coarser pixels.
     """
 
     ground_resolution_m: float = 0.0
@@ -76,13 +78,19 @@ class Alignment:
 
     Attributes
     ----------
-    photos, placements: by name.
-    errors_m: standard error of each tied photograph's corners on level ground.
-    held_out_px: residuals (n, 2) of ties that were not adjusted.
-    ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
-    heights_error: standard error of the ground's heights with what stands there.
-    lags_s: by how much the fixes of vehicles are late, where that is certain; the priors of
-        `photos` are without it.
+    photos, placements
+        By name.
+    errors_m
+        Standard error of each tied photograph's corners on level ground.
+    held_out_px
+        Residuals (n, 2) of ties that were not adjusted.
+    ties_m, standing_m
+        Where ties lie (n, 2), and how far their points stand above the ground.
+    heights_error
+        Standard error of the ground's heights with what stands there.
+    lags_s
+        By how much the fixes of vehicles are late, where that is certain; the priors of `photos`
+        are without it.
     """
 
     photos: Mapping[str, Photo]
@@ -130,8 +138,10 @@ class Mapmaker:
 
     Parameters
     ----------
-    options: what map is wanted.
-    notice: is told, in one line each, of photographs that cannot be on the map.
+    options
+        What map is wanted.
+    notice
+        Is told, in one line each, of photographs that cannot be on the map.
     """
 
     def __init__(self, options: MapOptions, notice: Notice = lambda _text: None) -> None:
@@ -166,7 +176,8 @@ class Mapmaker:
 
         Raises
         ------
-        PlacementError: if its position, height or attitude is unknown or outside UTM.
+        PlacementError
+            If its position, height or attitude is unknown or outside UTM.
         """
         frame = self.frame or ground_frame_of(record)
         photo = photo_of_record(record, frame, self.options.alignment.prior)
@@ -237,7 +248,8 @@ class Mapmaker:
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
         placed_photos = self.placed_photos()
         tied = self.block.state.poses if with_relief else ()
@@ -250,7 +262,8 @@ class Mapmaker:
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
         if self.frame is None or not placed_photos:
             raise PlacementError('no photograph is placed yet')

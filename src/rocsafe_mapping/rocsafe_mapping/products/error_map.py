@@ -31,8 +31,10 @@ class ErrorMap:
 
     Attributes
     ----------
-    error_m: standard error of where something is shown, NaN where nothing is.
-    heights_m: of what is shown above the ground, NaN where no two photographs tell.
+    error_m
+        Standard error of where something is shown, NaN where nothing is.
+    heights_m
+        Of what is shown above the ground, NaN where no two photographs tell.
     """
 
     error_m: Shares
@@ -90,8 +92,10 @@ def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
 
     Raises
     ------
-    MappingError: if the GeoTIFF cannot be written.
-    OSError: if the picture cannot be.
+    MappingError
+        If the GeoTIFF cannot be written.
+    OSError
+        If the picture cannot be.
     """
     bands = {'standard error, m': found.error_m, 'height above the ground, m': found.heights_m}
     write_values(folder / ERROR_TIF, renderer.coarse, renderer.owner_window, bands)

@@ -33,15 +33,21 @@ def write_labels(
 
     Parameters
     ----------
-    folder: where they go.
-    renderer, placed_photos: of the map.
-    images: label images of the photographs.
-    file_name: returns what the file of a photograph is called, without its suffix.
+    folder
+        Where they go.
+    renderer, placed_photos
+        Of the map.
+    images
+        Label images of the photographs.
+    file_name
+        Returns what the file of a photograph is called, without its suffix.
 
     Raises
     ------
-    MappingError: if they cannot be written.
-    ValueError: if a label image is not as large as its photograph.
+    MappingError
+        If they cannot be written.
+    ValueError
+        If a label image is not as large as its photograph.
     """
     counts = np.zeros(VALUES, np.int64)
 

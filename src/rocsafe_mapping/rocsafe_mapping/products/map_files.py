@@ -22,11 +22,16 @@ class MapFiles:
 
     Attributes
     ----------
-    geotiff, quality, tiles: absolute paths; empty while there is none.
-    ground_resolution_m: side of a pixel of the GeoTIFF.
-    is_final: whether the GeoTIFF holds all photographs.
-    is_georeferenced: whether nothing contradicts the measurements.
-    stated_error_m: standard error of the ground's place; NaN while it is not known.
+    geotiff, quality, tiles
+        Absolute paths; empty while there is none.
+    ground_resolution_m
+        Side of a pixel of the GeoTIFF.
+    is_final
+        Whether the GeoTIFF holds all photographs.
+    is_georeferenced
+        Whether nothing contradicts the measurements.
+    stated_error_m
+        Standard error of the ground's place; NaN while it is not known.
     """
 
     geotiff: str = ''

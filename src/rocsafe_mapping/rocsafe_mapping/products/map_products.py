@@ -29,11 +29,16 @@ class ProductOptions:
 
     Attributes
     ----------
-    geotiff: its file.
-    folder: of what goes with it.
-    region: that was to be covered, in local metres.
-    with_overlays: whether a picture with world file and KML is wanted.
-    labels: folder of label images, named like the photographs; None for none.
+    geotiff
+        Its file.
+    folder
+        Of what goes with it.
+    region
+        That was to be covered, in local metres.
+    with_overlays
+        Whether a picture with world file and KML is wanted.
+    labels
+        Folder of label images, named like the photographs; None for none.
     """
 
     geotiff: Path
@@ -54,15 +59,21 @@ def write_products(
 
     Parameters
     ----------
-    maker, alignment: of the photographs.
-    wanted: what to write.
-    step: is told the name of each finished stage.
-    costs: seconds by stage, read when the quality is written.
+    maker, alignment
+        Of the photographs.
+    wanted
+        What to write.
+    step
+        Is told the name of each finished stage.
+    costs
+        Seconds by stage, read when the quality is written.
 
     Raises
     ------
-    PlacementError: if no photograph is placed.
-    MappingError: if a file cannot be written.
+    PlacementError
+        If no photograph is placed.
+    MappingError
+        If a file cannot be written.
     """
     renderer = maker.renderer(with_relief=True)
     step('seams')

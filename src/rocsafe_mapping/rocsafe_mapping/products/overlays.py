@@ -42,7 +42,8 @@ def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
 
     Raises
     ------
-    MappingError: if the map cannot be read or a file cannot be written.
+    MappingError
+        If the map cannot be read or a file cannot be written.
     """
     picture, world, projection, kml = (
         stem.with_suffix(suffix) for suffix in ('.png', '.pgw', '.prj', '.kml')
@@ -75,7 +76,8 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 
     Raises
     ------
-    MappingError: if it cannot be written.
+    MappingError
+        If it cannot be written.
     """
     part = part_of(path).with_suffix('.mbtiles')
     try:

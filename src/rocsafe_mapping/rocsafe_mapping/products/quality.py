@@ -43,10 +43,14 @@ def quality(
 
     Parameters
     ----------
-    alignment, state: of the photographs.
-    renderer: of the map.
-    region: that was to be covered, in local metres.
-    errors: of the map's places; found here where they are not given.
+    alignment, state
+        Of the photographs.
+    renderer
+        Of the map.
+    region
+        That was to be covered, in local metres.
+    errors
+        Of the map's places; found here where they are not given.
     """
     placed_by_gps = by_gps(alignment)
     errors = errors or error_map(alignment, renderer)

@@ -38,14 +38,19 @@ class Repository(ThreadingHTTPServer):
 
     Parameters
     ----------
-    folder: of the image store.
-    address: host and port; port 0 is any.
-    token: that requests must bring; may be empty on loopback only.
+    folder
+        Of the image store.
+    address
+        Host and port; port 0 is any.
+    token
+        That requests must bring; may be empty on loopback only.
 
     Raises
     ------
-    StoreError: if the store cannot be opened.
-    ValueError: if others than this machine could write without a token.
+    StoreError
+        If the store cannot be opened.
+    ValueError
+        If others than this machine could write without a token.
     """
 
     daemon_threads = True

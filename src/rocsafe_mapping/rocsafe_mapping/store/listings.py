@@ -42,7 +42,8 @@ def write_listings(folder: Path, shots: Sequence[StoredShot]) -> None:
 
     Raises
     ------
-    StoreError: if one cannot be written.
+    StoreError
+        If one cannot be written.
     """
     files = {
         IMAGES_CSV: images_csv(shots),

@@ -52,7 +52,8 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
 
     Raises
     ------
-    StoreError: if the folder cannot be read.
+    StoreError
+        If the folder cannot be read.
     """
     try:
         paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
@@ -94,7 +95,8 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
 
     Raises
     ------
-    ValueError: if a tag has a value that cannot be, or the focal length is not told.
+    ValueError
+        If a tag has a value that cannot be, or the focal length is not told.
     """
     latitude, longitude = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
     yaw, pitch, roll, tilt_std, yaw_std = _attitude(tags)

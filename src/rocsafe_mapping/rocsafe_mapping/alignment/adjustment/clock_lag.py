@@ -29,9 +29,12 @@ class Velocity:
 
     Attributes
     ----------
-    mean_mps: (east, north) to and from the photograph, shape (2,).
-    spread_mps: half of what the two differ by.
-    is_straight: whether they go the same way.
+    mean_mps
+        (east, north) to and from the photograph, shape (2,).
+    spread_mps
+        Half of what the two differ by.
+    is_straight
+        Whether they go the same way.
     """
 
     mean_mps: FloatArray
@@ -82,8 +85,10 @@ def lags_s(
 
     Parameters
     ----------
-    photos: with their fixes as they were told.
-    poses: of those of them that are tied.
+    photos
+        With their fixes as they were told.
+    poses
+        Of those of them that are tied.
     """
     speeds = velocities(photos, options.straight_cosine)
     rows: dict[str, list[tuple[FloatArray, FloatArray]]] = {}

@@ -21,9 +21,11 @@ class Unknowns:
 
     Attributes
     ----------
-    names: photographs whose pose is unknown, six columns each.
-    lenses: lenses to be found, three columns each, after the poses; with the uncertainty of each
-        focal length over itself.
+    names
+        Photographs whose pose is unknown, six columns each.
+    lenses
+        Lenses to be found, three columns each, after the poses; with the uncertainty of each focal
+        length over itself.
     """
 
     names: tuple[str, ...]
@@ -78,9 +80,12 @@ class Equations:
 
     Parameters
     ----------
-    photos: with the priors.
-    ties: between photographs that all have a pose.
-    unknowns: what may change.
+    photos
+        With the priors.
+    ties
+        Between photographs that all have a pose.
+    unknowns
+        What may change.
     """
 
     def __init__(

@@ -18,8 +18,10 @@ def height_error(
 
     Parameters
     ----------
-    ties_m: where ties lie, (east, north), shape (n, 2).
-    standing_m: how far their points stand above the surface, shape (n,).
+    ties_m
+        Where ties lie, (east, north), shape (n, 2).
+    standing_m
+        How far their points stand above the surface, shape (n,).
     """
     usual = float(np.mean(standing_m**2)) if len(standing_m) else 0.0
     if surface.is_level or not usual:

@@ -40,8 +40,10 @@ def adjusted(
 
     Parameters
     ----------
-    photos, pairs: all that shall count; every photograph of a pair has a pose in `state`.
-    free: photographs whose pose may change, None for all. With it lenses, surface and noise stay.
+    photos, pairs
+        All that shall count; every photograph of a pair has a pose in `state`.
+    free
+        Photographs whose pose may change, None for all. With it lenses, surface and noise stay.
     """
     steps = options.adjustment.most_steps
     names = tuple(sorted(state.poses if free is None else free))

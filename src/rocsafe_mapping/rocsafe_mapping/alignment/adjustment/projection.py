@@ -25,11 +25,16 @@ class Views:
 
     Attributes
     ----------
-    offsets_px: pixels less the principal point, shape (n, 2).
-    focal_px: shape (n,).
-    radial: k1 and k2, shape (n, 2).
-    centres: shape (n, 3).
-    rotations: shape (n, 3, 3).
+    offsets_px
+        Pixels less the principal point, shape (n, 2).
+    focal_px
+        Shape (n,).
+    radial
+        k1 and k2, shape (n, 2).
+    centres
+        Shape (n, 3).
+    rotations
+        Shape (n, 3, 3).
     """
 
     offsets_px: FloatArray
@@ -52,9 +57,12 @@ class TieResiduals:
 
     Attributes
     ----------
-    residuals_px: where the first photograph's pixel falls less where it was seen, (n, 2).
-    ground_m: (east, north) of the ties, (n, 2).
-    height: derivatives to the ground's height, pixels a metre, (n, 2).
+    residuals_px
+        Where the first photograph's pixel falls less where it was seen, (n, 2).
+    ground_m
+        (east, north) of the ties, (n, 2).
+    height
+        Derivatives to the ground's height, pixels a metre, (n, 2).
     """
 
     residuals_px: FloatArray
@@ -68,9 +76,12 @@ class TieDerivatives:
 
     Attributes
     ----------
-    residuals: of the ties.
-    first_pose, second_pose: derivatives to centre and rotation, (n, 2, 6).
-    first_lens, second_lens: derivatives to log focal length, k1, k2, (n, 2, 3).
+    residuals
+        Of the ties.
+    first_pose, second_pose
+        Derivatives to centre and rotation, (n, 2, 6).
+    first_lens, second_lens
+        Derivatives to log focal length, k1, k2, (n, 2, 3).
     """
 
     residuals: TieResiduals
@@ -86,8 +97,10 @@ class _Rays:
 
     Attributes
     ----------
-    directions, drop: east, north, up (n, 3), and how far down that is (n,).
-    slope: how far over the ground they get for each metre down, (n, 2).
+    directions, drop
+        East, north, up (n, 3), and how far down that is (n,).
+    slope
+        How far over the ground they get for each metre down, (n, 2).
     """
 
     directions: FloatArray

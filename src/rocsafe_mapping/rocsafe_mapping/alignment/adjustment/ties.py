@@ -28,10 +28,14 @@ class Ties:
 
     Attributes
     ----------
-    names: photographs, sorted; `first` and `second` count in them, shape (n,).
-    lenses: of each photograph.
-    first_offsets_px, second_offsets_px: pixels less the principal point, shape (n, 2).
-    focal_px: believed focal length of each photograph.
+    names
+        Photographs, sorted; `first` and `second` count in them, shape (n,).
+    lenses
+        Of each photograph.
+    first_offsets_px, second_offsets_px
+        Pixels less the principal point, shape (n, 2).
+    focal_px
+        Believed focal length of each photograph.
     """
 
     names: tuple[str, ...]

@@ -34,10 +34,14 @@ class InitialPoses:
 
     Attributes
     ----------
-    poses: of the photographs that pairs tie together; of none that stands alone.
-    pairs: those of the pairs that agree with each other.
-    groups: names of the photographs that hang together, largest group first.
-    is_yaw_believed: whether the yaws of each group agree with its fixes.
+    poses
+        Of the photographs that pairs tie together; of none that stands alone.
+    pairs
+        Those of the pairs that agree with each other.
+    groups
+        Names of the photographs that hang together, largest group first.
+    is_yaw_believed
+        Whether the yaws of each group agree with its fixes.
     """
 
     poses: Mapping[str, Pose]

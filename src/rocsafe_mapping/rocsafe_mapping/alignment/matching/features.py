@@ -20,8 +20,10 @@ class Features:
 
     Attributes
     ----------
-    points_px: shape (n, 2); those that tell most, over all of the image, come first.
-    descriptors: shape (n, 32) of bytes for ORB, (n, 128) of floats for SIFT.
+    points_px
+        Shape (n, 2); those that tell most, over all of the image, come first.
+    descriptors
+        Shape (n, 32) of bytes for ORB, (n, 128) of floats for SIFT.
     """
 
     points_px: NDArray[np.float32]

@@ -22,10 +22,14 @@ class Pair:
 
     Attributes
     ----------
-    first, second: their names.
-    first_px, second_px: the same points in each, shape (n, 2).
-    is_held_out: shape (n,): ties that only judge the adjustment and never enter it.
-    method: descriptor by which they were found: orb or sift.
+    first, second
+        Their names.
+    first_px, second_px
+        The same points in each, shape (n, 2).
+    is_held_out
+        Shape (n,): ties that only judge the adjustment and never enter it.
+    method
+        Descriptor by which they were found: orb or sift.
     """
 
     first: str

@@ -29,9 +29,12 @@ def off_plane(
 
     Parameters
     ----------
-    homography: of the plane, first photograph to second.
-    first_px, second_px: the matches, shape (n, 2).
-    middle_px: principal point of the second photograph, which nearly is that of the first.
+    homography
+        Of the plane, first photograph to second.
+    first_px, second_px
+        The matches, shape (n, 2).
+    middle_px
+        Principal point of the second photograph, which nearly is that of the first.
     """
     none = np.zeros(len(first_px), bool)
     way = transformed(homography, middle_px[np.newaxis])[0] - middle_px

@@ -29,8 +29,10 @@ class Pose:
 
     Attributes
     ----------
-    centre: east, north, up in metres, shape (3,).
-    rotation: from the optical frame to east-north-up, shape (3, 3).
+    centre
+        East, north, up in metres, shape (3,).
+    rotation
+        From the optical frame to east-north-up, shape (3, 3).
     """
 
     centre: FloatArray
@@ -43,14 +45,22 @@ class Photo:
 
     Attributes
     ----------
-    name: unique among the photographs of a map.
-    vehicle: that took it.
-    lens: names the camera; photographs of one lens share its calibration.
-    camera: without distortion: points are straightened before they come here.
-    focal_std_share: uncertainty of the focal length over itself; 0 for a calibrated camera.
-    prior: pose as measured on board.
-    horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad: its uncertainty.
-    time_ns: of exposure.
+    name
+        Unique among the photographs of a map.
+    vehicle
+        That took it.
+    lens
+        Names the camera; photographs of one lens share its calibration.
+    camera
+        Without distortion: points are straightened before they come here.
+    focal_std_share
+        Uncertainty of the focal length over itself; 0 for a calibrated camera.
+    prior
+        Pose as measured on board.
+    horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad
+        Its uncertainty.
+    time_ns
+        Of exposure.
     """
 
     name: str
@@ -82,7 +92,8 @@ class GroundFrame:
 
     Attributes
     ----------
-    frame: east-north-up about the origin, which lies on the ground.
+    frame
+        East-north-up about the origin, which lies on the ground.
     """
 
     frame: LocalFrame
@@ -103,7 +114,8 @@ def ground_frame_of(record: ShotRecord) -> GroundFrame:
 
     Raises
     ------
-    PlacementError: if it has no position.
+    PlacementError
+        If it has no position.
     """
     if not math.isfinite(record.latitude_deg + record.longitude_deg):
         raise PlacementError(f'{record.shot_id} was taken without a fix')
@@ -119,7 +131,8 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOption
 
     Raises
     ------
-    PlacementError: if its position, height or attitude is unknown.
+    PlacementError
+        If its position, height or attitude is unknown.
     """
     height_m = record.height_agl_m
     if not math.isfinite(record.latitude_deg + record.longitude_deg):

@@ -18,8 +18,10 @@ class Lens:
 
     Attributes
     ----------
-    log_focal: natural logarithm of the focal length over what was believed.
-    k1, k2: radial straightening, see `projection`.
+    log_focal
+        Natural logarithm of the focal length over what was believed.
+    k1, k2
+        Radial straightening, see `projection`.
     """
 
     log_focal: float = 0.0
@@ -33,9 +35,12 @@ class Noise:
 
     Attributes
     ----------
-    tie_std_px: of a tie on the ground.
-    clutter_std_m: of the heights of ties above the ground's surface.
-    fix_factor: standard deviation of fixes over what they claim.
+    tie_std_px
+        Of a tie on the ground.
+    clutter_std_m
+        Of the heights of ties above the ground's surface.
+    fix_factor
+        Standard deviation of fixes over what they claim.
     """
 
     tie_std_px: float = FIRST_TIE_STD_PX
@@ -49,10 +54,14 @@ class State:
 
     Attributes
     ----------
-    poses: by name of photograph.
-    lenses: by name of lens.
-    surface: of the ground.
-    noise: of the residuals.
+    poses
+        By name of photograph.
+    lenses
+        By name of lens.
+    surface
+        Of the ground.
+    noise
+        Of the residuals.
     """
 
     poses: Mapping[str, Pose]

@@ -17,9 +17,12 @@ class Surface:
 
     Attributes
     ----------
-    west_m, south_m: local place of node (0, 0).
-    cell_m: distance of nodes.
-    heights_m: shape (rows northwards, columns eastwards); a single 0 for level ground.
+    west_m, south_m
+        Local place of node (0, 0).
+    cell_m
+        Distance of nodes.
+    heights_m
+        Shape (rows northwards, columns eastwards); a single 0 for level ground.
     """
 
     west_m: float = 0.0
@@ -62,8 +65,10 @@ class Surface:
 
         Parameters
         ----------
-        ground_m: (east, north), shape (n, 2).
-        heights_m, std_m: measured there and how well, shape (n,).
+        ground_m
+            (east, north), shape (n, 2).
+        heights_m, std_m
+            Measured there and how well, shape (n,).
         """
         rows, columns = self.heights_m.shape
         design = self._design(ground_m)
