@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEVELS = 4
-# Beyond so many pixels from a seam nothing is mixed.
+# Pixels farther from a seam are not mixed.
 REACH_PX = 2**LEVELS * 2
 GRAIN_PX = 2**LEVELS
 Colour = NDArray[np.uint8]
@@ -52,7 +52,7 @@ def _grown(indices: NDArray[np.int64], size: int) -> slice:
 
 
 def blended(ground: Colour, ground_mask: Mask, parts: Sequence[Part]) -> Colour:
-    """Return pictures, each where its mask is, mixed across the borders of the masks.
+    """Return the pictures blended: each where its mask is, mixed across the borders of masks.
 
     Coarse structure is mixed over a wide margin, fine structure over a narrow one.
 
@@ -65,8 +65,8 @@ def blended(ground: Colour, ground_mask: Mask, parts: Sequence[Part]) -> Colour:
     parts
         The other pictures.
     """
-    # Each level of the joined pyramid is linear in the pictures, with shares that add up to one:
-    # only what the others differ from the first needs a pyramid of its own.
+    # Each level of the blended pyramid is a weighted mean of the pictures: only the differences
+    # from the first picture need a pyramid.
     smoothed = [_smoothed(part.mask[part.place].astype(np.float32)) for part in parts]
     totals = _smoothed(ground_mask.astype(np.float32))
     for part, masks in zip(parts, smoothed, strict=True):

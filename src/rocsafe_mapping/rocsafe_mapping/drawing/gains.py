@@ -34,7 +34,7 @@ def gains(
         (np.repeat([1.0, -1.0], len(rows)), (np.tile(rows, 2), np.concatenate([first, second]))),
         shape=(len(rows), len(names)),
     ).tocsr()
-    # The brightness of the second over that of the first is to be made up for.
+    # The gains correct the ratio of brightness, second over first.
     wanted = np.array(ratios)
     light = wanted.mean(axis=1, keepdims=True)
     common = _held(design, weight, light, options.brightness_hold)

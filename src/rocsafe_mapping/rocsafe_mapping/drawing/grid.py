@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map's grid of pixels and its tie to the ground.
+"""The map's grid of pixels in the local frame.
 
 Pixel (row, column) of a UTM zone spans eastings from column to column + 1 and northings from
 -row - 1 to -row, in units of the resolution: one grid for the whole zone, so that maps fit
@@ -134,8 +134,7 @@ class MapGrid:
     def ground_lattice(self, window: Window, step: int) -> FloatArray:
         """Return the local ground of every `step`-th pixel edge of `window`, (rows, columns, 2).
 
-        It reaches from the window's first edges to its last; inside, the grid is straight to far
-        below a pixel, so only the corners are asked of the projection.
+        Only the corners are projected; between them the grid is straight to far below a pixel.
         """
         rows, columns = window.height // step + 1, window.width // step + 1
         west, north = float(window.column), float(window.row)
@@ -168,7 +167,7 @@ def utm_epsg(latitude_deg: float, longitude_deg: float) -> int:
 
 @lru_cache(maxsize=64)
 def _corners(grid: MapGrid, columns: tuple[float, float], rows: tuple[float, float]) -> FloatArray:
-    """Return the local ground (2, 2, 2) of four grid places: all photographs of a tile ask it."""
+    """Return the local ground (2, 2, 2) of four grid places; kept, as photographs share it."""
     (west, east), (north, south) = columns, rows
     return grid.ground_of(
         np.array([west, east, west, east]), np.array([north, north, south, south])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Label images mosaicked by the poses of their photographs: a map of what is where."""
+"""A map of label images, drawn with the poses of their photographs."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -24,7 +24,7 @@ def label_tiles(
 ) -> Iterator[tuple[Window, Labels]]:
     """Return the labels of the map's tiles, each from the photograph that the map shows there.
 
-    Labels are never mixed: seams are those of the map, each pixel has one photograph's label.
+    Labels are not blended: each pixel has the label of the photograph that the map shows there.
 
     Parameters
     ----------

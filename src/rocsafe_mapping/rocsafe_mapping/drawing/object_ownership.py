@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Things that stand up shown whole, by one photograph each, where seams would cut them.
+"""Objects that seams cut are given to one photograph each.
 
-A seam that runs round a thing can do so only within what two neighbours both show. A thing that
-is too wide for that may still be whole in one of the photographs: then this one shows it, also
-where another looks more steeply down.
+A seam can run round an object only within the overlap of two photographs. An object that is too
+wide for that may be whole in one photograph: this one then shows it, also where another looks more
+steeply down.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ def keep_objects_whole(
     window: Window,
     options: DrawingOptions,
 ) -> None:
-    """Give things that seams cut to one photograph each, in `labels`, where that costs less.
+    """Give objects that seams cut to one photograph each, in `labels`, where that costs less.
 
     Parameters
     ----------
@@ -39,20 +39,21 @@ def keep_objects_whole(
     cost
         Of a seam through each pixel.
     """
-    # A seam must keep off what stands up by a pixel.
+    # A seam keeps a pixel off an object.
     cost = cv2.dilate(cost, AROUND)
     for least, width in options.objects.rounds:
         for place, is_thing in _things(labels, cost > least, width, options.objects.margin_px):
             row, column = window.row + place[0].start, window.column + place[1].start
             box = Window(row, column, *is_thing.shape)
-            # How far others disagree with what is about the thing is not known.
+            # Only photographs shown about the object are candidates: the cost beside others is
+            # unknown.
             near = set(np.unique(labels[place]).tolist()) - {NO_PHOTO}
             scores = {number: _scores(views[number], box) for number in sorted(near)}
             labels[place] = _best(labels[place], cost[place], is_thing, scores, options)
 
 
 def _things(labels: Labels, stands: Mask, width: int, margin_px: int) -> list[tuple[Place, Mask]]:
-    """Return the things that are shown by more than one photograph, each with its place."""
+    """Return the objects that more than one photograph shows, each with its place."""
     opened = cv2.morphologyEx(
         stands.astype(np.uint8), cv2.MORPH_OPEN, np.ones((width, width), np.uint8)
     )
@@ -86,7 +87,7 @@ def _best(
     scores: dict[int, Shares],
     options: DrawingOptions,
 ) -> Labels:
-    """Return the labels of a place, those of the thing changed if that makes seams cheaper."""
+    """Return the labels of a place, those of the object changed if that lowers the cost."""
     objects, length_cost = options.objects, options.seams.kept_length_cost
     best, least = labels, objects.whole_share * _seams_cost(labels, cost, length_cost)
     for number, score in scores.items():

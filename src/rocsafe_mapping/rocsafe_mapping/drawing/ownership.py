@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who is shown where: the index of a photograph at each pixel of the coarse grid."""
+"""Owners: the index of the photograph that is shown at each pixel of the coarse grid."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Photographs as pixels: decoded once, straightened, kept while memory allows."""
+"""Decoded photographs without lens distortion, kept while memory allows."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -20,7 +20,7 @@ ReadImage = Callable[[], bytes]
 
 
 class PixelCache:
-    """The pixels of photographs, decoded when needed, the last used ones kept.
+    """Decodes photographs when they are needed and keeps those used last.
 
     Parameters
     ----------

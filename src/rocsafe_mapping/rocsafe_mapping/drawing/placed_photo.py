@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One aligned photograph, seen from straight above."""
+"""An aligned photograph, and where the map's pixels lie in it."""
 
 import math
 from dataclasses import dataclass, field

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How alike two photographs are at each place if what they show there stood so high.
+"""Plane sweep: correlation of two photographs at each place, for each height that is tried.
 
-A photograph on the map shows a point z above the ground where the ray through it meets the
-ground. So for each height the second photograph, laid anew, falls on the first just where it is
-right (Collins 1996). On level ground this only shifts and stretches it: with cameras at c, c' and
-heights h, h' the point that the first shows at x lies at x (1 - z / h) + c z / h, and the second
-shows it h' / (h' - z) times as far from c'.
+A photograph on the map shows a point at the height z where the ray through it meets the ground.
+For each height the second photograph is projected onto the first; they agree where the height is
+right (Collins 1996). On level ground this is a shift and a change of scale: with cameras at c, c'
+and heights h, h', the point that the first shows at x lies at x (1 - z / h) + c z / h, and the
+second shows it h' / (h' - z) times as far from c'.
 """
 
 from collections.abc import Sequence
@@ -115,8 +115,8 @@ def _compared(
 ) -> tuple[Shares, NDArray[np.uint8]]:
     """Return the correlation of windows of `one` and each of the laid pictures, and `is_seen`.
 
-    All pictures are smoothed as one tall picture: near its upper and lower edge, by half a
-    window, a picture's correlation is not right.
+    All pictures are smoothed as one tall picture, for speed: within half a window of its upper and
+    lower edge the correlation of each is not valid.
     """
     gray, is_seen = laid
     side_px, noise = options.compared_px, options.noise_variance

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How high what the map shows stands above the ground, where two photographs tell.
+"""Heights of objects above the ground, where two photographs show them.
 
-A flat map shows a roof where the photograph saw it, leaning outwards. Where a second photograph
-shows the roof too, both tell how high it is, and so how far it leans. Where only one photograph
-sees the ground, or the two show nothing alike, nothing tells: there things are reckoned with as
-they stand elsewhere on the map, and above all nearby.
+A flat map shows a roof displaced outwards, by its height. Where a second photograph shows the
+roof, its height is measured by a plane sweep. Where only one photograph shows a place, or the two
+do not correlate, the height is unknown: there an expected height is used, from the known heights
+nearby and, with little weight, of the whole map.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -27,14 +27,14 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relief:
-    """What stands on the ground, on the coarse grid.
+    """Heights above the ground, on the coarse grid.
 
     Attributes
     ----------
     heights_m
-        Of what is shown above the ground, NaN where nothing tells, (height, width).
+        Of what is shown above the ground, NaN where unknown, (height, width).
     rise_m
-        Root mean square height that is to be reckoned with, (height, width).
+        Root mean square of the expected height, (height, width).
     """
 
     heights_m: Shares
@@ -49,14 +49,14 @@ def relief(
     grid: MapGrid,
     options: ReliefOptions,
 ) -> Relief:
-    """Return what stands on the ground.
+    """Return the heights of what stands on the ground.
 
     Parameters
     ----------
     views, placed_photos
         By name of photograph.
     tied
-        Photographs whose places are good enough to tell heights.
+        Photographs placed well enough to measure heights.
     labels
         Index of who is shown, in the sorted names of `views`, and where that is.
     grid
@@ -98,7 +98,7 @@ def _sweep_image(view: CoarseView, placed: PlacedPhoto, grid: MapGrid, edge_px: 
 
 
 def _grown_about(is_own: BoolArray, part: Window, margin_px: int) -> tuple[Window, BoolArray]:
-    """Return the window about what is own, room for correlations about it, and what is own."""
+    """Return the window about the own pixels, with a margin for correlations, and its mask."""
     slices = []
     for axis in (1, 0):
         lines = np.flatnonzero(is_own.any(axis=axis))
@@ -114,7 +114,7 @@ def _partners(
     is_own: BoolArray,
     options: ReliefOptions,
 ) -> list[SweepImage]:
-    """Return photographs that see what is own from elsewhere, the nearest first."""
+    """Return the nearest photographs that show the own pixels from elsewhere."""
     near = []
     for other in looks.values():
         away_px = float(np.linalg.norm(other.below - first.below))
@@ -139,7 +139,7 @@ def _partners(
 def _heights(
     first: SweepImage, others: Sequence[SweepImage], box: Window, options: ReliefOptions
 ) -> tuple[Shares, BoolArray]:
-    """Return the heights of what `first` shows of `box`, NaN if unlike, and what is seen twice."""
+    """Return the heights in `box`, NaN where unknown, and what two photographs show."""
     heights_m, level = _tried(first, others, options)
     alike = likeness(first, box, others, heights_m, options)
     is_twice: BoolArray = alike[level] > NOT_SEEN
@@ -178,7 +178,7 @@ def _without_spots(stands: BoolArray, least_px: int) -> BoolArray:
 
 
 def _rise(heights: Shares, is_twice: BoolArray, options: ReliefOptions) -> Shares:
-    """Return the height that is to be reckoned with at each pixel."""
+    """Return the expected height at each pixel, root mean square."""
     rise = np.zeros(heights.shape, np.float32)
     told = heights[np.isfinite(heights)]
     standing = told[told != 0.0]
@@ -188,7 +188,7 @@ def _rise(heights: Shares, is_twice: BoolArray, options: ReliefOptions) -> Share
     unlike = options.unlike_stands * squares / len(standing)
     twice = int(np.count_nonzero(is_twice))
     usual = (squares + unlike * (twice - len(told))) / twice
-    # In bands of rows: memory is not that of the whole map many times over.
+    # In bands of rows, to limit memory.
     for top in range(0, len(heights), options.band_rows):
         start = max(top - 2 * options.nearby_px, 0)
         rows = slice(start, top + options.band_rows + 2 * options.nearby_px)
@@ -200,7 +200,7 @@ def _rise(heights: Shares, is_twice: BoolArray, options: ReliefOptions) -> Share
 
 
 def _rise_of(heights: Shares, expected: FloatArray, options: ReliefOptions) -> Shares:
-    """Return the same of a part; `expected` is the square where nothing near tells."""
+    """Return the same of a part; `expected` is the square where no height nearby is known."""
     is_told = np.isfinite(heights)
     told = is_told.astype(np.float32)
     square = np.where(is_told, heights, np.float32(0.0)) ** 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map, tile by tile: memory is that of a tile, of small pictures, and of a cache."""
+"""The map, drawn tile by tile: memory holds a tile, the small views and a cache of photographs."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a seam between two photographs would cost at each place: how far they disagree there."""
+"""Cost of a seam between two photographs at each place: how much they disagree there."""
 
 import cv2
 import numpy as np
@@ -34,10 +34,10 @@ def seam_cost(first: Colours, second: Colours, options: SeamOptions) -> Shares:
 
 
 def _squared_shift(first: Colours, second: Colours, options: SeamOptions) -> Shares:
-    """Return how far what is seen at each pixel lies elsewhere in the second picture, squared.
+    """Return the squared shift of what each pixel shows in the second picture.
 
-    Found by dense inverse search (Kroeger et al. 2016); the whole way between the two places of a
-    thing gets its shift.
+    Found by dense inverse search (Kroeger et al. 2016). All pixels between the two places of an
+    object get its shift.
     """
     height, width = first.shape[:2]
     search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)

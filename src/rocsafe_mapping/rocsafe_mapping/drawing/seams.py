@@ -25,9 +25,9 @@ def owners(
 ) -> Labels:
     """Return the index in `names` of the photograph that each coarse pixel shows, or -1.
 
-    Near the lines where two photographs show the ground equally well the border is moved to where
-    they agree, so that it runs round what stands up; what it would still cut is shown whole by one
-    photograph where that is possible.
+    Near the line where two photographs show the ground equally well, the border is moved to where
+    they agree: it runs round objects. An object that it still cuts is given to one photograph,
+    where one shows it whole.
     """
     best = np.zeros((window.height, window.width), np.float32)
     second = np.zeros_like(best)
@@ -40,7 +40,7 @@ def owners(
     masks = []
     for view in shown:
         part = view.window.within(window)
-        # Only the two best compete: where many overlap, the others are no better a choice.
+        # Where many overlap, only the two best scores are candidates.
         least = np.maximum(best[part] * (1.0 - options.seams.slack), second[part])
         is_near = (view.scores > 0.0) & (view.scores >= least)
         masks.append(np.where(is_near, 255, 0).astype(np.uint8))
@@ -62,9 +62,9 @@ def owners(
 def _cut(
     shown: list[CoarseView], masks: list[Mask], window: Window, options: SeamOptions
 ) -> Shares:
-    """Part the masks of photographs that compete; return the cost of seams in `window`.
+    """Divide the masks where candidates overlap; return the cost of seams in `window`.
 
-    Photographs far from each other come first: what is left is between neighbours.
+    Distant photographs are divided first; then only neighbours overlap.
     """
     cost = np.zeros((window.height, window.width), np.float32)
     boxes = [view.window for view in shown]
@@ -92,7 +92,7 @@ def _cost(
 
 
 def _part(masks: tuple[Mask, Mask], boxes: tuple[Window, Window], cost: Shares, at: Place) -> None:
-    """Part two masks by dynamic programming (Uyttendaele et al. 2001)."""
+    """Divide two masks by dynamic programming (Uyttendaele et al. 2001)."""
     # The finder's costs are the squared differences of pictures.
     pictures = [np.zeros((*mask.shape, 3), np.float32) for mask in masks]
     pictures[1][at[0], at[1], 0] = np.sqrt(cost)

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map while photographs come in: each shown at once where its fix says, then where it fits.
+"""The map while photographs come in: each is placed by its fix, then by its ties.
 
-All work is in small pieces, so that a photograph that lands is never kept waiting: first what has
-landed is shown by its fix, then photographs are tied, then tiles are drawn, those that were
-released: whoever owns the map says how often.
+Work is done in small pieces, the most urgent first, so that a new photograph is shown soon: adopt
+a finished adjustment, tie photographs, draw released tiles, start an adjustment.
 """
 
 from collections import deque
@@ -26,7 +25,7 @@ GROWTH = 1.5
 FEWEST = 6
 # A photograph is drawn anew when a corner of it moved by so many pixels, its own or the map's.
 LEAST_MOVE_PX = 0.5
-# Between two rounds of drawing the tiles that changed, for those who look at them over the web.
+# Between two rounds of drawing the tiles that changed.
 TILES_S = 4.0
 
 

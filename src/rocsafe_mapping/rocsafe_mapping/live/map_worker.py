@@ -178,7 +178,7 @@ class MapWorker:
     def _written(self, region: SurveyArea | None) -> str:
         """Write the map; return what was written, in one line."""
         self._receive_stored()
-        # An impatient client asks again while the first request is carried out.
+        # A client may ask again while the first request is carried out.
         if not (self._files.is_final and Path(self._files.geotiff).exists()):
             self._live.finish()
             alignment = self._live.maker.align()

@@ -21,7 +21,7 @@ OPAQUE = 255
 
 
 class Preview:
-    """Small pictures of all photographs, laid where they are.
+    """Small views of all photographs at their places.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Preview:
         self.is_due = False
 
     def show(self, placed: PlacedPhoto) -> None:
-        """Lay a photograph where it is now."""
+        """Show a photograph at its place."""
         edge_share = self._maker.options.drawing.views.edge_share
         image = self._maker.pixels.colour(placed.photo.name)
         view = coarse_view(placed, image, self._fit(placed), edge_share)

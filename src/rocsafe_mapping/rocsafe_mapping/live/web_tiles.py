@@ -73,8 +73,7 @@ class WebTiles:
     def release(self) -> None:
         """Let `draw_next` draw all tiles that are out of date now.
 
-        A tile changes with each photograph on it, and again when that is refined: drawn by the
-        round, it is drawn once for all of them.
+        A tile changes with each photograph on it; in rounds, it is drawn once for several changes.
         """
         for place in self._stale:
             self._mark(place)
@@ -85,7 +84,7 @@ class WebTiles:
         zooms = [zoom for zoom, places in self._dirty.items() if places]
         if not zooms:
             return False
-        # Finest first: a coarser tile is drawn once, after all that it is joined from.
+        # Finest first: a coarser tile is drawn once, from finished finer tiles.
         place = next(iter(self._dirty[max(zooms)]))
         del self._dirty[max(zooms)][place]
         picture = self._drawn(place) if place[0] == self._zoom else self._joined(place)

@@ -22,7 +22,7 @@ from rocsafe_mapping.photographs.shot import ShotRecord
 
 BEFORE, AFTER = 'before_', 'after_'
 OPAQUE = 255
-# Light is compared over this width: shadows of clouds are not changes.
+# Differences of light wider than this are not changes: shadows of clouds.
 LIGHT_M = 25.0
 Rgba = NDArray[np.uint8]
 

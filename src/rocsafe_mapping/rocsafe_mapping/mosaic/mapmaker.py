@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From photographs to a map: takes them in, aligns them, draws them."""
+"""From photographs to a map: takes them in, aligns them and has them drawn."""
 
 import dataclasses
 import math
@@ -113,8 +113,8 @@ class Alignment:
     ) -> FloatArray:
         """Return the standard errors (n,) of what a photograph shows at points (n, 2) of the map.
 
-        `rise_m` is the height above the ground of what it shows there, which a flat map leaves
-        leaning.
+        `rise_m` is the height above the ground of what it shows there: a flat map shows it
+        displaced.
         """
         pose = self.placements[name].pose
         leaning = leaning_m(self.heights_error, pose, ground_m, rise_m)
@@ -170,9 +170,9 @@ class Mapmaker:
         return self._file_names.get(name, name)
 
     def add(self, record: ShotRecord, read: ReadImage, file_name: str = '') -> Photo:
-        """Take in a photograph: it lies where its fix says until it is aligned.
+        """Take in a photograph, placed by its fix until it is aligned.
 
-        `file_name` is that of its file, where it is not called like its shot.
+        `file_name` is the name of its file, where that differs from the shot's.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class Mapmaker:
     def renderer(self, *, with_relief: bool = False) -> Renderer:
         """Return what draws the map as the photographs lie now.
 
-        `with_relief` has it look for what stands on the ground, which takes time.
+        `with_relief` also finds heights of what stands on the ground, which takes time.
 
         Raises
         ------

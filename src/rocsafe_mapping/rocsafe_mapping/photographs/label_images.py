@@ -2,8 +2,8 @@
 """Label images beside a store: kept with the photographs they belong to, read again as classes.
 
 ``labels/<shot_id>.png`` has a number for each pixel, 8 or 16 bits; ``labels/table.json``, where
-there is one, tells the class and colour of each number. Labels are what a simulator knows of its
-pictures: they are no evidence, and need no receipt.
+there is one, tells the class and colour of each number. Labels come from the simulator; they are
+not evidence and need no receipt.
 """
 
 import json

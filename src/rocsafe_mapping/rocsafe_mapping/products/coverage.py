@@ -20,7 +20,7 @@ def coverage(renderer: Renderer, region: shapely.Polygon | None) -> dict[str, An
     missing = wanted & ~is_seen
     count, _, statistics, _ = cv2.connectedComponentsWithStats(missing.astype(np.uint8))
     largest = max((int(statistics[n, cv2.CC_STAT_AREA]) for n in range(1, count)), default=0)
-    # A region that reaches beyond the grid of the map is not seen there.
+    # Parts of the region outside the map's grid are not seen.
     wanted_m2 = region.area if region is not None else float(wanted.sum()) * cell_m2
     return {
         'of': 'region' if region is not None else 'outline of the photographs',

@@ -47,7 +47,7 @@ class ErrorMap:
         return shown
 
     def facts(self) -> dict[str, Any]:
-        """Return how much of the map stands up, how much is not told, and how far each is off."""
+        """Return the shares of ground, objects and unknown heights, with their errors."""
         is_told = np.isfinite(self.heights_m) & self.is_shown
         is_standing = is_told & (np.abs(np.nan_to_num(self.heights_m)) > STANDING_M)
         kinds = {

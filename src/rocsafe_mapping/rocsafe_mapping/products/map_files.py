@@ -58,7 +58,7 @@ def product_options_of(
 ) -> ProductOptions:
     """Return what shall be written of a mission's map.
 
-    Label images that the collector kept beside the photographs become a map, too.
+    Label images that the collector kept beside the photographs are mapped, too.
     """
     frame = maker.frame
     labels = Path(options.store_directory) / LABELS

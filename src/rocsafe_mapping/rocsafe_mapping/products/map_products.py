@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A finished map handed over: the GeoTIFF and, in a folder, all that goes with it."""
+"""The files of a finished map: the GeoTIFF and, in a folder, what belongs to it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

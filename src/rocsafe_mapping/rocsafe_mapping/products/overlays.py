@@ -98,9 +98,10 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 
 
 def _on_tiles(source: DatasetReader) -> WarpedVRT:
-    """Return a map in the web's projection, its edges those of tiles.
+    """Return a map in Web Mercator whose edges are edges of tiles.
 
-    Left to itself, GDAL lays the map up to a pixel beside its place.
+    Otherwise GDAL shifts the map
+    by up to a pixel.
     """
     wished, _, _ = calculate_default_transform(
         source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', source.width, source.height, *source.bounds

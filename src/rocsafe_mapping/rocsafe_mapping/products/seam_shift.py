@@ -61,8 +61,8 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
 def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
     """Return which places (n,) have nothing standing about them, as the ties nearby tell.
 
-    The ties are those of the adjustment, not the patches themselves: a patch that is shifted is
-    not called standing for that.
+    The ties of the adjustment decide, not the patches: a shifted patch alone is no sign of an
+    object.
     """
     found = np.zeros(len(places_m), bool)
     for number, place in enumerate(places_m):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anyone's drone photographs: what their Exif and XMP tell, as records.
+"""Drone photographs of any maker: records from their Exif and XMP.
 
 Conventions: Exif 2.32; XMP of DJI (``drone-dji``: yaw clockwise from north, a gimbal's pitch -90
 looks straight down, RelativeAltitude above the take-off point) and of Pix4D (``Camera``: yaw,

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The image store: each photograph safely on disk, exactly once, whatever happens.
+"""The image store: keeps each photograph on disk, exactly once, also after a crash.
 
 A photograph is a JPEG file with Exif and, beside it, a JSON file with its record. It counts as
 stored when its line stands in the manifest; the line is written last, after both files are safe
-on disk, and the vehicle hears of it only then. What a killed collector leaves is put in order by
-the next one that opens the store.
+on disk, and the vehicle hears of it only then. After a crash, the next collector that opens the
+store completes or removes what is unfinished.
 """
 
 import fcntl
@@ -191,7 +191,7 @@ class ImageStore:
             write_part(sidecar_path, json.dumps(plain, indent=1).encode() + b'\n')
             write_part(image_path, stored)
         except OSError:
-            # A full disk needs the space more.
+            # A full disk has no room for it.
             discard_part(sidecar_path)
             raise
         finish_part(sidecar_path)

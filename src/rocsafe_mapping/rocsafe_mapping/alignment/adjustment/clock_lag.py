@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Vehicles whose photographs and fixes do not belong to the same moment.
+"""Clock lags: vehicles whose fixes are late or early beside their photographs.
 
-Where a camera's clock is late, each fix is that of a place farther along the way: fixes are off
-by the lag times the velocity, forth on one strip and back on the next. The photographs tie each
-other well enough to show it. A vehicle that stands still for its photographs shows no lag, nor
-does one that only ever flies one way, for all of its map may lie farther along.
+Where a camera's clock is late, each fix is off by the lag times the velocity: forwards on one
+strip, backwards on the next. The poses from the ties show it. No lag is found for a vehicle that
+stops for each photograph, or that flies in one direction only: there it cannot be told from a
+shift of all fixes.
 """
 
 import dataclasses
@@ -81,7 +81,7 @@ def _velocity(legs: Sequence[FloatArray], straight_cosine: float) -> Velocity:
 def lags_s(
     photos: Mapping[str, Photo], poses: Mapping[str, Pose], options: ClockOptions
 ) -> dict[str, float]:
-    """Return by how much the fixes of vehicles are late, seconds; only of those that surely are.
+    """Return the lags of vehicles whose fixes are certainly late, seconds.
 
     Parameters
     ----------
@@ -106,15 +106,15 @@ def lags_s(
 
 
 def _lag_s(rows: Sequence[tuple[FloatArray, FloatArray]], options: ClockOptions) -> float:
-    """Return the lag that `rows` of distances off and velocities show, 0 if none for certain."""
+    """Return the lag from `rows` of (error of the fix, velocity), 0 if none is certain."""
     off = np.concatenate([row[0] for row in rows])
     along = np.concatenate([row[1] for row in rows])
-    # What all fixes are off alike is no lag.
+    # A shift that all fixes have in common is not a lag.
     axes = np.tile(np.eye(2), (len(rows), 1))
     plain, _ = _fitted(axes, off, options)
     found, variance = _fitted(np.column_stack([axes, along]), off, options)
     lag, std = float(found[2]), math.sqrt(max(float(variance[2, 2]), 0.0))
-    # Means, not medians: across the way nothing changes, and that is half of the values.
+    # Means, not medians: half of the values, those across the path, do not change.
     before = float(np.mean(np.abs(off - axes @ plain)))
     after = float(np.mean(np.abs(off - np.column_stack([axes, along]) @ found)))
     is_certain = options.certainty * std < abs(lag) < options.largest_lag_s
@@ -139,9 +139,9 @@ def _fitted(
 def without_lag(
     photos: Mapping[str, Photo], lags: Mapping[str, float], options: ClockOptions
 ) -> dict[str, Photo]:
-    """Return `photos` with the fixes of late vehicles brought back to where the vehicles were.
+    """Return `photos` with the lag of the fixes corrected.
 
-    Where the way bends the fix is worth less, for the velocity is not known well.
+    Where the path turns, the velocity is uncertain, and so is the corrected fix.
     """
     if not lags:
         return dict(photos)

@@ -102,7 +102,7 @@ class Equations:
         self._tie_columns = _columns(ties, unknowns)
 
     def cost(self, state: State) -> float:
-        """Return what the adjustment makes least."""
+        """Return the value that the adjustment minimises."""
         white = _whitened(self.ties.residuals(state), state)[0]
         square = np.sum(white**2, axis=1)
         knee = self.options.tie_knee**2
@@ -213,7 +213,7 @@ class Equations:
 
 
 def _whitened(moved: TieResiduals, state: State) -> tuple[FloatArray, FloatArray]:
-    """Return the residuals over their noise (n, 2), and the matrices (n, 2, 2) that do it.
+    """Return the residuals divided by their noise (n, 2), and the matrices (n, 2, 2) that do so.
 
     The covariance s^2 I + z^2 b b^T, b the derivative to the height, has the inverse root
     (I - (1 - 1 / sqrt(1 + z^2 b^2 / s^2)) b b^T / b^2) / s.
@@ -229,7 +229,7 @@ def _whitened(moved: TieResiduals, state: State) -> tuple[FloatArray, FloatArray
 
 
 def _columns(ties: Ties, unknowns: Unknowns) -> Index:
-    """Return the columns of a tie's derivatives, -1 where they do not count, shape (n, 18)."""
+    """Return the columns of a tie's derivatives, -1 for known values, shape (n, 18)."""
     poses, lenses = unknowns.pose_columns(ties.names), unknowns.lens_columns(ties.lenses)
     parts = []
     for starts, index, size in (

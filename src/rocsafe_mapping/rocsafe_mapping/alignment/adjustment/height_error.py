@@ -13,8 +13,8 @@ def height_error(
 ) -> Surface:
     """Return the standard error of the ground's heights, as a grid like `surface`.
 
-    Where no ties lie the ground may bend as it is believed to do; where they lie, what stands
-    there spreads as they do.
+    Between ties, the prior of the ground's curvature gives the error; at ties, the spread of their
+    heights is added.
 
     Parameters
     ----------
@@ -40,10 +40,11 @@ def height_error(
 def leaning_m(
     error: Surface, pose: Pose, ground_m: FloatArray, rise_m: FloatArray | float = 0.0
 ) -> FloatArray:
-    """Return how far points (n, 2) are off on the map of a photograph where heights are off.
+    """Return the displacement of points (n, 2) of a photograph on the map by errors of height.
 
-    A point that lies z higher is seen z r / h farther out, r from below a camera h high: so both
-    what is not known of the ground and what is known to stand on it, `rise_m`, are off the map.
+    A point z above the surface is drawn z r / h farther out, at the distance r from the nadir of a
+    camera at the height h. Both the error of the ground's height and the height of objects,
+    `rise_m`, have this effect.
     """
     off = np.linalg.norm(ground_m - pose.centre[:2], axis=1)
     leaning: FloatArray = np.hypot(error.at(ground_m), rise_m) * off / pose.centre[2]

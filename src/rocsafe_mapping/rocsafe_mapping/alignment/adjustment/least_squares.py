@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Poses of photographs that fit ties and priors best (least squares, Levenberg-Marquardt).
+"""Least squares adjustment of poses, lenses and ground heights (Levenberg-Marquardt).
 
-Ties and fixes may be wrong and count robustly; all other priors count plainly. A tie's point may
-stand off the ground: the spread of such heights is estimated from the residuals, and counts as
-noise along the direction in which a height would move the point (so on rough ground ties hold
-photographs like the epipolar lines of a free point, and on level ground like the plane).
+Ties and fixes have a robust cost, as they may be outliers; other priors a quadratic one. The point
+of a tie may lie above the ground: the spread of such heights is estimated from the residuals and
+added to the noise along the direction in which a height moves the point. On rough ground a tie
+then constrains like an epipolar line, on level ground like a plane.
 """
 
 import dataclasses
@@ -61,8 +61,8 @@ def adjusted(
             break
         state = _with_noise(equations, _with_surface(equations, state, options.ground))
         if round_number < options.adjustment.trusting_rounds:
-            # Ground that was taken for level pulled photographs from their fixes: fixes are not
-            # to blame for that, and are asked again.
+            # Errors of the level ground moved photographs from their fixes: the scatter of the
+            # fixes is not increased for that.
             noise = dataclasses.replace(state.noise, fix_factor=min(state.noise.fix_factor, 1.0))
             state = dataclasses.replace(state, noise=noise)
         state = _settled(equations, state, steps // 4)
@@ -74,7 +74,7 @@ def stated_error_m(
 ) -> dict[str, float]:
     """Return the standard error of each photograph's corners on the ground, metres.
 
-    It is that of random solutions drawn with the covariance of the adjustment.
+    It is computed from random solutions drawn with the covariance of the adjustment.
     """
     names = tuple(sorted(state.poses))
     unknowns = Unknowns.of(photos, names, with_lenses=True)
@@ -115,7 +115,7 @@ def residuals_px(
 def standing_m(
     photos: Mapping[str, Photo], pairs: Sequence[Pair], state: State, most: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return where ties lie (n, 2) and how far above the surface their points stand (n,)."""
+    """Return the places of ties (n, 2) and the heights of their points above the surface (n,)."""
     ties = ties_of(pairs, photos, held_out=False, most=most)
     if not len(ties):
         return np.zeros((0, 2)), np.zeros(0)
@@ -131,13 +131,13 @@ def _rise(moved: TieResiduals) -> FloatArray:
 
 
 def _settled(equations: Equations, state: State, most_steps: int) -> State:
-    """Return the state of least cost near `state`, its surface and noise unchanged."""
+    """Return the state of least cost near `state`, with the same surface and noise."""
     damping = equations.options.first_damping
     jacobian, residuals = equations.rows(state)
     cost = equations.cost(state)
     for _ in range(most_steps):
         normal = (jacobian.T @ jacobian).tocsc()
-        # Longer on the diagonal where the step failed: the gradient's own direction in the end.
+        # After a failed step the damping grows, and the step turns towards the gradient.
         normal.setdiag(normal.diagonal() * (1.0 + damping))
         step = factored(normal).solve(-(jacobian.T @ residuals))
         moved = equations.unknowns.moved(state, step)
@@ -188,7 +188,7 @@ def _with_noise(equations: Equations, state: State) -> State:
 
 
 def _fix_factor(photos: Mapping[str, Photo], state: State, options: AdjustmentOptions) -> float:
-    """Return how far fixes scatter over what they claim, from their median distance."""
+    """Return the scatter of the fixes over their stated one, from their median distance."""
     if len(state.poses) < options.least_fixes:
         return 1.0
     off = np.array(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A pixel of one photograph, over the ground, to a pixel of another, and how that changes.
+"""Projection of a pixel of one photograph, by the ground, into another, with derivatives.
 
 With a camera at c, its rotation R, a ray v = ((u - u0) / f, (v - v0) / f, 1) of a pixel, the
 direction is d = R v, the ground point at the height z is g = c + t d with t = (c_z - z) / -d_z,
@@ -58,7 +58,7 @@ class TieResiduals:
     Attributes
     ----------
     residuals_px
-        Where the first photograph's pixel falls less where it was seen, (n, 2).
+        Where the first photograph's pixel is projected to, less where it was matched, (n, 2).
     ground_m
         (east, north) of the ties, (n, 2).
     height
@@ -114,7 +114,7 @@ def grounded(first: Views, heights_m: FloatArray) -> FloatArray:
 
 
 def tie_residuals(first: Views, second: Views, heights_m: FloatArray) -> TieResiduals:
-    """Carry the ties' pixels from `first` over ground at `heights_m` (n,) into `second`."""
+    """Project the ties' pixels of `first`, on ground at `heights_m` (n,), into `second`."""
     return _residuals(first, second, _rays(first), heights_m)[0]
 
 

@@ -11,7 +11,7 @@ from rocsafe_mapping.alignment.model.photo import FloatArray, Pose
 def tilt_and_yaw(pose: Pose, prior: Pose) -> tuple[FloatArray, float]:
     """Return how far `pose` is tilted (about east and north) and turned from `prior`, radians.
 
-    The tilt is that from the prior turned by the yaw: a wrong yaw leaves the gimbal's tilt true.
+    The yaw is taken out before the tilt is measured: a wrong yaw does not change the tilt.
     """
     change = pose.rotation @ prior.rotation.T
     yaw = math.atan2(change[1, 0] - change[0, 1], change[0, 0] + change[1, 1])

@@ -103,14 +103,14 @@ def ties_of(
     names = tuple(sorted({pair.first for pair in pairs} | {pair.second for pair in pairs}))
     index = {name: number for number, name in enumerate(names)}
     chosen = [pair.is_held_out == held_out for pair in pairs]
-    # Many photographs hold each other well with fewer ties: memory stays bounded.
+    # With many photographs fewer ties of each pair are enough; this limits memory.
     every = -(-sum(int(mask.sum()) for mask in chosen) // most)
     if every > 1:
         chosen = [mask & (np.cumsum(mask) % every == 1) for mask in chosen]
     counts = [int(mask.sum()) for mask in chosen]
     cameras = [photos[name].camera for name in names]
     middles = np.array([(camera.cx_px, camera.cy_px) for camera in cameras]).reshape(-1, 2)
-    # Square pixels from here on: rows are brought to the scale of columns.
+    # Rows are scaled like columns, so that pixels are square.
     aspect = np.array([(1.0, camera.fx_px / camera.fy_px) for camera in cameras]).reshape(-1, 2)
     first = np.repeat([index[pair.first] for pair in pairs], counts).astype(np.int64)
     second = np.repeat([index[pair.second] for pair in pairs], counts).astype(np.int64)

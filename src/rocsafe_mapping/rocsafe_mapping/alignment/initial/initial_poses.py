@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """First poses of photographs from their pairs: turns and heights, then places.
 
-Seen from straight above, photograph i shows at the complex ground point c + h e^(i delta) a what
-its prior attitude puts at the slope a: c is the place below it, h its height, delta what its yaw
-lacks. A pair gives a_j = m a_i + b with m = (h_i / h_j) e^(i (delta_i - delta_j)): all log m are
-linear in the log heights and the turns. With both known the places are linear too. The height is
-not solved together with the places: against robust fixes that system shrinks to nothing.
+Points of the ground are complex numbers. With its prior attitude, a pixel of photograph i points
+along the slope a (metres over the ground for each metre down) and shows the ground point c + h
+e^(i delta) a; c is the nadir, h the height, delta the error of the yaw. A pair gives a_j = m a_i +
+b with m = (h_i / h_j) e^(i (delta_i - delta_j)): log m is linear in the log heights and the errors
+of yaw. With both known, the places c are linear, too. Heights and places are not solved together:
+with robust fixes all heights would go to zero.
 """
 
 import math
@@ -53,12 +54,12 @@ class InitialPoses:
 def initial_poses(
     photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
 ) -> InitialPoses:
-    """Return first poses for all photographs that agreeing `pairs` tie to another."""
+    """Return first poses of all photographs in `pairs`, contradicting pairs left out."""
     found = _poses(photos, pairs, options)
     for _ in range(options.most_passes):
         if len(found.pairs) == len(pairs):
             break
-        # Without the pairs that contradict the others, groups may fall apart and values change.
+        # Without the rejected pairs a group may fall apart, and values change.
         pairs = found.pairs
         found = _poses(photos, pairs, options)
     return found
@@ -153,9 +154,9 @@ def _placed(
     turned: tuple[FloatArray, FloatArray],
     options: InitialOptions,
 ) -> tuple[ComplexArray, bool, BoolArray]:
-    """Return the place below each photograph, whether the yaws were of use, and which pairs agree.
+    """Return the nadirs, whether the yaws agree with the fixes, and which pairs agree.
 
-    Changes the turns and heights (`turned`) where the fixes say that all of them are wrong alike.
+    Changes the turns and heights (`turned`) where the fixes show that all have a common error.
     """
     turns, heights = turned
     fixes = np.array([complex(*photos[name].prior.centre[:2]) for name in names])

@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edge:
-    """A pair as a similarity: a_second = m a_first + b, with middles of its ties on both sides."""
+    """A pair as a similarity a_second = m a_first + b, with the means of its ties."""
 
     pair: Pair
     first: int
@@ -53,7 +53,7 @@ def groups_of(pairs: Sequence[Pair]) -> list[tuple[str, ...]]:
 
 
 def spanned(count: int, edges: Sequence[Edge]) -> ComplexArray:
-    """Return log height + i turn of each photograph along the strongest pairs from the first."""
+    """Return log height + i turn of each photograph, along a spanning tree of strongest pairs."""
     near: dict[int, list[tuple[int, int, complex]]] = {}
     for edge in edges:
         log = complex(np.log(edge.factor))
@@ -81,7 +81,7 @@ def averaged(
     *,
     wrapped: bool,
 ) -> FloatArray:
-    """Return the values whose differences over `edges` fit best, robustly; the first stays."""
+    """Return the values whose differences fit `edges` best, robustly; the first is kept."""
     first = np.array([edge.first for edge in edges])
     second = np.array([edge.second for edge in edges])
     logs = np.log(np.array([edge.factor for edge in edges]))
@@ -106,9 +106,10 @@ def chained(
     height_m: float,
     options: InitialOptions,
 ) -> tuple[ComplexArray, BoolArray]:
-    """Return places whose differences, second less first, are `shifts`, the first at 0, robustly.
+    """Return places whose differences, second less first, fit `shifts` robustly.
 
-    With them which pairs agree: one that ties look-alikes contradicts the loops that it closes.
+    The first place is 0. Also which pairs agree: a pair of different ground that looks alike
+    contradicts the loops that it closes.
     """
     first = np.array([edge.first for edge in edges])
     second = np.array([edge.second for edge in edges])
@@ -132,10 +133,10 @@ def _fitted(
     count: int,
     most_full: int,
 ) -> NDArray[Any]:
-    """Return the values (count,) whose differences, second less first, fit `wanted` (n,) best.
+    """Return values (count,) whose differences, second less first, fit `wanted` (n,) best.
 
-    The first value is 0. Small graphs are solved as full matrices: sparse ones take longer to be
-    put together than to be solved.
+    The first value is 0. Small graphs are solved as full matrices: building a sparse one takes
+    longer than solving it.
     """
     first, second = ends
     pull = weight * wanted

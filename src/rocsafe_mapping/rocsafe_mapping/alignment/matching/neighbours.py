@@ -13,7 +13,8 @@ from rocsafe_mapping.alignment_options import NeighbourOptions
 def outline(photo: Photo, options: NeighbourOptions) -> shapely.Polygon:
     """Return the ground that `photo` may show: a disc where its yaw is not known.
 
-    A wrong yaw by half a turn, a common fault, leaves a nadir photograph's outline as it is.
+    A yaw that is wrong by half a turn, a common fault, does not change the outline of a nadir
+    photograph.
     """
     corners = footprint(photo, photo.prior)
     reach = np.linalg.norm(corners[2] - corners[0]) / 2.0
@@ -56,11 +57,7 @@ class Neighbourhood:
             self._cells[cell].remove(name)
 
     def of(self, name: str) -> tuple[str, ...]:
-        """Return the names of the photographs that overlap `name` most, best first.
-
-        Two that are each other's neighbours by one's count are so by the other's too once all
-        photographs are in: see `pairs`.
-        """
+        """Return the names of the photographs that overlap `name` most, best first."""
         shape = self._outlines[name]
         near = {other for cell in self._cells_of(shape) for other in self._cells[cell]} - {name}
         shares = []

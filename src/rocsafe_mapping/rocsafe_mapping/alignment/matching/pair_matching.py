@@ -56,10 +56,10 @@ def match(first: View, second: View, method: str, options: AlignmentOptions) -> 
     """Return the ties of two photographs, None if they do not certainly show the same ground."""
     matching = options.matching
     near_first, near_second = _nearby(first, second), _nearby(second, first)
-    # Few are enough to see whether the photographs fit, and then where to look for the others.
+    # A few show whether the photographs fit, and where to search for the others.
     coarse = _coarse(near_first, near_second, matching.few, matching)
     if coarse is None:
-        # The fixes or the yaw are wrong: anything may match anything.
+        # The fixes or the yaw are wrong: all features are compared.
         coarse = _coarse(first.features, second.features, matching.many, matching)
     found = None if coarse is None else _verified(first, second, coarse, options)
     if found is None:
@@ -91,7 +91,7 @@ def _coarse(
 
 
 def _nearby(view: View, other: View) -> Features:
-    """Return the features of `view` that `other` should see too, by the priors, generously."""
+    """Return the features of `view` that `other` may see by the priors, with a margin."""
     photo, partner = view.photo, other.photo
     if not (photo.has_yaw and partner.has_yaw):
         return view.features
@@ -104,7 +104,7 @@ def _nearby(view: View, other: View) -> Features:
 
 
 def _seen_by(features: Features, matrix: FloatArray, other: Photo, margin_px: float) -> Features:
-    """Return the features that `matrix` brings into the image of `other`, or near it."""
+    """Return the features that the homography `matrix` puts into or near the image of `other`."""
     points = features.points_px.astype(float)
     seen = transformed(matrix, points)
     size = np.array([other.camera.width_px, other.camera.height_px])
@@ -190,7 +190,7 @@ def _points(
 
 
 def _mutual(features: Features, others: Features, options: MatchingOptions) -> NDArray[np.int64]:
-    """Return index pairs (n, 2): clearly better than the next, and each feature once."""
+    """Return index pairs (n, 2) that pass the ratio test, each feature at most once."""
     if len(features) < 2 or len(others) < 2:
         return np.zeros((0, 2), np.int64)
     matcher = cv2.BFMatcher(features.norm)
@@ -212,7 +212,7 @@ def _is_spread(points: FloatArray, photo: Photo, options: MatchingOptions) -> bo
 
 
 def _is_plausible(homography: FloatArray, points: FloatArray, options: MatchingOptions) -> bool:
-    """Return whether two cameras that look down can see the same level ground like this."""
+    """Return whether the homography is one between two cameras that look down on level ground."""
     areas = []
     for place in (points.mean(axis=0), points.min(axis=0), points.max(axis=0)):
         jacobian = _jacobian(homography, place)

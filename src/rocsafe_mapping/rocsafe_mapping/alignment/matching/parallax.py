@@ -22,10 +22,10 @@ def off_plane(
     middle_px: FloatArray,
     options: ParallaxOptions,
 ) -> NDArray[np.bool_]:
-    """Return which matches (n,) look like points that stand off the plane of a homography.
+    """Return which matches (n,) are probably points above or below a homography's plane.
 
-    Such points lie beside their predicted place, along the way between the cameras. Nothing is
-    returned unless there are clearly more along it than across it, where only chance puts them.
+    Such points are displaced along the baseline. None is returned unless clearly more matches are
+    displaced along it than across it, where only chance puts them.
 
     Parameters
     ----------

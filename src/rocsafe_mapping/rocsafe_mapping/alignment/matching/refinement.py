@@ -34,7 +34,7 @@ def refined(
     warped = cv2.warpPerspective(second, inverse, size, flags=flags)
     piece = np.ascontiguousarray(first[low[1] : high[1], low[0] : high[0]])
     start = (first_px - low).astype(np.float32)
-    # What stands off the plane is looked for where its descriptor was found.
+    # Points off the plane are searched where their descriptor was matched.
     guess = transformed(np.linalg.inv(inverse), second_px).astype(np.float32)
     is_flat = np.linalg.norm(guess - start, axis=1) < options.largest_move_px
     guess[is_flat] = start[is_flat]

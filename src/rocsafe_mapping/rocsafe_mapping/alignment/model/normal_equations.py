@@ -10,8 +10,8 @@ from scipy.sparse.linalg import splu
 def factored(normal: csr_matrix) -> Any:
     """Return the factors of a symmetric positive definite matrix, which `solve` with them.
 
-    Such a matrix needs no pivots; that SuperLU is told so makes it four times as fast, for the
-    order that keeps the factors sparse is kept.
+    Such a matrix needs no pivoting. Telling SuperLU so makes it four times as fast: it keeps the
+    order that makes the factors sparse.
     """
     return splu(
         normal.tocsc(),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A photograph as the alignment sees it: its camera and what the vehicle believed of its pose.
+"""A photograph to be aligned: its camera, and its pose as measured on board.
 
 Local frame: east and north in metres about an origin on the ground, up in metres above the
 ground. The curvature of the earth is left out of `up`, so that level ground is level everywhere.
@@ -19,7 +19,7 @@ from rocsafe_mapping.errors import PlacementError
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 FloatArray = NDArray[np.float64]
-# Above this a yaw says nothing.
+# A yaw less certain than this is not used.
 UNKNOWN_YAW_STD_RAD = math.radians(60.0)
 
 
@@ -171,9 +171,9 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOption
 def _up(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> tuple[float, float]:
     """Return how high a camera is above the frame's origin, metres, and its uncertainty.
 
-    Its altitude tells, for the ground below one photograph is not as high as that below the
-    next. Where both differ too much for ground that is nearly level, the height above the ground
-    keeps the photograph's scale right, and is uncertain by as much.
+    The altitude is used, as heights above the ground refer to different ground. Where the two
+    differ too much for nearly level ground, the height above the ground is used, which keeps the
+    scale right; the difference is added to its uncertainty.
     """
     variance = record.position_covariance_m2[8]
     std_m = _std(variance, options.vertical_std_m, options.least_position_std_m)

@@ -61,7 +61,7 @@ class Surface:
         std_m: FloatArray,
         options: GroundOptions,
     ) -> 'Surface':
-        """Return this grid laid through points of the ground, smoothly and robustly.
+        """Return this grid fitted to points of the ground, smoothly and robustly.
 
         Parameters
         ----------
@@ -87,9 +87,9 @@ class Surface:
     def uncertainty_m(
         self, ground_m: FloatArray, std_m: FloatArray, options: GroundOptions
     ) -> FloatArray:
-        """Return the standard error of the nodes, laid through points as `fitted` has them.
+        """Return the standard errors of the nodes of a grid fitted to points, see `fitted`.
 
-        It is that of random grounds drawn with the covariance of the fit.
+        It is computed from random grounds drawn with the covariance of the fit.
         """
         rows, columns = self.heights_m.shape
         design = diags(1.0 / std_m) @ self._design(ground_m)
