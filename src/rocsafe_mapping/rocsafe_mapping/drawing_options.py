@@ -146,7 +146,7 @@ class ReliefOptions:
     smoothed_px
         Side of the mean over known heights, coarse pixels.
     nearby_px, usual_weight
-        Side of the area that tells what to expect where no height is known, and weight of the
+        Side of the area whose heights are expected where none is known, and weight of the
         whole map's mean beside an area that is all known.
     unlike_stands
         Share of the places where two photographs do not correlate that stand above the ground,

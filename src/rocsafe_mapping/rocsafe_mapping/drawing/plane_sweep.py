@@ -83,7 +83,7 @@ def likeness(
 def _laid(
     first: SweepImage, box: Window, other: SweepImage, heights_m: FloatArray
 ) -> tuple[Shares, NDArray[np.uint8]]:
-    """Return `other` laid on `first` for each height (n, height, width), and what it shows."""
+    """Return `other` projected onto `first` for each height (n, height, width), and what it shows."""
     shape = (len(heights_m), box.height, box.width)
     gray, is_seen = np.empty(shape, np.float32), np.empty(shape, np.uint8)
     size, picture = (box.width, box.height), other.gray.astype(np.float32)
@@ -113,7 +113,7 @@ def _laid(
 def _compared(
     one: Shares, laid: tuple[Shares, NDArray[np.uint8]], options: ReliefOptions
 ) -> tuple[Shares, NDArray[np.uint8]]:
-    """Return the correlation of windows of `one` and each of the laid pictures, and `is_seen`.
+    """Return the correlation of windows of `one` and each projected picture, and `is_seen`.
 
     All pictures are smoothed as one tall picture, for speed: within half a window of its upper and
     lower edge the correlation of each is not valid.

@@ -133,7 +133,7 @@ class Renderer:
         return blended(self._drawn(self.names[most], window), masks[most], parts)
 
     def owner_index(self, window: Window) -> NDArray[np.int32]:
-        """Return the index in `names` of who is shown at each pixel of `window`, -1 for nobody."""
+        """Return the index in `names` of who is shown at each pixel of `window`, -1 for none."""
         return self._owners_in(window)[1]
 
     def gray_patch(self, name: str, window: Window) -> NDArray[np.float32]:

@@ -23,7 +23,7 @@ from rocsafe_mapping.photographs.shot import ShotRecord
 # All photographs are adjusted together when there are so many times as many as the last time.
 GROWTH = 1.5
 FEWEST = 6
-# A photograph is drawn anew when a corner of it moved by so many pixels, its own or the map's.
+# A photograph is drawn again when a corner moved by so many pixels, its own or the map's.
 LEAST_MOVE_PX = 0.5
 # Between two rounds of drawing the tiles that changed.
 TILES_S = 4.0

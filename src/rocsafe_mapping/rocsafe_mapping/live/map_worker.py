@@ -63,7 +63,7 @@ class MapWorker:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix='map')
 
     def check(self) -> None:
-        """Raise what ended a task that nobody waits for, if something did."""
+        """Raise the exception that ended a task, if there is one."""
         if self._failure is not None:
             raise self._failure
 

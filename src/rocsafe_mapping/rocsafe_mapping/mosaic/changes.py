@@ -36,7 +36,7 @@ class ChangeOptions:
     resolution_m
         Side of a pixel that is compared.
     least_area_m2
-        Smaller changes are not told.
+        Smaller changes are left out.
     least_levels
         Difference of colour, of 255, after the light was made alike.
     least_stds

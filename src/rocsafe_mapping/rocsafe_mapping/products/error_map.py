@@ -34,7 +34,7 @@ class ErrorMap:
     error_m
         Standard error of where something is shown, NaN where nothing is.
     heights_m
-        Of what is shown above the ground, NaN where no two photographs tell.
+        Of what is shown above the ground, NaN where unknown.
     """
 
     error_m: Shares
@@ -104,7 +104,7 @@ def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
 
 
 def _png(found: ErrorMap) -> bytes:
-    """Return the errors as colours, greyed where no two photographs tell what stands there."""
+    """Return the errors as colours, grey where the height of objects is unknown."""
     most = float(np.quantile(found.error_m[found.is_shown], BRIGHTEST))
     level = np.clip(np.nan_to_num(found.error_m) / max(most, 1e-6), 0.0, 1.0)
     colours = cv2.applyColorMap((255.0 * level).astype(np.uint8), cv2.COLORMAP_INFERNO)

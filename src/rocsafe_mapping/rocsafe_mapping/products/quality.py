@@ -142,7 +142,7 @@ def _ties(held_out_px: FloatArray, resolution_m: float) -> dict[str, Any]:
 
 
 def _seams(alignment: Alignment, renderer: Renderer) -> dict[str, Any]:
-    """Return how far photographs disagree at seams, everywhere and where nothing stands up."""
+    """Return how far photographs disagree at seams, everywhere and where no object stands."""
     shifts, places = seam_shifts_px(renderer)
     if not len(shifts):
         return {'count': 0}

@@ -15,7 +15,7 @@ MOST_PATCHES = 150
 # Flat patches and repetitive ones have no clear shift.
 LEAST_CONTRAST = 6.0
 LEAST_RESPONSE = 0.4
-# Ground is where some ties lie near and none of their points stands up more than this.
+# Ground is where some ties lie near and none of their points is higher above the surface than this.
 NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
 BoolArray = NDArray[np.bool_]
 
@@ -59,7 +59,7 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
 
 
 def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
-    """Return which places (n,) have nothing standing about them, as the ties nearby tell.
+    """Return which places (n,) have no object about them, by the ties nearby.
 
     The ties of the adjustment decide, not the patches: a shifted patch alone is no sign of an
     object.

@@ -125,7 +125,7 @@ class _Handler(BaseHTTPRequestHandler):
         return self._store(record, image, path)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
-        """Say nothing: answers tell all."""
+        """Log nothing: the answers say it."""
 
     def _store(self, record: ShotRecord, image: bytes, upload: Path) -> None:
         try:

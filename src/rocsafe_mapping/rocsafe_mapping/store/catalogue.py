@@ -65,7 +65,7 @@ class StoredShot:
     record, path
         Of the photograph.
     sha256, size_bytes
-        Of the stored file; empty and 0 where only the file tells.
+        Of the stored file; empty and 0 where only the file has them.
     """
 
     record: ShotRecord

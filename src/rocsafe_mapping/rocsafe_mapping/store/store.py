@@ -84,7 +84,7 @@ class ImageStore:
     directory
         Where the store is or shall be.
     notice
-        Is told, in one line each, what was found out of order on opening.
+        Is told, in one line each, what was found unfinished on opening.
     reserve_bytes
         Space that a photograph must leave on the disk; a clear refusal comes before the disk is
         full.

@@ -86,7 +86,7 @@ def lags_s(
     Parameters
     ----------
     photos
-        With their fixes as they were told.
+        With their fixes as measured.
     poses
         Of those of them that are tied.
     """

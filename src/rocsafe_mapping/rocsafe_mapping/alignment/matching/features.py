@@ -21,7 +21,7 @@ class Features:
     Attributes
     ----------
     points_px
-        Shape (n, 2); those that tell most, over all of the image, come first.
+        Shape (n, 2); the strongest, spread over the image, come first.
     descriptors
         Shape (n, 32) of bytes for ORB, (n, 128) of floats for SIFT.
     """

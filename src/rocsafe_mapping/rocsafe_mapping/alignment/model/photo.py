@@ -77,7 +77,7 @@ class Photo:
 
     @property
     def has_yaw(self) -> bool:
-        """Whether the prior tells where the top of the image points."""
+        """Whether the prior says where the top of the image points."""
         return self.yaw_std_rad < UNKNOWN_YAW_STD_RAD
 
     @property
