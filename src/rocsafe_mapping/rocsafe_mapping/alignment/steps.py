@@ -64,7 +64,7 @@ def solve_block(
     """Return the adjustment of all photographs that `pairs` tie, from the beginning."""
     # 5. Graph of pairs (`initial.pair_graph`): groups that hang together; pairs that contradict
     #    the loops which they close are rejected.
-    # 6. First poses (`initial.initial_poses`): turns and heights, then places, fitted to the fixes.
+    # 6. First poses (`initial.initial_poses`): turns and heights, then places, near the fixes.
     first = initial_poses(photos, pairs, options.initial)
     unbelieved = frozenset(
         name

@@ -54,7 +54,7 @@ def _held(design: csr_matrix, weight: FloatArray, wanted: FloatArray, hold: floa
 def _log_ratio(
     first: CoarseView, second: CoarseView, options: GainOptions
 ) -> tuple[NDArray[np.float64], float] | None:
-    """Return log(second / first) of the common colours, and the weight of it: the root of the number of pixels."""
+    """Return log(second / first) of the common colours, and its weight."""
     shared = first.window.cut(second.window)
     if shared.is_empty:
         return None

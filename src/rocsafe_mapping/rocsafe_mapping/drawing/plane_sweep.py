@@ -83,7 +83,7 @@ def likeness(
 def _laid(
     first: SweepImage, box: Window, other: SweepImage, heights_m: FloatArray
 ) -> tuple[Shares, NDArray[np.uint8]]:
-    """Return `other` projected onto `first` for each height (n, height, width), and what it shows."""
+    """Return `other` projected onto `first` for each height (n, height, width), with masks."""
     shape = (len(heights_m), box.height, box.width)
     gray, is_seen = np.empty(shape, np.float32), np.empty(shape, np.uint8)
     size, picture = (box.width, box.height), other.gray.astype(np.float32)

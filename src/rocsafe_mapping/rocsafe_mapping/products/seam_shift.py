@@ -15,7 +15,7 @@ MOST_PATCHES = 150
 # Flat patches and repetitive ones have no clear shift.
 LEAST_CONTRAST = 6.0
 LEAST_RESPONSE = 0.4
-# Ground is where some ties lie near and none of their points is higher above the surface than this.
+# Ground is where ties lie near, and none of their points is higher above the surface than this.
 NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
 BoolArray = NDArray[np.bool_]
 
