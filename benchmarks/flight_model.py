@@ -6,7 +6,7 @@
 Each row is a survey that ArduCopter flew in its own simulator (see test/geo/recorded_surveys.py):
 the time from its first waypoint to its last. Model: `rocsafe_geo.motion`. Simulated: a vehicle of
 `rocsafe_sim` flies the route, from photograph to photograph. Plan: the planner's motion of the
-same order; and the whole flight by both, from the order to standing motors. Charge: mean current
+same order; and the whole flight by both, from the command to standing motors. Charge: mean current
 in the survey. Ends with 1 if a target is missed.
 """
 
@@ -19,22 +19,25 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import Route, Waypoint
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / 'test' / 'geo'))
 from recorded_surveys import HEIGHT_M, RECORDED, Recorded
 
 HOME = (0.0, 0.0, 0.0)
-NS_PER_S = 1_000_000_000
 STEP_NS = NS_PER_S // 5
 RECORDED_CURRENT_A = {'5 m/s': 28.0, '10 m/s': 28.7, 'wind 8 m/s from north': 29.4}
 # Plan and flight are the same function of time; a flight is timed in whole nanoseconds.
 AGREEMENT_S = 0.001
+# Of the vehicle of ArduCopter's simulator, from its current in hover and its battery of 12.6 V.
+RECORDED_HOVER_POWER_W = 350.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,22 +92,26 @@ def _row(survey: Recorded) -> Row:
 def _flown(survey: Recorded) -> tuple[float, float, float]:
     """Return survey time, whole time and mean current of a simulated flight."""
     airframe = Airframe(
-        performance=survey.performance(), hover_s=0.0, endurance_s=3600.0, reserve_fraction=0.1
+        performance=survey.performance(),
+        hover_s=0.0,
+        endurance_s=3600.0,
+        reserve_fraction=0.1,
+        hover_power_w=RECORDED_HOVER_POWER_W,
     )
-    vehicle = Vehicle(airframe, HOME)
+    vehicle = SimulatedVehicle(airframe, HOME)
     vehicle.step(NS_PER_S)
     waypoints = tuple(
-        Waypoint(viewpoint_id=number, position_enu=place, yaw_rad=0.0)
+        RouteWaypoint(viewpoint_id=number, position_enu=place, yaw_rad=0.0)
         for number, place in enumerate([(0.0, 0.0, HEIGHT_M), *survey.waypoints()])
     )
-    vehicle.fly_route(Route(plan_id='recorded', home_enu=HOME, waypoints=waypoints))
+    vehicle.fly_route(FlightRoute(plan_id='recorded', home_enu=HOME, waypoints=waypoints))
     shots_ns, powers = [], []
     while (summary := vehicle.summary()) is None:
         seen = vehicle.step(vehicle.time_ns + STEP_NS)
         shots_ns += [shot.time_ns for shot in seen.shots]
         if 2 <= len(shots_ns) < len(waypoints):
             powers.append(seen.power_w)
-    current_a = float(np.mean(powers)) / airframe.voltage_v
+    current_a = float(np.mean(powers)) / VOLTAGE_V
     return (shots_ns[-1] - shots_ns[1]) / NS_PER_S, summary.duration_s, current_a
 
 
@@ -130,10 +137,10 @@ def _planned(survey: Recorded) -> tuple[float, float]:
         height_m=HEIGHT_M,
         wind_mps=flyer.wind_mps,
     )
-    order = list(range(len(points)))
+    command = list(range(len(points)))
     # two legs climb, one leads to the point above home
-    arrivals = problem.motion(0, order).arrivals_s[2:]
-    return arrivals[len(points) - 1] - arrivals[1], problem.duration_s(0, order)
+    arrivals = problem.motion(0, command).arrivals_s[2:]
+    return arrivals[len(points) - 1] - arrivals[1], problem.duration_s(0, command)
 
 
 def _print(rows: list[Row]) -> None:

@@ -10,6 +10,8 @@ attenuation, but where the table says otherwise. One core is used.
 
 import os
 
+from rocsafe_geo.arrays import FloatArray
+
 # Threads of the linear algebra would only wait for each other on matrices this small.
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
@@ -27,7 +29,6 @@ from radiation_surveys import (
     OPTIONS,
     PITCH_M,
     SENSITIVITY,
-    Array,
     Row,
     Trial,
     World,
@@ -52,7 +53,7 @@ from rocsafe_radiation.physics.photons import material
 from rocsafe_radiation.physics.shielding import Box
 from rocsafe_radiation.physics.transmission import air_transmission
 from rocsafe_radiation.products.dose_map import grid_dose_rates_usvh
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Roentgen cm^2/(h mCi) of one microgray m^2/(h GBq).
 EXPOSURE = 0.037 * 1e4 / 8760.0
@@ -63,7 +64,7 @@ SMALLEST_GBQ = 1.0
 
 def physics(_: int) -> Iterator[Row]:
     """Target 1."""
-    distances: Array = np.asarray(np.geomspace(0.1, 1e4, 1000), np.float64)
+    distances: FloatArray = np.asarray(np.geomspace(0.1, 1e4, 1000), np.float64)
     exact = 2.57 / distances**2
     worst = np.abs(dose_rate_usvps(2.57, distances, 0.1) / exact - 1.0).max()
     yield 'paper: largest relative error', '<= 1e-12', f'{worst:.1e}'
@@ -104,7 +105,7 @@ def counting(_: int) -> Iterator[Row]:
     yield 'dead time at a load of 0.3', '<= 1 %', f'{error:.2%}'
 
 
-def _poisson_p(counts: Array, mean: float) -> float:
+def _poisson_p(counts: FloatArray, mean: float) -> float:
     """Return the probability of a larger chi-square, by Wilson and Hilferty."""
     low, high = int(mean - 3.0 * math.sqrt(mean)), int(mean + 3.0 * math.sqrt(mean))
     inner = np.array(
@@ -255,7 +256,7 @@ def stopping(count: int) -> Iterator[Row]:
         yield f'sequential test, {name}: share of the survey used', '', f'{share:.2f}'
 
 
-def _searched(survey: Survey, rule: StoppingRule) -> tuple[str, int]:
+def _searched(survey: RadiationSurvey, rule: StoppingRule) -> tuple[str, int]:
     """Return how a survey, read line by line, is decided, and after how many lines.
 
     The ground is known from the start: what is not read yet has readings of next to no exposure.
@@ -265,7 +266,7 @@ def _searched(survey: Survey, rule: StoppingRule) -> tuple[str, int]:
     last = int(lines.max())
     for line in range(LINES_A_LOOK - 1, last + 1, LINES_A_LOOK):
         seen = lines <= line
-        part = Survey(
+        part = RadiationSurvey(
             positions_enu_m=survey.positions_enu_m,
             counts=np.where(seen, survey.counts, 0.0),
             exposures=np.where(seen, survey.exposures, 1e-6),
@@ -289,7 +290,7 @@ def adaptive(count: int) -> Iterator[Row]:
         counts = generator.poisson(SENSITIVITY * _rates(trial.truth, places)).astype(float)
         while len(places) < trial.survey.size:
             exposures = np.full(len(counts), SENSITIVITY)
-            survey = Survey(positions_enu_m=places, counts=counts, exposures=exposures)
+            survey = RadiationSurvey(positions_enu_m=places, counts=counts, exposures=exposures)
             found = localize(survey, OPTIONS)
             if found.sources and log_volume(found) <= goal:
                 break
@@ -305,7 +306,7 @@ def adaptive(count: int) -> Iterator[Row]:
     yield 'adaptive: trials that never got there', '', f'{missed / len(used):.2f}'
 
 
-def _rates(truth: Array, places: Array) -> Array:
+def _rates(truth: FloatArray, places: FloatArray) -> FloatArray:
     """Return the dose rate at each of `places`, uSv/h."""
     rates = np.full(len(places), BACKGROUND_USVH)
     for x, y, strength in truth:

@@ -26,8 +26,8 @@ from mapping_sets import (
     flown,
     shared_set,
 )
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.block import BY_FEATURES
@@ -152,7 +152,7 @@ def derailment(options: argparse.Namespace) -> list[Row]:
 
 
 def _by_place(
-    maker: Mapmaker, alignment: Alignment, shots: Sequence[Any], shift_m: NDArray[np.float64]
+    maker: Mapmaker, alignment: Alignment, shots: Sequence[Any], shift_m: FloatArray
 ) -> list[Row]:
     """Return the stated error over the true one at what the map shows, by what is known of it."""
     from mapping_scene import shown_m

@@ -19,8 +19,8 @@ from mapping_sets import (
     enlarged,
     orthophoto,
 )
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_mapping.alignment.block import BY_FEATURES
 from rocsafe_mapping.command_line.map_command import Stopwatch
@@ -140,7 +140,7 @@ def on_disk(sample: Sample, folder: Path) -> OnDisk:
     return OnDisk(sample.record, path, sample.corners_m)
 
 
-def internal(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+def internal(found: FloatArray, true: FloatArray) -> float:
     """Return the RMS distance after the best similarity."""
     a, b = found @ [1, 1j], true @ [1, 1j]
     a, b = a - a.mean(), b - b.mean()
@@ -153,12 +153,12 @@ def stages(watch: Stopwatch) -> str:
     return ', '.join(f'{name} {cost["cpu_s"]:.1f}' for name, cost in watch.costs.items())
 
 
-def p95(values: NDArray[np.float64]) -> float:
+def p95(values: FloatArray) -> float:
     """Return the 95 % quantile, NaN of nothing."""
     return float(np.quantile(values, 0.95)) if len(values) else math.nan
 
 
-def rms_m(off: NDArray[np.float64]) -> float:
+def rms_m(off: FloatArray) -> float:
     """Return the root mean square length of vectors (n, 2)."""
     return float(np.sqrt(np.mean(np.sum(off**2, axis=1))))
 
@@ -168,6 +168,6 @@ def peak_mb() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
 
 
-def root_mean(values: NDArray[np.float64]) -> float:
+def root_mean(values: FloatArray) -> float:
     """Return the root of the mean of squares."""
     return float(np.sqrt(np.mean(values**2)))

@@ -21,8 +21,8 @@ from mapping_sets import (
     Flight,
     flown,
 )
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.model.photo import footprint
 from rocsafe_mapping.live.live_map import LiveMap
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
@@ -103,7 +103,7 @@ def _mapped_until(place: Path, kill_s: float) -> None:
     os.waitpid(child, 0)
 
 
-def _poses(place: Path) -> dict[str, NDArray[np.float64]]:
+def _poses(place: Path) -> dict[str, FloatArray]:
     """Return the corners of the photographs of a store, in pixels of the photographs."""
     maker = Mapmaker(MapOptions())
     for shot in read_store(place, print):

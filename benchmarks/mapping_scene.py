@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 import yaml
 from mapping_sets import HEIGHT_M, Flight, record_of
-from numpy.typing import NDArray
 from shapely.geometry import Point
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
@@ -35,7 +35,7 @@ from rocsafe_scene.scene.map_cache import default_folder
 SCENARIO = Path(__file__).parents[1] / 'config' / 'scenarios' / 'derailment_engine.yaml'
 # Every so many pixels the truth is asked.
 CHECK_EVERY_PX = 20
-Floats = NDArray[np.float64]
+Floats = FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ class SceneShot:
     jpeg: bytes
     pixels: Floats
     true_m: Floats
-    is_ground: NDArray[np.bool_]
+    is_ground: BoolArray
 
 
 def derailment_shots(folder: Path) -> tuple[LocalFrame, list[SceneShot]]:

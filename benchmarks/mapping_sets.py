@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import (
     PinholeCamera,
@@ -25,7 +26,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 HEIGHT_M = 32.0
-Truth = dict[str, NDArray[np.float64]]
+Truth = dict[str, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Sample:
 
     record: ShotRecord
     jpeg: bytes
-    corners_m: NDArray[np.float64]
+    corners_m: FloatArray
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class OnDisk:
 
     record: ShotRecord
     path: Path
-    corners_m: NDArray[np.float64]
+    corners_m: FloatArray
 
     @property
     def jpeg(self) -> bytes:
@@ -85,7 +86,7 @@ class Orthophoto:
     frame: LocalFrame = field(default_factory=lambda: LocalFrame(GeoPosition(53.28, -9.06, 60.0)))
 
     def seen(
-        self, camera: PinholeCamera, centre: NDArray[np.float64], rotation: NDArray[np.float64]
+        self, camera: PinholeCamera, centre: FloatArray, rotation: FloatArray
     ) -> NDArray[np.uint8]:
         """Return what a camera sees."""
         half_y, half_x = (0.5 * self.resolution_m * side for side in self.picture.shape[:2])
@@ -182,8 +183,8 @@ def record_of(
     frame: LocalFrame,
     flight: Flight,
     number: int,
-    told: NDArray[np.float64],
-    rotation: NDArray[np.float64],
+    told: FloatArray,
+    rotation: FloatArray,
 ) -> ShotRecord:
     """Return a record as a vehicle would send it."""
     place = frame.position_of(told)

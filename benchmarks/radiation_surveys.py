@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Likelihood
 from rocsafe_radiation.localization.localize import Localization, LocalizationOptions, localize
@@ -19,9 +19,8 @@ from rocsafe_radiation.physics.nuclide import nuclide
 from rocsafe_radiation.physics.photons import AIR
 from rocsafe_radiation.physics.shielding import Box
 from rocsafe_radiation.physics.transmission import shielded_transmission
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-Array = NDArray[np.float64]
 Row = tuple[str, str, str]
 EXTENT_M, PITCH_M, HEIGHT_M = 300.0, 15.0, 32.0
 SENSITIVITY, BACKGROUND_USVH = 550.0, 0.1
@@ -62,9 +61,9 @@ class World:
 class Trial:
     """A survey with its truth and what was made of it."""
 
-    truth: Array
+    truth: FloatArray
     found: Localization
-    survey: Survey
+    survey: RadiationSurvey
     seconds: float
 
     def errors_m(self) -> list[float]:
@@ -75,7 +74,7 @@ class Trial:
         return [float(np.hypot(*(places - place[:2]).T).min()) for place in self.truth]
 
 
-def flown(generator: np.random.Generator, world: World, sources: Array) -> Survey:
+def flown(generator: np.random.Generator, world: World, sources: FloatArray) -> RadiationSurvey:
     """Return the readings of a survey of `sources`: east, north, dose rate at 1 m in uSv/h."""
     axis = np.arange(0.0, EXTENT_M + 0.1, PITCH_M)
     east, north = (part.ravel() for part in np.meshgrid(axis, axis))
@@ -91,10 +90,12 @@ def flown(generator: np.random.Generator, world: World, sources: Array) -> Surve
     counts = generator.poisson(hits * np.exp(-hits * world.dead_time_s)).astype(float)
     places[:, :2] += generator.normal(0.0, world.position_noise_m, (east.size, 2))
     live_s = 1.0 - CORRECTED_DEAD_TIME_S * counts * (world.dead_time_s > 0.0)
-    return Survey(positions_enu_m=places, counts=counts, exposures=SENSITIVITY * live_s)
+    return RadiationSurvey(positions_enu_m=places, counts=counts, exposures=SENSITIVITY * live_s)
 
 
-def _behind_car(generator: np.random.Generator, car: Box | None, rays: Array) -> Array | float:
+def _behind_car(
+    generator: np.random.Generator, car: Box | None, rays: FloatArray
+) -> FloatArray | float:
     """Return what a car that stands beside the source leaves along each ray, shape (n,)."""
     if car is None:
         return 1.0
@@ -110,8 +111,10 @@ def _behind_car(generator: np.random.Generator, car: Box | None, rays: Array) ->
 
 
 def uneven(
-    generator: np.random.Generator, places: Array, lengths_m: tuple[float, float] = (150.0, 400.0)
-) -> Array:
+    generator: np.random.Generator,
+    places: FloatArray,
+    lengths_m: tuple[float, float] = (150.0, 400.0),
+) -> FloatArray:
     """Return a smooth random field of unit variance, made of waves of such lengths."""
     waves = 12
     lengths = generator.uniform(*lengths_m, waves)
@@ -121,9 +124,11 @@ def uneven(
     return np.asarray(field * math.sqrt(2.0 / waves))
 
 
-def drawn(generator: np.random.Generator, count: int, low_gbq: float, high_gbq: float) -> Array:
+def drawn(
+    generator: np.random.Generator, count: int, low_gbq: float, high_gbq: float
+) -> FloatArray:
     """Return sources at random, at least 30 m apart and 30 m inside, log-uniform in activity."""
-    places: list[Array] = []
+    places: list[FloatArray] = []
     while len(places) < count:
         place = generator.uniform(30.0, EXTENT_M - 30.0, 2)
         if all(np.hypot(*(place - other)) >= 30.0 for other in places):
@@ -146,7 +151,7 @@ def trials(
         yield Trial(truth=truth, found=found, survey=survey, seconds=time.process_time() - begin)
 
 
-def bound_m2(trial: Trial) -> Array:
+def bound_m2(trial: Trial) -> FloatArray:
     """Return the Cramer-Rao bound of the place of each true source, shape (sources, 2, 2)."""
     likelihood = Likelihood(trial.survey, Setting(), np.empty((trial.survey.size, 0)))
     head = [math.log(BACKGROUND_USVH), 0.0]
@@ -157,7 +162,7 @@ def bound_m2(trial: Trial) -> Array:
     return np.stack([bound[start : start + 2, start : start + 2] for start in starts])
 
 
-def errors_at_bound_m(results: list[Trial]) -> Array:
+def errors_at_bound_m(results: list[Trial]) -> FloatArray:
     """Return distances that an estimator at the bound would miss by, 100 for each source."""
     generator = np.random.default_rng(0)
     ways = [

@@ -14,6 +14,8 @@ import argparse
 import csv
 import os
 
+from rocsafe_geo.arrays import FloatArray
+
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 from collections.abc import Iterator
@@ -21,7 +23,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from radiation_surveys import CAESIUM_USVH_PER_GBQ, OPTIONS, Array, Row
+from radiation_surveys import CAESIUM_USVH_PER_GBQ, OPTIONS, Row
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
@@ -29,7 +31,7 @@ from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.photons import material
 from rocsafe_radiation.readings.spectral_window import background_shape
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 CHANNELS, FIRST_CHANNEL = 1024, 16
 # From the lines of potassium-40, 1461 keV in channel 475, and thallium-208, 2615 keV in 848.
@@ -48,10 +50,10 @@ LEAST_EVIDENCE = 14.0
 class Record:
     """Places above the ground in metres, (n, 3), and spectra, (n, channels), one a second."""
 
-    places: Array
-    spectra: Array
+    places: FloatArray
+    spectra: FloatArray
 
-    def counts(self, window_kev: tuple[float, float]) -> Array:
+    def counts(self, window_kev: tuple[float, float]) -> FloatArray:
         """Return the counts of each reading within a window, shape (n,)."""
         low, high = (round(edge / KEV_A_CHANNEL) for edge in window_kev)
         return np.asarray(self.spectra[:, low:high].sum(axis=1))
@@ -77,7 +79,7 @@ def in_the_window(record: Record, sensitivity: float, count: int) -> Iterator[Ro
     """Yield how well sources are found by the window of their line."""
     name = f'line window, {sensitivity:g} cps per uSv/h'
     natural = record.counts(WINDOW_KEV)
-    empty = Survey(
+    empty = RadiationSurvey(
         positions_enu_m=record.places,
         counts=natural,
         exposures=np.full(len(natural), PEAK_SHARE * sensitivity),
@@ -113,7 +115,7 @@ def in_the_window(record: Record, sensitivity: float, count: int) -> Iterator[Ro
 def by_all_counts(record: Record) -> Iterator[Row]:
     """Yield what a detector without a spectrum makes of the same ground."""
     counts = record.counts((0.0, KEV_A_CHANNEL * CHANNELS))
-    survey = Survey(
+    survey = RadiationSurvey(
         positions_enu_m=record.places,
         counts=counts,
         exposures=np.full(len(counts), SENSITIVITIES[0]),
@@ -122,7 +124,7 @@ def by_all_counts(record: Record) -> Iterator[Row]:
     yield 'all counts, nothing injected: sources', '0', f'{len(found.sources)}'
 
 
-def _expected_evidence(injected: Array, empty: Survey, natural: Array) -> float:
+def _expected_evidence(injected: FloatArray, empty: RadiationSurvey, natural: FloatArray) -> float:
     """Return the log likelihood ratio of `injected` to be expected over a known background."""
     shape = 1.0 if empty.background_shape is None else empty.background_shape
     background = shape * natural.mean()
@@ -130,7 +132,7 @@ def _expected_evidence(injected: Array, empty: Survey, natural: Array) -> float:
     return float(gain.sum())
 
 
-def _place(generator: np.random.Generator, places: Array) -> Array:
+def _place(generator: np.random.Generator, places: FloatArray) -> FloatArray:
     """Return a place at random, at most 15 m from the nearest reading."""
     low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
     while True:
@@ -139,7 +141,7 @@ def _place(generator: np.random.Generator, places: Array) -> Array:
             return np.asarray(place)
 
 
-def _injected(record: Record, truth: Array, sensitivity: float) -> Array:
+def _injected(record: Record, truth: FloatArray, sensitivity: float) -> FloatArray:
     """Return the expected counts that reach the window without a collision, shape (n,)."""
     squares = ((record.places - [*truth, 0.0]) ** 2).sum(axis=1)
     depth = float(material('air').attenuation_per_m(LINE_KEV)) * np.sqrt(squares)

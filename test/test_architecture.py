@@ -33,6 +33,8 @@ ROSDEP_KEYS = {
     'PIL': 'python3-pil',
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
+    'jinja2': 'python3-jinja2',
+    'markupsafe': 'python3-jinja2',
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
     'numba': 'python3-numba',
@@ -63,10 +65,10 @@ DOMAINS = {
 MAY_IMPORT = {
     'rocsafe_sim': {'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
-    'rocsafe_orchestrator': {'rocsafe_scenario'},
+    'rocsafe_orchestrator': {'rocsafe_scenario', 'rocsafe_view'},
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
-WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario'}
+WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view'}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',
@@ -86,9 +88,9 @@ CLOCKS = {
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
     # which pipe and which graphics device to draw with is the machine's matter
-    'rocsafe_scene.engine.pipe': {'os.environ'},
+    'rocsafe_scene.graphics.pipe': {'os.environ'},
     # tells the renderers of its workers how many threads each may use
-    'rocsafe_dataset.work': {'os.environ'},
+    'rocsafe_dataset.worker_pool': {'os.environ'},
     # A command that waits until vehicles are heard.
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
     # a command: tells how long each stage took

@@ -5,7 +5,7 @@ NAME = 'rocsafe_planner'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Survey planning for ROCSAFE: coverage, assignment, routing, bounds.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,13 +5,13 @@ NAME = 'rocsafe_scene'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='What there is to see, and how a camera sees it: scenes, game engine, optics.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed', 'engine/*.glsl']},
+    package_data={NAME: ['py.typed', 'engine/*.glsl', 'flat_ground/photographs/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),

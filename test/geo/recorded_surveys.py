@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.motion.route_motion import RouteMotion
+from rocsafe_geo.motion.state import Enu
 
 HEIGHT_M = 50.0
 WIND_SHARE = math.sqrt(HEIGHT_M / 60.0)
 START_OFF_M = 20.0
-
-Enu = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

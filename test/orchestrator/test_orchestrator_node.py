@@ -33,13 +33,13 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
-from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
@@ -137,7 +137,7 @@ class Stage:
         self.node = OrchestratorNode(self.scenario, self.monitor, 'run', context=ros.context)
         self.mission = Mission(
             crew_of(self.scenario, self.table),
-            OrchestratorOptions(repeat_s=REPEAT_S),
+            Deadlines(repeat_s=REPEAT_S),
             extra_rounds=extra_rounds,
         )
         self._skipped_s = 0.0

@@ -263,7 +263,7 @@ def test_every_kernel_is_compiled_once():
     compile_kernels()
     modules = [
         importlib.import_module(m.name)
-        for m in pkgutil.iter_modules(solver.__path__, 'rocsafe_planner.solver.')
+        for m in pkgutil.walk_packages(solver.__path__, 'rocsafe_planner.solver.')
     ]
     kernels = {
         value.py_func.__qualname__: value

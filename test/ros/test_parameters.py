@@ -2,6 +2,7 @@
 """Options dataclasses become ROS parameters, and wrong values become one clear line."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import pytest
 from rclpy.node import Node
@@ -13,6 +14,8 @@ from rocsafe_ros.parameters import ParameterError, declare_options
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
     """Options of no particular node."""
+
+    MOVED_PARAMETERS: ClassVar = {'pace_mps': 'speed_mps'}
 
     speed_mps: float = field(default=8.0, metadata={'doc': 'speed', 'min': 0.1, 'max': 30.0})
     names: tuple[str, ...] = field(default=(), metadata={'doc': 'names'})
@@ -82,3 +85,9 @@ def test_wrong_value_is_refused_in_one_line(declared, overrides, text):
         declared(**overrides)
     assert text in str(caught.value)
     assert '\n' not in str(caught.value)
+
+
+def test_parameter_of_an_earlier_version_names_the_new_one(declared):
+    """Nobody believes that an option counts which is no more."""
+    with pytest.raises(ParameterError, match='subject: parameter pace_mps is now speed_mps'):
+        declared(pace_mps=3.0)

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Transformer
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_finite
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.projection import FloatArray, columns, transform
+from rocsafe_geo.projection import columns, transform
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,7 @@ class LocalFrame:
 
 @lru_cache(maxsize=64)
 def _topocentric(origin: GeoPosition) -> Transformer:
-    """Return PROJ's WGS84 -> local frame; cached, as its set-up costs a millisecond."""
+    """Return the transformation from WGS84; cached, as its set-up takes a millisecond."""
     place = f'+lat_0={origin.latitude_deg!r} +lon_0={origin.longitude_deg!r}'
     return Transformer.from_pipeline(
         '+proj=pipeline +step +proj=cart +ellps=WGS84 '

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Geod, Transformer
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_finite
-from rocsafe_geo.projection import FloatArray, columns, transform
+from rocsafe_geo.projection import columns, transform
 
 _WGS84 = Geod(ellps='WGS84')
 
@@ -44,7 +45,7 @@ class GeoPosition:
 
 
 def distance_m(a: GeoPosition, b: GeoPosition) -> float:
-    """Return the geodesic distance along the ellipsoid (Karney 2013); altitudes are not read."""
+    """Return the geodesic distance along the ellipsoid (Karney 2013); altitudes do not count."""
     _, _, distance = _WGS84.inv(a.longitude_deg, a.latitude_deg, b.longitude_deg, b.latitude_deg)
     return float(distance)
 

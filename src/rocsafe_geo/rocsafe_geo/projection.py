@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one door to PROJ: columns in, columns out."""
+"""Coordinate transformations by PROJ, on columns of coordinates."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pyproj import Transformer
 
-FloatArray = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
 
 
 def columns(*values: ArrayLike) -> tuple[FloatArray, ...]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The orchestrator's ROS side: requests to the nodes, and what they say."""
 
+import dataclasses
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -17,9 +18,9 @@ from rclpy.signals import SignalHandlerOptions
 from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
-from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
+from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
@@ -32,7 +33,7 @@ ANSWER_PERIOD_S = 0.02
 
 
 class OrchestratorNode(Node):
-    """Sees and shows the mission: what the nodes say, which are ready, what phase it is.
+    """Receives the state of the nodes and publishes the state of the mission.
 
     Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
     ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
@@ -43,7 +44,8 @@ class OrchestratorNode(Node):
         self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
     ) -> None:
         super().__init__(NAME, **node_options)
-        self.options = declare_options(self, OrchestratorOptions)
+        options = declare_options(self, OrchestratorOptions)
+        self.deadlines = Deadlines(**dataclasses.asdict(options))
         self._scenario = scenario
         self._monitor = monitor
         self._mission_id = mission_id
@@ -158,7 +160,8 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
 
     Raises
     ------
-    SetupError: if ROS cannot start.
+    SetupError
+        If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
     arguments = ['--ros-args', '-p', 'use_sim_time:=true']

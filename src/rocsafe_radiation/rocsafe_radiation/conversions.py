@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from sensor_msgs.msg import NavSatFix
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
-from rocsafe_radiation.detection.counting import NS_PER_S, Sample, WindowReading
+from rocsafe_radiation.detection.counting import Sample, WindowReading
 from rocsafe_radiation.detection.detector import IDEAL
 from rocsafe_radiation.readings.reading_log import FlightReading
 from rocsafe_ros.conversions import has_position, ns_of_stamp, stamp_of_ns
@@ -40,7 +41,7 @@ def coordinates_of_points(
 def reading_of(
     fix: NavSatFix, vehicle: str, model: str, dose_rate_usvh: float
 ) -> RadiationReading:
-    """Return what an ideal detector of `vehicle` reads at the time of `fix`.
+    """Return the reading of an ideal detector of `vehicle` at the time of `fix`.
 
     The position is where the vehicle believes it is, NaN without a fix.
     """
@@ -59,7 +60,7 @@ def reading_of(
 
 
 def sample_of(fix: NavSatFix, truth: NavSatFix) -> Sample:
-    """Return the moment of `fix`, with the place that it states and the true one."""
+    """Return the moment of `fix` with its place and the true one."""
     return Sample(
         time_ns=ns_of_stamp(fix.header.stamp),
         place=coordinates_of_fix(truth),
@@ -70,7 +71,7 @@ def sample_of(fix: NavSatFix, truth: NavSatFix) -> Sample:
 def counted_reading_of(
     window: WindowReading, vehicle: str, model: str, detector: str
 ) -> RadiationReading:
-    """Return what `detector` of `vehicle` reads at the end of `window`."""
+    """Return the reading of `detector` of `vehicle` at the end of `window`."""
     measured = window.measurement
     reading = RadiationReading(
         detector=detector,
@@ -94,7 +95,7 @@ def counted_reading_of(
 
 
 def flight_reading_of(vehicle: str, reading: RadiationReading) -> FlightReading:
-    """Return `reading` of `vehicle`."""
+    """Return the reading of `vehicle` in a message."""
     return FlightReading(
         vehicle=vehicle,
         time_ns=ns_of_stamp(reading.header.stamp),

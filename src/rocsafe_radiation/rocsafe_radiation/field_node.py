@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``radiation_field``: what the vehicles' detectors read in a simulated field."""
+"""The node ``radiation_field``: readings of the vehicles' detectors in a simulated field."""
 
 from functools import partial
 from typing import Any
@@ -20,19 +20,20 @@ from rocsafe_radiation.detection.counting import WindowCounter
 from rocsafe_radiation.detection.pairing import StampPairing
 from rocsafe_radiation.detection.survey_field import SurveyField
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
+from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import require_point
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lockstep import Participant
-from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
 
 class Detector:
     """The detector of one vehicle: readings from its fixes, in the order of stamps.
 
-    The ideal one gives a reading for each fix, the others one for each window of time.
+    The ideal detector gives a reading for each fix, others one for each window of time.
     """
 
     def __init__(
@@ -103,23 +104,25 @@ class Detector:
 
 
 class FieldNode(Node):
-    """Answers fixes with readings of the dose rate at the vehicle's true position.
+    """Publishes readings of the dose rate at the vehicles' true positions.
 
-    Subscribes: for each vehicle ``fix`` and ``ground_truth/fix``. Publishes: for each vehicle
-    ``radiation``: of the ideal detector one a fix with its stamp, of others one a window with the
-    stamp of its end. Service: ``radiation_field/query``.
+    Subscribes for each vehicle: ``fix`` and ``ground_truth/fix``. Publishes for each vehicle:
+    ``radiation``, by the ideal detector with the stamp of each fix, by others with the stamp of
+    the end of each window. Service: ``radiation_field/query``.
 
-    In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due,
-    so it reports a step done at once; a fix that comes later still gets a reading with its own
-    stamp. Before its first report it waits until it hears all vehicles: what they send before
-    that may be lost. What it publishes depends on stamps and positions alone, never on the order
-    of arrival.
+    In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due, so
+    it reports a step as done at once; a later fix still gets a reading with its own stamp. Before
+    its first report it waits for a connection to all vehicles, because earlier fixes may be lost.
+    Its readings depend on stamps and positions, not on the order of arrival.
     """
 
     def __init__(self, **node_options: Any) -> None:
         super().__init__('radiation_field', **node_options)
         options = declare_options(self, FieldOptions)
-        self._field = options.survey_field()
+        try:
+            self._field = survey_field(options)
+        except ValueError as error:
+            raise ParameterError(str(error)) from error
         self._start_ns = options.start_time_ns
         self._detectors = [
             Detector(self, vehicle, options, self._field) for vehicle in options.vehicles

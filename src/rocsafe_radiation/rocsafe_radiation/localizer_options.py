@@ -2,22 +2,24 @@
 """Options of the node ``localizer``."""
 
 import math
+from collections.abc import Set
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.solids.ground_heights import read_heights
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_DOSE_RATES_USVH,
     DEFAULT_DOSES_USV,
     AlarmLevels,
 )
-from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
 from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
 from rocsafe_radiation.localization.source_count import LARGEST_ORDER
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
-from rocsafe_radiation.products.assessment import PictureOptions
+from rocsafe_radiation.products.assessment import AssessmentOptions
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.readings.reading_log import ReadingLog
 
@@ -26,17 +28,27 @@ MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LocalizerOptions(TerrainOptions):
+class LocalizerOptions:
     """Options of the localizer."""
+
+    MOVED_PARAMETERS: ClassVar = {
+        'terrain_provider': 'terrain_file',
+        'terrain_seed': 'terrain_file',
+        'terrain_latitudes_deg': 'terrain_shift_m',
+        'terrain_longitudes_deg': 'terrain_shift_m',
+        'terrain_altitudes_m': 'terrain_shift_m',
+    }
 
     vehicles: tuple[str, ...] = field(
         default=(), metadata={'doc': 'namespaces of the vehicles that carry a detector'}
     )
     model: str = field(
         default=AUTO_MODEL,
-        metadata={'doc': 'law of the dose rate: paper, air, or auto: what the readings say'},
+        metadata={'doc': 'law of the dose rate: paper, air, or auto: that of the readings'},
     )
-    nuclide: str = field(default=DEFAULT_NUCLIDE, metadata={'doc': 'whose photons air attenuates'})
+    nuclide: str = field(
+        default=DEFAULT_NUCLIDE, metadata={'doc': 'nuclide whose photons air attenuates'}
+    )
     origin_latitude_deg: float = field(
         default=0.0,
         metadata={'doc': 'WGS84 latitude of the mission origin, degrees; 0, 0: the first reading'},
@@ -47,6 +59,20 @@ class LocalizerOptions(TerrainOptions):
     origin_altitude_m: float = field(
         default=0.0,
         metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
+    )
+    terrain_file: str = field(
+        default='',
+        metadata={
+            'doc': 'heights of the ground: GeoTIFF or file of rocsafe scene solids; empty: level'
+        },
+    )
+    terrain_shift_m: float = field(
+        default=0.0,
+        metadata={
+            'doc': 'added to these heights so that they count from the ellipsoid, metres',
+            'min': -1e4,
+            'max': 1e4,
+        },
     )
     source_height_m: float = field(
         default=0.5,
@@ -66,7 +92,7 @@ class LocalizerOptions(TerrainOptions):
     )
     method: str = field(
         default=ML_METHOD,
-        metadata={'doc': f'way to find sources: {", ".join(METHODS)}'},
+        metadata={'doc': f'method to find sources: {", ".join(METHODS)}'},
     )
     false_alarm: float = field(
         default=0.01,
@@ -87,7 +113,7 @@ class LocalizerOptions(TerrainOptions):
     ellipse_95_m: float = field(
         default=5.0,
         metadata={
-            'doc': 'longest half axis of a 95 % ellipse that is enough, metres',
+            'doc': 'longest half axis of a 95 % ellipse that is precise enough, metres',
             'min': 1e-3,
             'max': 1e4,
         },
@@ -122,7 +148,7 @@ class LocalizerOptions(TerrainOptions):
     )
     spool_directory: str = field(
         default='',
-        metadata={'doc': 'where readings are kept for a restart; empty: in memory alone'},
+        metadata={'doc': 'where readings are kept for a restart; empty: in memory only'},
     )
     largest_order: int = field(
         default=LARGEST_ORDER,
@@ -139,7 +165,7 @@ class LocalizerOptions(TerrainOptions):
         nuclide(self.nuclide)
         self.origin()
         self.levels()
-        self.picture(self.log())
+        self.assessment(frozenset())
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -148,7 +174,8 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: if it is out of range.
+        ValueError
+            If it is out of range.
         """
         return GeoPosition(
             latitude_deg=self.origin_latitude_deg,
@@ -161,12 +188,15 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: in one line, if the origin or the terrain is wrong.
+        ValueError
+            In one line, if the origin or the terrain is wrong.
         """
-        return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, self.heights())
+        file = self.terrain_file
+        heights = read_heights(file, self.terrain_shift_m) if file else None
+        return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, heights)
 
     def looks_a_fit(self, look_period_s: float) -> int:
-        """Return how many looks make a period."""
+        """Return the number of looks in a period."""
         return math.ceil(self.period_s / look_period_s)
 
     def levels(self) -> AlarmLevels:
@@ -174,7 +204,8 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: naming the level that is none.
+        ValueError
+            Naming the level that is not valid.
         """
         return AlarmLevels(
             dose_rates_usvh=self.alarm_dose_rates_usvh,
@@ -182,10 +213,10 @@ class LocalizerOptions(TerrainOptions):
             largest_gap_s=self.largest_gap_s,
         )
 
-    def picture(self, log: ReadingLog) -> PictureOptions:
-        """Return how the picture of the readings of `log` is made."""
+    def assessment(self, models: Set[str]) -> AssessmentOptions:
+        """Return the options by which readings of the laws `models` are assessed."""
         is_paper = self.model == PAPER_MODEL or (
-            self.model == AUTO_MODEL and log.models == {PAPER_MODEL}
+            self.model == AUTO_MODEL and models == {PAPER_MODEL}
         )
         known = LocalizationOptions(
             kernel=Kernel(is_lossy=not is_paper, nuclide=self.nuclide),
@@ -199,6 +230,6 @@ class LocalizerOptions(TerrainOptions):
             ellipse_95_m=self.ellipse_95_m,
             smallest_usvh=self.smallest_source_usvh,
         )
-        return PictureOptions(
+        return AssessmentOptions(
             known=known, method=self.method, rule=rule, levels_usvh=self.cordon_levels_usvh
         )

@@ -11,15 +11,14 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.storage.shot import Shot
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
 
-Enu = tuple[float, float, float]
-
-NS_PER_S = 1_000_000_000
 EARTH_FRAME = 'earth'
 MAP_FRAME = 'map'
 # Of a fix without error: ROS takes 0 for "unknown" in some readers.

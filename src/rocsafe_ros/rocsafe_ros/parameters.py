@@ -8,6 +8,7 @@ the unit), ``min`` and ``max``; they become the parameter's descriptor.
 import dataclasses
 import types
 import typing
+from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -37,11 +38,17 @@ class ParameterError(ValueError):
 def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
     """Declare one read-only parameter a field of `options_type` and return their values.
 
+    `options_type` may have a class variable `MOVED_PARAMETERS`, a mapping from the names of
+    parameters that are no more to what takes their place. Whoever still sets one is told so.
+
     Raises
     ------
-    ParameterError: naming the parameter, its value and the limit.
-    TypeError: if a field's type has no parameter type.
+    ParameterError
+        Naming the parameter, its value and the limit.
+    TypeError
+        If a field's type has no parameter type.
     """
+    _refuse_moved(node, getattr(options_type, 'MOVED_PARAMETERS', {}))
     values = {
         field.name: _declare(node, field, _field_types(options_type)[field.name])
         for field in dataclasses.fields(options_type)  # type: ignore[arg-type]
@@ -50,6 +57,16 @@ def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
         return options_type(**values)
     except ValueError as error:
         raise ParameterError(f'{node.get_name()}: {error}') from error
+
+
+def _refuse_moved(node: Node, moved: Mapping[str, str]) -> None:
+    """Refuse parameters of earlier versions, naming what takes their place."""
+    anything = ParameterDescriptor(dynamic_typing=True)
+    for name, new in moved.items():
+        is_given = node.declare_parameter(name, None, anything).value is not None
+        node.undeclare_parameter(name)
+        if is_given:
+            raise ParameterError(f'{node.get_name()}: parameter {name} is now {new}')
 
 
 def _field_types(options_type: type) -> dict[str, Any]:

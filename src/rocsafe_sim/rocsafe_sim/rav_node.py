@@ -19,10 +19,10 @@ from rocsafe_sim.vehicle_node import VehicleInterface
 
 
 class RavNode(VehicleScopeNode):
-    """Simulates the vehicle in whose namespace it stands, see `VehicleInterface`.
+    """Simulates the vehicle named by its namespace, see `VehicleInterface`.
 
-    In lock-step it is the participant named like the vehicle. Without, it steps at its fix rate
-    by its own clock.
+    In lock-step it is a participant with the name of the vehicle. Otherwise it steps at its fix
+    rate by its own clock.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -53,7 +53,7 @@ def _rav(options: RavOptions, name: str) -> Rav:
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
         return make_rav(options, name, home, make_shared(options), spool)
-    except (SimError, ViewError, OSError) as error:
+    except (SimError, ViewError, ValueError, OSError) as error:
         raise ParameterError(f'{name}: {error}') from error
 
 

@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Legs as tables of polynomials: where, how fast and how hard at any time.
+"""Tables of polynomials: distance, speed and acceleration along legs at any time.
 
-Along a leg the jerk changes evenly or not at all: fifteen pieces, each a polynomial of fourth
-degree in the time since its begin.
+Along a leg the jerk is constant or changes linearly. A leg has fifteen such pieces, each a
+polynomial of fourth degree in the time since its begin.
 """
 
 from bisect import bisect_right
-from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_geo.motion.leg import Legs, as_given, limit_arrays, solve_legs
-from rocsafe_geo.motion.limits import MotionLimits
-from rocsafe_geo.projection import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
+from rocsafe_geo.motion.leg import Legs
 
 PIECES = 15
-# Of each piece: jerk at its begin in parts of the leg's jerk, and its change in parts of it.
+# Jerk at the begin of each piece and its change, both as parts of the jerk of the leg.
 _JERK = (0, 1, 1, 0, 0, -1, -1, 0, 0, -1, -1, 0, 0, 1, 1)
 _RISE = (1, 0, -1, 0, -1, 0, 1, 0, -1, 0, 1, 0, 1, 0, -1)
 
@@ -29,8 +26,10 @@ class LegTable:
 
     Attributes
     ----------
-    begin_s : of each piece since the start of its leg, shape (n, 15).
-    coefficients : of each piece, ascending, shape (n, 15, 5).
+    begin_s
+        Begin of each piece since the start of its leg, seconds, shape (n, 15).
+    coefficients
+        Coefficients of each piece, ascending, shape (n, 15, 5).
     """
 
     def __init__(self, legs: Legs) -> None:
@@ -45,7 +44,7 @@ class LegTable:
         self._ends = legs.duration_s.tolist()
 
     def at(self, leg: int, elapsed_s: float) -> Along:
-        """Return the motion along one leg; before its start and after its end it stands."""
+        """Return the motion along one leg: standing before its start and after its end."""
         if elapsed_s <= 0.0:
             return 0.0, 0.0, 0.0
         if elapsed_s >= self._ends[leg]:
@@ -60,7 +59,7 @@ class LegTable:
             2.0 * a + t * (6.0 * j + t * 12.0 * s),
         )
 
-    def progress_m(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
+    def progress_m(self, leg: IndexArray, elapsed_s: FloatArray) -> FloatArray:
         """Return the distances flown along legs, arrays (k,)."""
         t, (x, v, a, j, s) = self._pieces_at(leg, elapsed_s)
         progress = x + t * (v + t * (a + t * (j + t * s)))
@@ -68,68 +67,13 @@ class LegTable:
         is_done = elapsed_s >= self.legs.duration_s[leg]
         return np.where(is_done, distance, np.clip(progress, 0.0, distance))
 
-    def speed_mps(self, leg: NDArray[np.intp], elapsed_s: FloatArray) -> FloatArray:
-        """Return the speeds along legs, arrays (k,)."""
-        t, (_, v, a, j, s) = self._pieces_at(leg, elapsed_s)
-        speed = v + t * (2.0 * a + t * (3.0 * j + t * 4.0 * s))
-        is_done = elapsed_s >= self.legs.duration_s[leg]
-        return np.where(is_done, 0.0, np.clip(speed, 0.0, self.legs.speed_mps[leg]))
-
-    def _pieces_at(
-        self, leg: NDArray[np.intp], elapsed_s: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _pieces_at(self, leg: IndexArray, elapsed_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return time since the begin of the piece, and its coefficients, shape (5, k)."""
         elapsed = np.maximum(elapsed_s, 0.0)
         begins = self.begin_s[leg]
         piece = (begins <= elapsed[:, None]).sum(axis=1) - 1
         time = elapsed - begins[np.arange(len(leg)), piece]
         return time, self.coefficients[leg, piece].T
-
-
-@overload
-def leg_progress_m(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
-@overload
-def leg_progress_m(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray: ...
-def leg_progress_m(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray:
-    """Return how far a leg has been flown `elapsed_s` seconds after its start, in metres.
-
-    0 before the start, exactly `distance_m` from the leg's end on. Scalars or arrays that
-    broadcast. Raises ValueError if a distance is negative or NaN.
-    """
-    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
-    return as_given(table.progress_m(leg, elapsed).reshape(shape))
-
-
-@overload
-def leg_speed_mps(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
-@overload
-def leg_speed_mps(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray: ...
-def leg_speed_mps(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray:
-    """Return the speed `elapsed_s` seconds after a leg's start, in m/s; 0 outside the leg.
-
-    Scalars or arrays that broadcast. Raises ValueError if a distance is negative or NaN.
-    """
-    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
-    return as_given(table.speed_mps(leg, elapsed).reshape(shape))
-
-
-def _tabled(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> tuple[LegTable, NDArray[np.intp], FloatArray, tuple[int, ...]]:
-    """Return a table of the legs, and which leg and time are meant by each value."""
-    distance = np.asarray(distance_m, float)
-    table = LegTable(solve_legs(distance.ravel(), limit_arrays(limits)))
-    number = np.arange(distance.size).reshape(distance.shape)
-    elapsed, leg = np.broadcast_arrays(np.asarray(elapsed_s, float), number)
-    return table, leg.ravel(), elapsed.ravel(), elapsed.shape
 
 
 def _durations(legs: Legs) -> FloatArray:

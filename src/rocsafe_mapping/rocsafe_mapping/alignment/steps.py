@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.clock_lag import lags_s, without_lag
 from rocsafe_mapping.alignment.adjustment.least_squares import adjusted
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.matching.pair_table import PairTable
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.alignment_options import AlignmentOptions
 

@@ -8,13 +8,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
+
 LEVELS = 4
 # Pixels farther from a seam are not mixed.
 REACH_PX = 2**LEVELS * 2
 GRAIN_PX = 2**LEVELS
 Colour = NDArray[np.uint8]
 Floats = NDArray[np.float32]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 Place = tuple[slice, slice]
 
 

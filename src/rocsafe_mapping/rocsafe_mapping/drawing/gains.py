@@ -4,11 +4,10 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.sparse.linalg import spsolve
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.coarse_view import CoarseView, overlapping
 from rocsafe_mapping.drawing_options import GainOptions
 
@@ -53,7 +52,7 @@ def _held(design: csr_matrix, weight: FloatArray, wanted: FloatArray, hold: floa
 
 def _log_ratio(
     first: CoarseView, second: CoarseView, options: GainOptions
-) -> tuple[NDArray[np.float64], float] | None:
+) -> tuple[FloatArray, float] | None:
     """Return log(second / first) of the common colours, and its weight."""
     shared = first.window.cut(second.window)
     if shared.is_empty:

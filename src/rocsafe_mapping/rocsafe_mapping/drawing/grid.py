@@ -14,8 +14,9 @@ from functools import lru_cache
 import numpy as np
 from pyproj import Transformer
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.alignment.model.photo import FloatArray, GroundFrame
+from rocsafe_mapping.alignment.model.photo import GroundFrame
 from rocsafe_mapping.errors import PlacementError
 
 WGS84_EPSG, WEB_MERCATOR_EPSG = 4326, 3857

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_mapping.drawing.coarse_view import CoarseView
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
@@ -19,7 +19,7 @@ from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing_options import DrawingOptions
 
 AROUND = np.ones((3, 3), np.uint8)
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 Place = tuple[slice, slice]
 
 

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, Pose, footprint
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.model.photo import Photo, Pose, footprint
 from rocsafe_mapping.alignment.model.state import Lens
 from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.drawing.grid import MapGrid, Window

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing_options import ReliefOptions

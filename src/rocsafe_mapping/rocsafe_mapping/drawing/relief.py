@@ -12,17 +12,14 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.coarse_view import CoarseView
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.ownership import Labels
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, Shares
 from rocsafe_mapping.drawing.plane_sweep import NOT_SEEN, SweepImage, likeness
 from rocsafe_mapping.drawing_options import ReliefOptions
-
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

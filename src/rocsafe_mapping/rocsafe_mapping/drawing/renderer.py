@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
 from rocsafe_mapping.drawing.coarse_view import CoarseView, coarse_grid, coarse_view
 from rocsafe_mapping.drawing.gains import gains
@@ -214,7 +214,7 @@ def _about(windows: Collection[Window]) -> Window:
 
 
 def _spread_to(
-    is_here: NDArray[np.bool_], offset: FloatArray, step: int, window: Window
+    is_here: BoolArray, offset: FloatArray, step: int, window: Window
 ) -> tuple[tuple[slice, slice], FloatArray]:
     """Return where in `window` coarse pixels have any share, and its first column and row."""
     slices, lows = [], []

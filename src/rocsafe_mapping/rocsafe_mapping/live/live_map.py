@@ -10,8 +10,8 @@ from collections.abc import Callable, Collection
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.block import BY_FEATURES
-from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.alignment.steps import Solution
 from rocsafe_mapping.drawing.pixel_cache import ReadImage
 from rocsafe_mapping.errors import MappingError

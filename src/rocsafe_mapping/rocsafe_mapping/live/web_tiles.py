@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M, MapGrid, Window
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import LATTICE_PX, PlacedPhoto, drawn, scores

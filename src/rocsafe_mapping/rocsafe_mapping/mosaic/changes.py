@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.photographs.shot import ShotRecord
@@ -129,7 +130,7 @@ def _pixels(renderer: Renderer, window: Window) -> Rgba:
 
 
 def _difference(
-    first: Rgba, second: Rgba, is_seen: NDArray[np.bool_], options: ChangeOptions
+    first: Rgba, second: Rgba, is_seen: BoolArray, options: ChangeOptions
 ) -> NDArray[np.float32]:
     """Return the difference of colour, light made alike, the best of shifts by one pixel."""
     side = int(LIGHT_M / options.resolution_m) | 1
@@ -143,7 +144,7 @@ def _difference(
     return cv2.GaussianBlur(best, (3, 3), 0.0)
 
 
-def _lit(picture: Rgba, is_seen: NDArray[np.bool_], side: int) -> NDArray[np.float32]:
+def _lit(picture: Rgba, is_seen: BoolArray, side: int) -> NDArray[np.float32]:
     """Return the colours less their mean over a wide window of what both maps show."""
     colours = picture[..., :3].astype(np.float32)
     share = cv2.blur(is_seen.astype(np.float32), (side, side))

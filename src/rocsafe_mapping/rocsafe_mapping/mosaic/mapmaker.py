@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.height_error import height_error, leaning_m
 from rocsafe_mapping.alignment.adjustment.least_squares import (
     residuals_px,
@@ -16,7 +17,6 @@ from rocsafe_mapping.alignment.adjustment.least_squares import (
 )
 from rocsafe_mapping.alignment.block import BY_GPS, Block, Placement
 from rocsafe_mapping.alignment.model.photo import (
-    FloatArray,
     GroundFrame,
     Photo,
     footprint,

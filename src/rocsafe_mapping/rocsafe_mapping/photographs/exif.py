@@ -13,12 +13,12 @@ from PIL.ExifTags import GPS, IFD, Base
 from PIL.TiffImagePlugin import IFDRational
 
 from rocsafe_geo.pinhole import rotation_of_quaternion
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.photographs.xmp import MARK, xmp_segment
 
 MAKE = 'ROCSAFE'
 MODEL = 'ROCSAFE nadir camera'
-NS_PER_S = 1_000_000_000
 # Denominators: 1e-7 arc second is 3 micrometres on the ground.
 ARC_SECOND_STEPS = 10_000_000
 MILLI = 1000

@@ -6,8 +6,8 @@ from typing import Any
 import cv2
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
@@ -32,7 +32,7 @@ def coverage(renderer: Renderer, region: shapely.Polygon | None) -> dict[str, An
     }
 
 
-def _mask(renderer: Renderer, region: shapely.Polygon) -> NDArray[np.bool_]:
+def _mask(renderer: Renderer, region: shapely.Polygon) -> BoolArray:
     """Return which coarse pixels lie in the region."""
     window = renderer.owner_window
     mask = np.zeros((window.height, window.width), np.uint8)
@@ -43,7 +43,7 @@ def _mask(renderer: Renderer, region: shapely.Polygon) -> NDArray[np.bool_]:
     return mask.astype(bool)
 
 
-def _hull(is_seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _hull(is_seen: BoolArray) -> BoolArray:
     """Return what is seen with its holes filled."""
     mask = is_seen.astype(np.uint8)
     outlines, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

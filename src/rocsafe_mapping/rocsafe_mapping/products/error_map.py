@@ -7,8 +7,8 @@ from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import Shares
@@ -41,9 +41,9 @@ class ErrorMap:
     heights_m: Shares
 
     @property
-    def is_shown(self) -> NDArray[np.bool_]:
+    def is_shown(self) -> BoolArray:
         """Which places the map shows."""
-        shown: NDArray[np.bool_] = np.isfinite(self.error_m)
+        shown: BoolArray = np.isfinite(self.error_m)
         return shown
 
     def facts(self) -> dict[str, Any]:
@@ -62,7 +62,7 @@ class ErrorMap:
             document[kind] = {'share': share, 'rms': self._rms(is_kind)}
         return document
 
-    def _rms(self, mask: NDArray[np.bool_]) -> float | None:
+    def _rms(self, mask: BoolArray) -> float | None:
         if not np.any(mask):
             return None
         return round(float(np.sqrt(np.mean(self.error_m[mask].astype(float) ** 2))), 4)

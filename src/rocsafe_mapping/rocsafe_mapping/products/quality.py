@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
-from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer

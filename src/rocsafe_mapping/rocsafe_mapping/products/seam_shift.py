@@ -3,9 +3,8 @@
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
@@ -17,7 +16,6 @@ LEAST_CONTRAST = 6.0
 LEAST_RESPONSE = 0.4
 # Ground is where ties lie near, and none of their points is higher above the surface than this.
 NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
-BoolArray = NDArray[np.bool_]
 
 
 def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatArray, FloatArray]:

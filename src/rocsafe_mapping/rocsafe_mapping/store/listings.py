@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.storage.durable import finish_part, part_of
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mapping.alignment.model.photo import footprint, ground_frame_of, photo_of_record
 from rocsafe_mapping.alignment_options import PriorOptions
 from rocsafe_mapping.errors import PlacementError, StoreError
@@ -28,7 +29,6 @@ FOOTPRINTS, COLLECTION, ITEMS = 'footprints.geojson', 'collection.json', 'items'
 # Function code 0x12 (sha2-256) and length 0x20 before the digest.
 SHA256_MULTIHASH = '1220'
 STAC_VERSION = '1.0.0'
-NS_PER_S = 1_000_000_000
 MAKE, MODEL = 'ROCSAFE', 'ROCSAFE nadir camera'
 COLUMNS = (
     'image', 'vehicle', 'time_utc', 'latitude_deg', 'longitude_deg', 'altitude_m',

@@ -19,6 +19,7 @@ import numpy as np
 from PIL.ExifTags import GPS, Base
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.photographs.tags import Tags, read_tags
@@ -43,7 +44,6 @@ GIMBAL_TILT_STD_DEG, GIMBAL_YAW_STD_DEG = 2.0, 10.0
 FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
 HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
 GUESSED_HEIGHT_STD_SHARE = 0.5
-NS_PER_S = 1_000_000_000
 _NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
 
 

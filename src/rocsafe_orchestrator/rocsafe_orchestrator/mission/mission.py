@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The phases of a mission and what each waits for: a state machine, time passed in.
+"""State machine of a mission: its phases and what each waits for. Time is an argument.
 
-`Mission.advance` returns orders; whoever carries them out reports with `accepted`, `answered` and
-`refused`. A failure ends the phase that it happens in, never the hand-over of what there is: the
-mosaic and the products are made of what was recorded.
+`Mission.advance` returns orders; the caller carries them out and reports with `accepted`,
+`answered` and `refused`. A failure ends the present phase only: the mosaic and the products are
+still made from what was recorded.
 """
 
 from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
@@ -25,18 +25,24 @@ class Mission:
 
     Parameters
     ----------
-    crew: who takes part.
-    options: deadlines.
-    planning_budget_s: wall time that the planner may use.
-    slowest_beat_s: wall time between two beats of simulated time when all is well.
-    extra_rounds: how often, at most, all fly again to where readings tell most.
-    replans: whether the others take over what a lost vehicle has not photographed.
+    crew
+        Vehicles and processes that take part.
+    deadlines
+        Limits of all waits.
+    planning_budget_s
+        Wall time that the planner may use.
+    slowest_beat_s
+        Wall time between two reports of the vehicles in normal operation, seconds.
+    extra_rounds
+        Largest number of further flights to the places where readings are most informative.
+    replans
+        Whether the other vehicles take over the viewpoints of a lost one.
     """
 
     def __init__(
         self,
         crew: Crew,
-        options: OrchestratorOptions,
+        deadlines: Deadlines,
         *,
         planning_budget_s: float = 0.0,
         slowest_beat_s: float = 0.0,
@@ -48,11 +54,11 @@ class Mission:
         self.remarks: list[str] = []
         self.stalled_s = 0.0
         self._crew = crew
-        self._options = options
-        self._plan_timeout_s = options.plan_timeout_s + planning_budget_s
-        self._stall_timeout_s = options.stall_timeout_s + slowest_beat_s
+        self._deadlines = deadlines
+        self._plan_timeout_s = deadlines.plan_s + planning_budget_s
+        self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
         self._outcome = Phase.COMPLETE
-        self._requests = RequestBook(options.repeat_s)
+        self._requests = RequestBook(deadlines.repeat_s)
         self._losses = Losses(crew, self._requests, is_replaced=replans)
         self._rounds_left = extra_rounds
         self._is_extra = False
@@ -86,10 +92,10 @@ class Mission:
             step(now_s, situation)
         return self._due_orders(now_s)
 
-    # What the surroundings report.
+    # Reports of the caller.
 
     def accepted(self, order: Order) -> None:
-        """Note that `order` was taken; its answer comes later."""
+        """Note that the server has accepted `order`; its answer comes later."""
         if (request := self._requests.of(order)) is not None:
             request.accept()
 
@@ -105,7 +111,7 @@ class Mission:
             return
         request.finish()
         if order.kind is OrderKind.HOLD:
-            return  # it is on the ground, or comes down
+            return  # it is on the ground or landing
         if self._losses.is_gathering and order.kind is OrderKind.PLAN:
             self._fault(f'no plan for the rest: {text}')
             self._losses.go_on()
@@ -116,7 +122,7 @@ class Mission:
             self._fault(text)
 
     def advised(self, place_count: int, text: str) -> None:
-        """Note at how many places more to measure, none if what is known is enough, and why."""
+        """Note how many further places to measure at, 0 if the evidence suffices, and why."""
         request = self._requests.get(OrderKind.ADVISE)
         if request is None or request.status is Status.DONE or self.phase is not Phase.PLANNING:
             return
@@ -130,7 +136,7 @@ class Mission:
     def planned(self, routed: Iterable[str], visited: int = 0) -> None:
         """Note the plan: the vehicles named have viewpoints to visit.
 
-        `visited` is the number of viewpoints of the plan before that it leaves out because they
+        `visited` is the number of viewpoints of the previous plan that it leaves out because they
         are photographed.
         """
         plan = self._requests.get(OrderKind.PLAN)
@@ -184,7 +190,7 @@ class Mission:
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
-        """Ask `process`, which has lost its memory of our requests, again."""
+        """Repeat the requests to `process`, which has lost them by its restart."""
         self._progress.restart(now_s)
         for request in self._requests:
             if request.server == process:
@@ -195,12 +201,12 @@ class Mission:
         if clock is not None and (
             process == WORLD or process in self._crew.vehicle_processes.values()
         ):
-            # Time may have paused while the process was away.
+            # The clock may have been paused while the process was not running.
             clock.status = Status.WAITING
             clock.reset()
 
     def gave_up(self, process: str, text: str) -> None:
-        """Note that `process` will not come back."""
+        """Note that `process` is not started again."""
         if process == REPORT:
             self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
         elif self.phase is Phase.MAPPING and process != MOSAIC:
@@ -211,7 +217,7 @@ class Mission:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
     def cancel(self, text: str) -> None:
-        """Give the mission up: processes end, products are made if that is quick."""
+        """Cancel the mission: processes end, products are made within a short time."""
         if self.phase.is_over or self._is_cancelled:
             return
         self._is_cancelled = True
@@ -233,8 +239,8 @@ class Mission:
         if not missing:
             self._enter(Phase.PLANNING)
             self._requests.add(OrderKind.PLAN, PLANNER)
-        elif self._phase_s(now_s) > self._options.start_timeout_s:
-            limit = self._options.start_timeout_s
+        elif self._phase_s(now_s) > self._deadlines.start_timeout_s:
+            limit = self._deadlines.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
 
     def _plan(self, now_s: float, situation: Situation) -> None:
@@ -250,7 +256,7 @@ class Mission:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
 
     def _gather(self, now_s: float, situation: Situation) -> None:
-        """Let those that are not lost hold, and plan the rest for them."""
+        """Let the vehicles that are not lost hold, and plan the rest for them."""
         self._losses.advance(situation)
         if self._phase_s(now_s) > self._plan_timeout_s:
             self._fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
@@ -264,7 +270,7 @@ class Mission:
             return
         if all(request.status is not Status.WAITING for request in routes):
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
-        limit = self._options.accept_timeout_s
+        limit = self._deadlines.accept_s
         late = [r for r in self._requests if r.waited_s(now_s) > limit]
         if late:
             names = ', '.join(dict.fromkeys(request.server for request in late))
@@ -274,7 +280,7 @@ class Mission:
             self._watch_time(now_s, situation)
 
     def _go_on_or_collect(self) -> None:
-        """All are back: ask where to measure next, while there are rounds left, or end."""
+        """All have landed: ask where to measure next while rounds are left, else collect."""
         if self._rounds_left <= 0 or self.faults:
             self._collect_next()
             return
@@ -300,7 +306,7 @@ class Mission:
     def _collect(self, now_s: float, situation: Situation) -> None:
         settled = situation.images_stored + situation.images_rejected
         standing_s = self._progress.standing_s(settled, now_s)
-        if settled < self._shots and standing_s <= self._options.collect_timeout_s:
+        if settled < self._shots and standing_s <= self._deadlines.collect_s:
             return
         if situation.images_stored < self._shots:
             self._fault(f'only {situation.images_stored} of {self._shots} photographs are stored')
@@ -308,7 +314,7 @@ class Mission:
 
     def _map(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
-        limit = self._options.map_timeout_s
+        limit = self._deadlines.map_timeout_s
         if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
             if self._phase_s(now_s) <= limit:
                 return
@@ -317,24 +323,24 @@ class Mission:
 
     def _report(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.WRITE_PRODUCTS, REPORT)
-        options = self._options
-        limit = options.cancel_timeout_s if self._is_cancelled else options.report_timeout_s
+        deadlines = self._deadlines
+        limit = deadlines.cancel_s if self._is_cancelled else deadlines.report_s
         if not self._requests.all_done(OrderKind.WRITE_PRODUCTS):
             if self._phase_s(now_s) <= limit:
                 return
             self._fault(f'the products were not written within {limit:g} s')
         self._enter(self._outcome)
 
-    # Book-keeping.
+    # State.
 
     def _fault(self, text: str) -> None:
-        """Note a reason for which the mission is not complete, and go on."""
+        """Note a reason why the mission is not complete, and continue."""
         self.faults.append(text)
         if self._outcome is Phase.COMPLETE:
             self._outcome = Phase.FAILED
 
     def _fail(self, text: str = '', *, has_mosaic: bool = True) -> None:
-        """End this phase; make the best of what was recorded."""
+        """End this phase; map and products are made from what was recorded."""
         if text:
             self._fault(text)
         has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or self._is_extra

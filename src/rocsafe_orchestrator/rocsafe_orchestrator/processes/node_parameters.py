@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario to the ROS parameters of each node."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -47,8 +46,6 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'autostart': is_real,
         'pause_when_idle': not is_real,
         'scene': scenario.scene,
-        'seed': scenario.seed,
-        **_origin(scenario),
     }
 
 
@@ -65,9 +62,11 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
 def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the one process of all simulated vehicles, which are alike."""
     return {
-        'vehicles': [vehicle.name for vehicle in scenario.simulated],
-        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.simulated],
-        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.simulated],
+        'fleet_file': {
+            'vehicles': [
+                {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
+            ]
+        },
         **_vehicle_model(scenario, scenario.simulated[0]),
         'spool_directory': str(run.spool),
     }
@@ -75,22 +74,23 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
     """Return the parameters of the bridge to all real vehicles."""
-    linked, camera = scenario.linked, scenario.camera
-    separations = [vehicle.drone.geoid_separation_m for vehicle in linked]
     return {
-        'vehicles': [vehicle.name for vehicle in linked],
-        'links': [vehicle.link for vehicle in linked],
-        'systems': [vehicle.drone.system for vehicle in linked],
-        'components': [vehicle.drone.component for vehicle in linked],
-        'speeds_mps': [vehicle.cruise_speed_mps for vehicle in linked],
-        'hovers_s': [vehicle.hover_s for vehicle in linked],
-        'endurances_s': [vehicle.endurance_s for vehicle in linked],
-        'image_folders': [vehicle.drone.image_folder for vehicle in linked],
-        'signing_key_files': [vehicle.drone.signing_key_file for vehicle in linked],
-        'geoid_separations_m': [math.nan if s is None else s for s in separations],
+        'drones_file': {
+            'drones': [
+                {
+                    'name': vehicle.name,
+                    'link': vehicle.link,
+                    'speed_mps': vehicle.cruise_speed_mps,
+                    'hover_s': vehicle.hover_s,
+                    'endurance_s': vehicle.endurance_s,
+                    **vehicle.drone.model_dump(exclude={'detector'}),
+                }
+                for vehicle in scenario.linked
+            ]
+        },
         'state_directory': state_directory,
         'needs_supervisor': True,
-        'camera_horizontal_fov_deg': camera.horizontal_fov_deg,
+        'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **_origin(scenario),
     }
 
@@ -106,7 +106,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
-        **known_terrain_parameters(scenario),
+        **known_terrain_parameters(scenario, run),
         **_origin(scenario),
     }
 
@@ -138,12 +138,25 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 def write_parameters(path: Path, node: str, parameters: Mapping[str, Any]) -> None:
     """Write the ROS parameter file of `node`, a full name such as ``/rav1/rav``, to `path`.
 
-    Empty lists are left out: they have no type of their own in a parameter file, and every such
-    parameter is empty by default.
+    A value that is a mapping, e.g. of ``cameras_file``, is written to a YAML file of its own
+    beside it, ``rav1-cameras.yaml``, and the parameter is the path of that file. Empty lists are
+    left out: they have no type of their own in a parameter file, and every such parameter is
+    empty by default.
     """
-    given = {key: value for key, value in parameters.items() if value != []}
+    given = {
+        key: _write_value_file(path, key, value) if isinstance(value, Mapping) else value
+        for key, value in parameters.items()
+        if value != []
+    }
     content = {node: {'ros__parameters': given}}
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+
+
+def _write_value_file(parameter_file: Path, key: str, values: Mapping[str, Any]) -> str:
+    """Write the nested settings of parameter `key` and return the path of their file."""
+    path = parameter_file.with_name(f'{parameter_file.stem}-{key.removesuffix("_file")}.yaml')
+    path.write_text(yaml.safe_dump(dict(values), sort_keys=False), encoding='utf-8')
+    return str(path)
 
 
 def _vehicle_participants(scenario: Scenario) -> list[str]:
@@ -158,7 +171,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),
-        **vehicle.autopilot.model_dump(),
+        'autopilot_file': vehicle.autopilot.model_dump(),
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.wind_mps[0],
         'wind_north_mps': scenario.survey.wind_mps[1],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading the recording of a run, by the message definitions that it carries itself."""
+"""Reader of the recording of a run; it uses the message definitions in the recording."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,6 +10,7 @@ from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     FlightLog,
@@ -25,7 +26,6 @@ _FIX = 'sensor_msgs/msg/NavSatFix'
 _STATE = 'rocsafe_interfaces/msg/VehicleState'
 _MISSION = 'rocsafe_interfaces/msg/MissionState'
 _TRUTH_SUFFIX = '/ground_truth/fix'
-_NS_PER_S = 1_000_000_000
 
 
 class RecordingError(ValueError):
@@ -37,7 +37,8 @@ def read_flight_log(path: Path) -> FlightLog:
 
     Raises
     ------
-    RecordingError: if it cannot be read.
+    RecordingError
+        If it cannot be read.
     """
     try:
         with path.open('rb') as stream:
@@ -47,7 +48,7 @@ def read_flight_log(path: Path) -> FlightLog:
 
 
 class _Log:
-    """Gathers what the messages of a recording say."""
+    """Collects the messages of a recording."""
 
     def __init__(self, reader: McapReader) -> None:
         self._reader = reader
@@ -83,11 +84,11 @@ class _Log:
             for channel in summary.channels.values()
             if summary.schemas[channel.schema_id].name in kinds
         }
-        # Where a vehicle's true positions are recorded, nobody asks what it believed.
+        # The fix is needed only where true positions are not recorded.
         topics -= {topic.replace(_TRUTH_SUFFIX, '/fix') for topic in topics if _is_truth(topic)}
         if not topics:
             return
-        # The recording is in order already: sorting it again would take as long as reading it.
+        # The recording is sorted already.
         for decoded in self._reader.iter_decoded_messages(
             topics=sorted(topics), log_time_order=False
         ):
@@ -176,4 +177,4 @@ def _vehicle_of(topic: str) -> str:
 
 def _stamp_ns(message: Any) -> int:
     stamp = message.header.stamp
-    return int(stamp.sec) * _NS_PER_S + int(stamp.nanosec)
+    return int(stamp.sec) * NS_PER_S + int(stamp.nanosec)

@@ -5,15 +5,13 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.route_motion import RouteMotion
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.plan.plan import Route, SurveyPlan
-
-FloatArray = NDArray[np.float64]
 
 
 def way(route: Route, number: int) -> tuple[GeoPosition, ...]:

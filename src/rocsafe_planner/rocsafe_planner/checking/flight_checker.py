@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import distance_m
 from rocsafe_planner.checking.checked_track import (
-    FloatArray,
     frame_of,
     motion_of,
     plane_of,

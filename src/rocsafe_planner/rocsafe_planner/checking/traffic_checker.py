@@ -7,8 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_planner.checking.checked_track import FloatArray, frame_of, motion_of
+from rocsafe_planner.checking.checked_track import frame_of, motion_of
 from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, RELATIVE, Fault
 from rocsafe_planner.plan.plan import Route, SurveyPlan
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
 
 # An unseen part of this area is none: 3 cm by 3 cm.
 _HAIR_M2 = 1e-3

@@ -14,15 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_geo.limits import require_finite
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_planner.coverage.sight import Sight, sight
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
@@ -73,7 +70,7 @@ class Coverage:
     centres: FloatArray
     yaw_rad: FloatArray
     footprints: FloatArray
-    polygon: NDArray[np.intp]
+    polygon: IndexArray
     sight: Sight
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
@@ -101,7 +101,7 @@ class _Sheet:
         y = _MARGIN_PX + (self._top - north) * self.px_per_m
         return tuple(zip(x.round(2).tolist(), y.round(2).tolist(), strict=True))
 
-    def _plane(self, positions: Sequence[GeoPosition]) -> NDArray[np.float64]:
+    def _plane(self, positions: Sequence[GeoPosition]) -> FloatArray:
         return self._frame.to_enu(
             [position.latitude_deg for position in positions],
             [position.longitude_deg for position in positions],

@@ -2,11 +2,9 @@
 """Where a vehicle is at any time of its route, in the planner's time model."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-
-FloatArray = NDArray[np.float64]
 
 # While two legs are flown at once, their speeds add up to a little more than either may have.
 _CORNER_HASTE = 1.5

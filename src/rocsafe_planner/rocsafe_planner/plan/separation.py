@@ -9,11 +9,9 @@ hold the minimum are halved until it is known to a centimetre.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.plan.flight_track import FlightTrack
-
-FloatArray = NDArray[np.float64]
 
 TOLERANCE_M = 0.01
 """Least distances are exact to this."""

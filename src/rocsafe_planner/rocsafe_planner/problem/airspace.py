@@ -14,11 +14,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
-BoolArray = NDArray[np.bool_]
 Flight = Callable[[FloatArray, FloatArray], FloatArray]
 """Time of flights from places to places (east, north, up), in seconds."""
 

@@ -15,8 +15,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_geo.motion.route_motion import RouteMotion
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.terrain.relief import Relief
@@ -27,9 +27,6 @@ from rocsafe_planner.problem.flight_time import FlightTime
 from rocsafe_planner.problem.leg_times import MOST_KEPT, LegTimes, distances_m
 from rocsafe_planner.problem.vehicle import Vehicle
 
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
-BoolArray = NDArray[np.bool_]
 Order = list[int]
 """Indices of points in flying order."""
 

@@ -3,9 +3,7 @@
 
 from itertools import pairwise
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Enu
@@ -53,7 +51,7 @@ def flight_motion(
     return RouteMotion(start, ways, performance.corner_radius_m)
 
 
-def enu(place: NDArray[np.float64]) -> Enu:
+def enu(place: FloatArray) -> Enu:
     """Return a place (3,) as numbers."""
     east, north, up = place.tolist()
     return east, north, up

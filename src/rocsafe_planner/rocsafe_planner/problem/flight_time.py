@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion import MotionLimits
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.motion.route_motion import RouteMotion
 from rocsafe_geo.terrain.relief import Relief
-
-FloatArray = NDArray[np.float64]
 
 _LONG_M = 1e4
 _AT_ONCE = 1e12

@@ -2,12 +2,9 @@
 """Lengths of straight legs, and times of a vehicle's legs, all of them kept once that pays."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_planner.problem.airspace import Air, Detours
-
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
 
 MOST_KEPT = 16_000_000
 """Times that all vehicles of a problem keep together at most: 128 MB."""

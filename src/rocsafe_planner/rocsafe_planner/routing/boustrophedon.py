@@ -5,13 +5,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.sensor_repair import with_sensors
 from rocsafe_planner.routing.tour_splitting import equal_parts, makespan_s, min_max_parts
-
-FloatArray = NDArray[np.float64]
 
 # Points whose rows differ by less lie in one row.
 _ROW_M = 0.01

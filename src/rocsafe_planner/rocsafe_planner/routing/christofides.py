@@ -10,14 +10,11 @@ at most half longer than the best does not hold.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.sensor_repair import with_sensors
 from rocsafe_planner.routing.tour_splitting import min_max_parts
-
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
 
 _SWEEPS = 50
 _LEAST_GAIN_M = 1e-6

@@ -10,15 +10,14 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.problem.vehicle import Vehicle
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 
-FloatArray = NDArray[np.float64]
 Legs = PointLegs | MatrixLegs
 
 MOST_EXACT_SITES = 4000

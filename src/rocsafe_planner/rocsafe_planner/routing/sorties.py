@@ -2,14 +2,12 @@
 """A route longer than a battery lasts, cut into flights with battery swaps at home."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.problem.flight_time import turn_s
 from rocsafe_planner.problem.vehicle import Vehicle
-
-FloatArray = NDArray[np.float64]
 
 _MOST_RECUTS = 12
 _HAIR_S = 1e-6

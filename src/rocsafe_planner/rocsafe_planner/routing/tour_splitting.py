@@ -2,11 +2,9 @@
 """One order of all points cut into consecutive parts, one a vehicle."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-
-FloatArray = NDArray[np.float64]
 
 # Halvings of the interval that holds the best makespan: to a millionth of it.
 _HALVINGS = 20

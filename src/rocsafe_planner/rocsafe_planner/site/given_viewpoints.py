@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.coverage.sight import sight
@@ -14,9 +14,6 @@ from rocsafe_planner.coverage.viewpoint_grid import Coverage
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 from rocsafe_planner.problem.viewpoint import Viewpoint
 from rocsafe_planner.site.request import SurveyRequest
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def given_coverage(

@@ -3,8 +3,9 @@
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import distance_m
-from rocsafe_planner.problem.airspace import Airspace, FloatArray
+from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.problem.vehicle import Vehicle
 from rocsafe_planner.site.request import SurveyRequest
 

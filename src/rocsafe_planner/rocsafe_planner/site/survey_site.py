@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.terrain.terrain import LocalGround
@@ -20,8 +20,6 @@ from rocsafe_planner.problem.viewpoint import Viewpoint
 from rocsafe_planner.site.given_viewpoints import given_coverage, places_of
 from rocsafe_planner.site.request import SurveyRequest
 from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
-
-FloatArray = NDArray[np.float64]
 
 MAX_TERRAIN_SITES = 2500
 """Around exclusions besides, where legs are known as a table only: 6 million of them take some
@@ -212,13 +210,13 @@ def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
     )
 
 
-def _may_visit(request: SurveyRequest, coverage: Coverage) -> NDArray[np.bool_] | None:
+def _may_visit(request: SurveyRequest, coverage: Coverage) -> BoolArray | None:
     """Return which vehicle may visit which point; None if all may."""
     needs = needed_sensors(request)
     if not any(needs):
         return None
     carried = [set(vehicle.sensors) for vehicle in request.vehicles]
-    able: NDArray[np.bool_] = np.array(
+    able: BoolArray = np.array(
         [[set(sensors) <= carries for sensors in needs] for carries in carried]
     )
     for number in np.flatnonzero(~able.any(axis=0)):
@@ -226,7 +224,7 @@ def _may_visit(request: SurveyRequest, coverage: Coverage) -> NDArray[np.bool_] 
             f'{_owner(request, int(number))} requires {", ".join(needs[number])}: no vehicle '
             'carries all of them'
         )
-    allowed: NDArray[np.bool_] = able[:, coverage.polygon]
+    allowed: BoolArray = able[:, coverage.polygon]
     return allowed
 
 

@@ -1,28 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A search with sensors that only say yes or no: a grid of probabilities, by Bayes' rule.
+"""Search with yes-or-no sensors: a grid of probabilities, by Bayes' rule.
 
-Several agents search the same grid. What one sees is an observation with a name of its own; merged
-beliefs are made from the union of observations, so none counts twice, in whatever order and
-however often agents meet.
+Several agents search the same grid. Each answer of a sensor is a sighting with a unique name.
+Merged beliefs come from the union of sightings: none counts twice, in any order and for any number
+of merges.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rocsafe_geo.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class YesNoSensor:
-    """A sensor that says whether there is something in the cell below.
+    """A sensor that reports whether there is a source in the cell below.
 
     Attributes
     ----------
-    false_positive: probability of yes where nothing is.
-    false_negative: probability of no where something is.
+    false_positive
+        Probability of yes where there is no source.
+    false_negative
+        Probability of no where there is a source.
     """
 
     false_positive: float
@@ -34,7 +35,7 @@ class YesNoSensor:
                 raise ValueError(f'{name} = {getattr(self, name)} must be between 0 and 0.5')
 
     def log_ratio(self, is_yes: bool) -> float:
-        """Return by how much an answer raises the logarithm of the odds."""
+        """Return the change of the log odds by an answer."""
         if is_yes:
             return math.log((1.0 - self.false_negative) / self.false_positive)
         return math.log(self.false_negative / (1.0 - self.false_positive))
@@ -42,7 +43,7 @@ class YesNoSensor:
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """An answer of a sensor: who asked, its number, the cell (row, column) and the log ratio."""
+    """An answer of a sensor: agent, number, cell (row, column) and change of the log odds."""
 
     agent: str
     number: int
@@ -51,15 +52,17 @@ class Sighting:
 
 
 class BeliefGrid:
-    """What one agent believes of each cell.
+    """The probability of a source in each cell, as one agent knows it.
 
     Parameters
     ----------
-    prior: probability of something in each cell before, shape (rows, columns).
-    agent: name of the agent, different from all others.
+    prior
+        Prior probability of a source in each cell, shape (rows, columns).
+    agent
+        Name of the agent, unique.
     """
 
-    def __init__(self, prior: Array, agent: str) -> None:
+    def __init__(self, prior: FloatArray, agent: str) -> None:
         if not ((prior > 0.0) & (prior < 1.0)).all():
             raise ValueError('prior must lie between 0 and 1 in every cell')
         if not agent:
@@ -71,15 +74,15 @@ class BeliefGrid:
 
     @property
     def sightings(self) -> tuple[Sighting, ...]:
-        """All that this agent has seen or been told."""
+        """All sightings of this agent and of those merged."""
         return tuple(self._seen.values())
 
-    def probabilities(self) -> Array:
-        """Return the probability of something in each cell, shape (rows, columns)."""
+    def probabilities(self) -> FloatArray:
+        """Return the probability of a source in each cell, shape (rows, columns)."""
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(self._log_odds, -500.0, 500.0))))
 
     def observe(self, sensor: YesNoSensor, cell: tuple[int, int], is_yes: bool) -> Sighting:
-        """Take an answer of this agent's own sensor."""
+        """Add an answer of this agent's own sensor."""
         rows, columns = self._log_odds.shape
         if not (0 <= cell[0] < rows and 0 <= cell[1] < columns):
             raise ValueError(f'cell = {cell} must lie within {rows} rows and {columns} columns')
@@ -89,13 +92,13 @@ class BeliefGrid:
         return sighting
 
     def merge(self, other: 'BeliefGrid') -> None:
-        """Take what `other` has seen or been told, each sighting once."""
+        """Add the sightings of `other`, each once."""
         if other._log_odds.shape != self._log_odds.shape:
             raise ValueError('grids of different shape cannot be merged')
         for sighting in other.sightings:
             self._take(sighting)
 
-    def decided(self, probability: float) -> NDArray[np.bool_]:
+    def decided(self, probability: float) -> BoolArray:
         """Return which cells are decided either way with at least `probability`."""
         believed = self.probabilities()
         return np.asarray((believed >= probability) | (believed <= 1.0 - probability))

@@ -1,36 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a detector meets in the field: sources, each by its nuclide, and background."""
+"""Dose rates that a detector measures: sources, each by its nuclide, and background."""
 
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from rocsafe_radiation.detection.counting import NS_PER_S, Sample
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_radiation.detection.counting import Sample
 from rocsafe_radiation.detection.detector import DETECTORS, IDEAL, DetectorModel
 from rocsafe_radiation.physics.background import Background
 from rocsafe_radiation.physics.field import RadiationField
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyField:
-    """The dose rate of sources and background, and what of it a kind of detector counts.
+    """The dose rate of sources and background, and how a kind of detector responds to it.
 
     Attributes
     ----------
-    field: of the sources.
-    background: of nature, to which every detector responds as to Cs-137.
-    detector: name of a kind, or ``ideal``, which reads the dose rate itself.
+    field
+        Field of the sources.
+    background
+        Natural background, to which every detector responds as to Cs-137.
+    detector
+        Name of a kind, or ``ideal``, which reads the dose rate itself.
     """
 
     field: RadiationField
     background: Background
     detector: str = IDEAL
-    _responses: Array = dataclasses.field(init=False, repr=False, compare=False)
+    _responses: FloatArray = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.detector != IDEAL and self.detector not in DETECTORS:
@@ -52,12 +55,13 @@ class SurveyField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> Array:
+    ) -> FloatArray:
         """Return the dose rate at n points, microsievert per hour, shape (n,).
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         by_source = self.field.source_dose_rates_usvh(
             latitudes_deg, longitudes_deg, altitudes_m, time_s
@@ -70,12 +74,13 @@ class SurveyField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> Array:
-        """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
+    ) -> FloatArray:
+        """Return the dose rate of Cs-137 that would give as many counts, shape (n,).
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         by_source = self.field.source_dose_rates_usvh(
             latitudes_deg, longitudes_deg, altitudes_m, time_s
@@ -83,13 +88,15 @@ class SurveyField:
         counted = self._responses @ by_source
         return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
 
-    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> Array:
-        """Return the same for each sample of a flight, shape (n,).
+    def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> FloatArray:
+        """Return such dose rates of Cs-137 at each sample of a flight, shape (n,).
 
         Parameters
         ----------
-        start_ns: start of the mission, nanoseconds since 1970.
-        samples: at places that are some.
+        start_ns
+            Start of the mission, nanoseconds since 1970.
+        samples
+            Moments of a flight whose places are known.
         """
         if self.field.is_still:
             places = np.array([sample.place for sample in samples])
@@ -101,7 +108,9 @@ class SurveyField:
             ]
         )
 
-    def _natural(self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike) -> Array:
+    def _natural(
+        self, latitudes: ArrayLike, longitudes: ArrayLike, altitudes: ArrayLike
+    ) -> FloatArray:
         """Return the background, or zero where there is none."""
         if self.background == Background():
             return np.zeros(1)

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A background that varies smoothly, by few numbers: bumps on a coarse grid."""
+"""A smoothly varying background with few parameters: bumps on a coarse grid."""
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-# Bumps a spacing of one height apart along the longer side of a survey, half as many if two: what
-# a fit takes grows with the cube of their number.
+from rocsafe_geo.arrays import FloatArray
+
+# Most bumps along the longer side of a survey at a spacing of one height, half as many at two. The
+# time of a fit grows with the cube of their number.
 LARGEST_HEIGHTS_A_SIDE = 14
 
 
-def smooth_basis(positions_enu_m: Array, height_m: float, spacing_heights: float) -> Array:
+def smooth_basis(
+    positions_enu_m: FloatArray, height_m: float, spacing_heights: float
+) -> FloatArray:
     """Return the value of each bump at each of n places, shape (n, bumps).
 
     Bumps are Gaussians on a square grid, each with the standard deviation 0.7 times the spacing:
@@ -28,11 +30,11 @@ def smooth_basis(positions_enu_m: Array, height_m: float, spacing_heights: float
         for y in _nodes(north, spacing)
     ]
     basis = np.stack(bumps, axis=1)
-    # A bump that no reading sees would only follow its prior.
+    # A bump far from all readings would only follow its prior.
     return np.asarray(basis[:, basis.max(axis=0) > 0.3])
 
 
-def _nodes(axis: Array, spacing: float) -> Array:
+def _nodes(axis: FloatArray, spacing: float) -> FloatArray:
     low, high = float(axis.min()), float(axis.max())
     count = max(1, math.ceil((high - low) / spacing) + 1)
     start = (low + high) / 2.0 - (count - 1) * spacing / 2.0

@@ -20,9 +20,9 @@ roof in mean free paths.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
+
 # Standard deviations of the numbers as known before: what stands beside a source and is three
 # times as high hides it from readings beyond a third of the height.
 SHIELD_STDS = (3.5, 3.5, 1.5, 1.0, 0.5)
@@ -45,13 +45,16 @@ class WallShadow:
 
     Attributes
     ----------
-    losses: the logarithm of what is taken, shape (sources, n).
-    by_depth, by_reach, by_shape: how that grows with w, log G and c, (sources, n).
-    by_distance: with the distance, the ways east and north unchanged, 1/m, (sources, n).
+    losses
+        The logarithm of what is taken, shape (sources, n).
+    by_depth, by_reach, by_shape
+        How that grows with w, log G and c, (sources, n).
+    by_distance
+        With the distance, the ways east and north unchanged, 1/m, (sources, n).
     """
 
     def __init__(
-        self, numbers: Array, offsets: Array, height_m: float, edge_sharpness: float
+        self, numbers: FloatArray, offsets: FloatArray, height_m: float, edge_sharpness: float
     ) -> None:
         self._line = numbers[:2]
         self._turned = np.array([-self._line[1], self._line[0]])
@@ -82,7 +85,7 @@ class WallShadow:
         is_aside = np.abs(self._along) > SHORTEST_WAY_M
         self._by_along = -self.by_reach / np.where(is_aside, self._along, np.inf)
 
-    def by_line(self, offsets: Array) -> Array:
+    def by_line(self, offsets: FloatArray) -> FloatArray:
         """Return how the losses change with both numbers of the line, (2, sources, n)."""
         east, north = offsets[:, 0], offsets[:, 1]
         shrinks = self._by_across * self._across + self._by_along * self._along
@@ -97,13 +100,13 @@ class WallShadow:
             ]
         )
 
-    def by_way(self) -> Array:
+    def by_way(self) -> FloatArray:
         """Return how they change with the way east and north, (sources, 2, n)."""
         forward = (self._edges + self._by_across / self._size)[:, None]
         sideways = (self._by_along / self._size)[:, None]
         return np.asarray(self._line[:, None] * forward + self._turned[:, None] * sideways)
 
-    def _aside(self, reaches_m: Array) -> Array:
+    def _aside(self, reaches_m: FloatArray) -> FloatArray:
         """Return how far each ray passes beyond an end, 0 to 1."""
         ratios = np.minimum(np.abs(self._along) / reaches_m, LARGEST_ASIDE) ** END_POWER
         return np.asarray(ratios / (1.0 + ratios))

@@ -1,22 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Natural background: the ground, which varies from place to place, and the sky."""
+"""Natural background: radiation of the ground, which varies by place, and of the sky."""
 
 import math
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_radiation.readings.ground import GroundHeights
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.solids.ground_heights import GroundHeights
 
-Array = NDArray[np.float64]
 METRES_PER_DEGREE = 111_320.0
-# Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it
-# doubles every 1.5 to 2 km).
+# Dose rate of cosmic rays at sea level, and the height over which it grows by a factor of e
+# (UNSCEAR 2000: it doubles every 1.5 to 2 km).
 COSMIC_USVH, COSMIC_GROWTH_M = 0.033, 2500.0
-# Height in which the terrestrial dose rate falls by e: hundreds of metres of air, seen from the
-# whole ground at once.
+# Height over which the terrestrial dose rate falls by a factor of e.
 TERRESTRIAL_DECAY_M = 120.0
 WAVES = 24
 
@@ -30,13 +28,20 @@ class Background:
 
     Attributes
     ----------
-    terrestrial_usvh: mean at the ground, microsievert per hour; 0: none.
-    variation: standard deviation of its logarithm.
-    length_m: over which it varies.
-    ground_altitude_m: of the ground, above the ellipsoid, where `ground` does not know better.
-    is_cosmic: cosmic rays add their part.
-    seed: of the waves.
-    ground: who knows the height of ground that is not level.
+    terrestrial_usvh
+        Mean at the ground, microsievert per hour; 0: none.
+    variation
+        Standard deviation of its logarithm.
+    length_m
+        Length over which it varies, metres.
+    ground_altitude_m
+        Altitude of the ground above the ellipsoid, where `ground` is None or has no height.
+    is_cosmic
+        Whether cosmic rays are added.
+    seed
+        Seed of the waves.
+    ground
+        Heights of ground that is not level.
     """
 
     terrestrial_usvh: float = 0.0
@@ -58,8 +63,8 @@ class Background:
             raise ValueError(f'length_m = {self.length_m} must be within 1 and 1e5')
 
     def dose_rates_usvh(
-        self, latitudes_deg: Array, longitudes_deg: Array, altitudes_m: Array
-    ) -> Array:
+        self, latitudes_deg: FloatArray, longitudes_deg: FloatArray, altitudes_m: FloatArray
+    ) -> FloatArray:
         """Return the background at n points, microsievert per hour, shape (n,)."""
         altitudes = np.asarray(altitudes_m, np.float64)
         heights = np.maximum(altitudes - self._ground_m(latitudes_deg, longitudes_deg), 0.0)
@@ -69,14 +74,16 @@ class Background:
             rates = rates + COSMIC_USVH * np.exp(np.clip(altitudes / COSMIC_GROWTH_M, -1.0, 6.0))
         return np.asarray(rates)
 
-    def _ground_m(self, latitudes_deg: Array, longitudes_deg: Array) -> Array | float:
+    def _ground_m(
+        self, latitudes_deg: FloatArray, longitudes_deg: FloatArray
+    ) -> FloatArray | float:
         """Return the altitude of the ground below points."""
         if self.ground is None:
             return self.ground_altitude_m
         known = self.ground.altitudes_m(latitudes_deg, longitudes_deg)
         return np.where(np.isfinite(known), known, self.ground_altitude_m)
 
-    def _waves(self, latitudes_deg: Array, longitudes_deg: Array) -> Array:
+    def _waves(self, latitudes_deg: FloatArray, longitudes_deg: FloatArray) -> FloatArray:
         """Return a sum of plane waves of random direction, length and phase, shape (n,)."""
         latitudes = np.atleast_1d(np.asarray(latitudes_deg, np.float64))
         longitudes = np.atleast_1d(np.asarray(longitudes_deg, np.float64))
@@ -86,7 +93,7 @@ class Background:
         numbers = numbers / self.length_m
         east = longitudes * METRES_PER_DEGREE * np.cos(np.radians(latitudes))
         north = latitudes * METRES_PER_DEGREE
-        # The waves are read far from their origin, so only their phases there matter.
+        # The origin of the waves does not matter: only their phases at the site do.
         turns = np.multiply.outer(east, numbers[:, 0]) + np.multiply.outer(north, numbers[:, 1])
         return np.asarray(
             self.variation * math.sqrt(2.0 / WAVES) * np.cos(turns + phases).sum(axis=-1)
@@ -94,7 +101,7 @@ class Background:
 
 
 @cache
-def _drawn_waves(seed: int) -> tuple[Array, Array]:
+def _drawn_waves(seed: int) -> tuple[FloatArray, FloatArray]:
     """Return wave numbers for a length of 1 m, shape (WAVES, 2), and phases, shape (WAVES,)."""
     generator = np.random.default_rng([seed, 0xBAC6])
     numbers = generator.normal(size=(WAVES, 2))

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.position import ecef_m
 from rocsafe_radiation.errors import UnknownPointError
 from rocsafe_radiation.physics.photons import AIR
@@ -30,21 +31,25 @@ COORDINATE_LIMITS = (('latitude', 90.0), ('longitude', 180.0), ('altitude', math
 class RadiationField:
     """Dose rates around any number of sources, by one of three models.
 
-    paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d
-    in metres, without attenuation or scatter (Smyth, Glavin and
-    Madden 2018, section II.B). air: times what air leaves of the lines of its nuclide, build-up
-    included. shielded: as air, with the materials of `shielding` in between. Scatter from the
-    ground, which adds 10 to 20 %, is in none of them. The sources add up.
+    paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d in
+    metres, without attenuation or scatter (Smyth, Glavin and Madden 2018, section II.B). air:
+    sigma / d^2 times what air transmits of the lines of its nuclide, with build-up. shielded: as
+    air, with the materials of `shielding` along each ray. Scatter from the ground, which adds 10
+    to 20 %, is in none of them. The sources add up.
 
     The formula is singular at d = 0: below `source_radius_m` the distance counts as
     `source_radius_m`, as at the surface of a source of that size.
 
     Attributes
     ----------
-    sources: the sources; none gives a field of zeros.
-    source_radius_m: distance below which the dose rate grows no further.
-    model: one of `MODELS`.
-    shielding: of the model ``shielded``; without it that model is ``air``.
+    sources
+        The sources; none gives a field of zeros.
+    source_radius_m
+        Distance below which the dose rate grows no further.
+    model
+        One of `MODELS`.
+    shielding
+        What shields in the model ``shielded``; None: that model is ``air``.
     """
 
     sources: tuple[RadiationSource, ...]
@@ -86,7 +91,7 @@ class RadiationField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> NDArray[np.float64]:
+    ) -> FloatArray:
         """Return the dose rate at each of n points in microsievert per hour, shape (n,).
 
         Latitudes and longitudes are WGS84, altitudes above the ellipsoid; each is an array of
@@ -95,7 +100,8 @@ class RadiationField:
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         return self.source_dose_rates_usvh(latitudes_deg, longitudes_deg, altitudes_m, time_s).sum(
             axis=0
@@ -107,12 +113,12 @@ class RadiationField:
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
-    ) -> NDArray[np.float64]:
-        """Return the same of each source alone, shape (sources, n)."""
+    ) -> FloatArray:
+        """Return the dose rate of each source alone at n points, uSv/h, shape (sources, n)."""
         points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
         _check_points(points)
         positions = ecef_m(*points)
-        rates_usvps: NDArray[np.float64] = np.zeros((len(self.sources), len(positions)))
+        rates_usvps: FloatArray = np.zeros((len(self.sources), len(positions)))
         moving = [_Group.of(index, self.sources, time_s) for index in self._moving]
         for group in (*self._still, *moving):
             self._add_rates(group, positions, points, rates_usvps)
@@ -121,9 +127,9 @@ class RadiationField:
     def _add_rates(
         self,
         group: '_Group',
-        positions: NDArray[np.float64],
+        positions: FloatArray,
         points: Coordinates,
-        rates_usvps: NDArray[np.float64],
+        rates_usvps: FloatArray,
     ) -> None:
         """Add the dose rates of the parts of a group to those of their sources."""
         size = max(1, LARGEST_BLOCK // max(1, len(positions)))
@@ -143,11 +149,11 @@ class RadiationField:
     def _transmission(
         self,
         nuclide: str,
-        places: NDArray[np.float64],
-        distances_m: NDArray[np.float64],
+        places: FloatArray,
+        distances_m: FloatArray,
         points: Coordinates,
-    ) -> NDArray[np.float64]:
-        """Return what is left of each ray from a place of the source, shape (places, n)."""
+    ) -> FloatArray:
+        """Return the transmission of each ray from a place of the source, shape (places, n)."""
         if self.model == AIR_MODEL or self.shielding is None:
             return air_transmission(nuclide, distances_m)
         starts = (places[:, 0], places[:, 1], places[:, 2])
@@ -166,10 +172,10 @@ class _Group:
     """
 
     nuclide: str
-    owners: NDArray[np.intp]
-    sigmas_usvps: NDArray[np.float64]
-    places: NDArray[np.float64]
-    centres: NDArray[np.float64]
+    owners: IndexArray
+    sigmas_usvps: FloatArray
+    places: FloatArray
+    centres: FloatArray
 
     @classmethod
     def of(cls, index: int, sources: Sequence[RadiationSource], time_s: float) -> '_Group':
@@ -198,10 +204,10 @@ class _Group:
 
 
 def dose_rate_usvps(
-    sigma_usvps: float | NDArray[np.float64],
-    distances_m: NDArray[np.float64],
+    sigma_usvps: float | FloatArray,
+    distances_m: FloatArray,
     source_radius_m: float,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return sigma / d^2 in microsievert per second, with d at least `source_radius_m`."""
     clamped_m = np.maximum(distances_m, source_radius_m)
     return np.asarray(sigma_usvps / (clamped_m * clamped_m), dtype=np.float64)

@@ -4,30 +4,31 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE
 from rocsafe_radiation.physics.transmission import air_transmission, air_transmission_and_slope
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kernel:
-    """What a source with 1 uSv/h at 1 m gives at a distance.
+    """Dose rate of a source with 1 uSv/h at 1 m by distance.
 
     Attributes
     ----------
-    is_lossy: air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
-    nuclide: whose lines air attenuates.
-    source_radius_m: distance below which the dose rate grows no further.
+    is_lossy
+        Whether air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
+    nuclide
+        Nuclide whose lines air attenuates.
+    source_radius_m
+        Distance below which the dose rate grows no further.
     """
 
     is_lossy: bool = True
     nuclide: str = DEFAULT_NUCLIDE
     source_radius_m: float = 0.1
 
-    def values(self, squares_m2: Array) -> Array:
+    def values(self, squares_m2: FloatArray) -> FloatArray:
         """Return the dose rate at each squared distance, uSv/h."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
         if not self.is_lossy:
@@ -36,8 +37,8 @@ class Kernel:
         values /= squares
         return values
 
-    def values_and_slopes(self, squares_m2: Array) -> tuple[Array, Array]:
-        """Return the same, and its derivative by the squared distance."""
+    def values_and_slopes(self, squares_m2: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the dose rate at each squared distance and its derivative by that."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
         if not self.is_lossy:
             values = 1.0 / squares

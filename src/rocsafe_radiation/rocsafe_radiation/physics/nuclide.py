@@ -9,8 +9,8 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.photons import (
     LOWEST_ENERGY_KEV,
     air_energy_absorption_m2_kg,
@@ -21,30 +21,32 @@ JOULE_PER_KEV = 1.602176634e-16
 SECONDS_PER_HOUR = 3600.0
 BECQUEREL_PER_GBQ = 1e9
 MICRO = 1e6
-# What a source of unknown nuclide counts as: the commonest of orphan sources, of middle energy.
+# A source of unknown nuclide counts as this: common among orphan sources, of middle energy.
 DEFAULT_NUCLIDE = 'Cs-137'
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nuclide:
-    """A nuclide with the daughters that keep up with it.
+    """A nuclide with the daughters in equilibrium with it.
 
     Attributes
     ----------
-    name: for instance ``Cs-137``.
-    half_life_s: of the parent.
-    energies_kev: photon lines, gamma and x rays of 15 keV and more, ascending, shape (n,).
-    intensities: photons of each line a decay of the parent, shape (n,).
+    name
+        For instance ``Cs-137``.
+    half_life_s
+        Half-life of the parent, seconds.
+    energies_kev
+        Photon lines, gamma and x rays of 15 keV and more, ascending, shape (n,).
+    intensities
+        Photons of each line for one decay of the parent, shape (n,).
     """
 
     name: str
     half_life_s: float
-    energies_kev: Array
-    intensities: Array
+    energies_kev: FloatArray
+    intensities: FloatArray
 
-    def kerma_constants_ugy(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> Array:
+    def kerma_constants_ugy(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> FloatArray:
         """Return the air kerma rate of each line, microgray m^2/(h GBq), shape (n,).
 
         I E (mu_en/rho) / (4 pi r^2) at r = 1 m in vacuum; lines below `cutoff_kev` give 0.
@@ -56,7 +58,7 @@ class Nuclide:
         kept = self.energies_kev >= cutoff_kev
         return np.asarray(per_becquerel_gy * BECQUEREL_PER_GBQ * SECONDS_PER_HOUR * MICRO * kept)
 
-    def line_dose_constants_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> Array:
+    def line_dose_constants_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> FloatArray:
         """Return the ambient dose equivalent rate of each line, uSv m^2/(h GBq), shape (n,)."""
         doses = self.kerma_constants_ugy(cutoff_kev) * dose_per_kerma_sv_gy(self.energies_kev)
         return np.asarray(doses)
@@ -74,10 +76,10 @@ class Nuclide:
         return self.dose_constant_usvh() * decayed / SECONDS_PER_HOUR
 
     def remaining_fraction(self, age_s: float) -> float:
-        """Return what is left after `age_s` seconds, 2^(-age/half-life)."""
+        """Return the share of the activity left after `age_s` seconds, 2^(-age/half-life)."""
         return float(2.0 ** (-age_s / self.half_life_s))
 
-    def dose_shares(self) -> Array:
+    def dose_shares(self) -> FloatArray:
         """Return the share of each line in the dose rate near the source, shape (n,)."""
         doses = self.line_dose_constants_usvh()
         return np.asarray(doses / doses.sum())
@@ -94,7 +96,8 @@ def nuclide(name: str) -> Nuclide:
 
     Raises
     ------
-    ValueError: if it is not in the table.
+    ValueError
+        If it is not in the table.
     """
     known = _tables()
     if name not in known:

@@ -13,15 +13,15 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from rocsafe_geo.arrays import FloatArray
 
 AIR = 'air'
 LOWEST_ENERGY_KEV, HIGHEST_ENERGY_KEV = 20.0, 3000.0
-# The standard's coefficients are fitted up to here; exp(-40) is nothing.
+# The coefficients of the standard are fitted up to here; beyond, exp(-40) is negligible.
 LARGEST_MEAN_FREE_PATHS = 40.0
 TANH_MINUS_2 = math.tanh(-2.0)
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,22 +30,28 @@ class Material:
 
     Attributes
     ----------
-    name: as in the tables.
-    density_kg_m3: its density.
-    log_energies: natural logarithms of the tabulated energies in keV, shape (n,).
-    log_mass_attenuation: the same of mu/rho in m^2/kg, shape (n,).
-    buildup_log_energies: natural logarithms of energies in keV, shape (m,).
-    buildup_coefficients: b, c, a, X, d of the geometric progression, shape (m, 5).
+    name
+        As in the tables.
+    density_kg_m3
+        Its density.
+    log_energies
+        Natural logarithms of the tabulated energies in keV, shape (n,).
+    log_mass_attenuation
+        Natural logarithms of mu/rho in m^2/kg, shape (n,).
+    buildup_log_energies
+        Natural logarithms of energies in keV, shape (m,).
+    buildup_coefficients
+        B, c, a, X, d of the geometric progression, shape (m, 5).
     """
 
     name: str
     density_kg_m3: float
-    log_energies: Array
-    log_mass_attenuation: Array
-    buildup_log_energies: Array
-    buildup_coefficients: Array
+    log_energies: FloatArray
+    log_mass_attenuation: FloatArray
+    buildup_log_energies: FloatArray
+    buildup_coefficients: FloatArray
 
-    def attenuation_per_m(self, energies_kev: ArrayLike, density_kg_m3: float = 0.0) -> Array:
+    def attenuation_per_m(self, energies_kev: ArrayLike, density_kg_m3: float = 0.0) -> FloatArray:
         """Return the linear attenuation coefficient at each energy, narrow beam, 1/m.
 
         With `density_kg_m3` = 0 the density is that of the tables.
@@ -58,7 +64,7 @@ class Material:
         """Return the thickness that halves a narrow beam, metres."""
         return math.log(2.0) / float(self.attenuation_per_m(energy_kev))
 
-    def buildup(self, energy_kev: float, mean_free_paths: ArrayLike) -> Array:
+    def buildup(self, energy_kev: float, mean_free_paths: ArrayLike) -> FloatArray:
         """Return dose of all photons over dose of the unscattered ones, at least 1.
 
         Geometric progression of ANSI/ANS-6.4.3-1991 for exposure from a point source in an
@@ -66,7 +72,7 @@ class Material:
         """
         return geometric_progression(self.buildup_terms(energy_kev), np.asarray(mean_free_paths))
 
-    def buildup_terms(self, energies_kev: ArrayLike) -> Array:
+    def buildup_terms(self, energies_kev: ArrayLike) -> FloatArray:
         """Return b, c, a, X, d at each energy, interpolated in its logarithm, shape (..., 5)."""
         energies = _log_energies(energies_kev)
         columns = self.buildup_coefficients.T
@@ -75,11 +81,11 @@ class Material:
         )
 
 
-def geometric_progression(terms: Array, mean_free_paths: Array) -> Array:
+def geometric_progression(terms: FloatArray, mean_free_paths: FloatArray) -> FloatArray:
     """Return the build-up at `mean_free_paths`; b, c, a, X, d are the last axis of `terms`."""
     b, c, a, scale, d = np.moveaxis(terms, -1, 0)
     paths = np.clip(mean_free_paths, 0.0, LARGEST_MEAN_FREE_PATHS)
-    # x^a of a negative a is infinite at 0, where the build-up is 1 whatever K.
+    # For a negative a, x^a is infinite at 0; the build-up is 1 there for any K.
     bounded = np.maximum(paths, 1e-9)
     bend = (np.tanh(bounded / scale - 2.0) - TANH_MINUS_2) / (1.0 - TANH_MINUS_2)
     growth = np.clip(c * bounded**a + d * bend, 1e-6, 1e3)
@@ -100,7 +106,8 @@ def material(name: str) -> Material:
 
     Raises
     ------
-    ValueError: if there is none of that name.
+    ValueError
+        If there is none of that name.
     """
     known = _tables()['materials']
     if name not in known:
@@ -117,7 +124,7 @@ def material(name: str) -> Material:
     )
 
 
-def air_energy_absorption_m2_kg(energies_kev: ArrayLike) -> Array:
+def air_energy_absorption_m2_kg(energies_kev: ArrayLike) -> FloatArray:
     """Return mu_en/rho of dry air at each energy, m^2/kg."""
     table = _tables()['air_energy_absorption']
     logs = np.interp(
@@ -128,7 +135,7 @@ def air_energy_absorption_m2_kg(energies_kev: ArrayLike) -> Array:
     return np.asarray(np.exp(logs))
 
 
-def dose_per_kerma_sv_gy(energies_kev: ArrayLike) -> Array:
+def dose_per_kerma_sv_gy(energies_kev: ArrayLike) -> FloatArray:
     """Return ambient dose equivalent H*(10) over air kerma at each energy, Sv/Gy."""
     table = _tables()['dose_per_kerma']
     return np.asarray(
@@ -136,7 +143,7 @@ def dose_per_kerma_sv_gy(energies_kev: ArrayLike) -> Array:
     )
 
 
-def _log_energies(energies_kev: ArrayLike) -> Array:
+def _log_energies(energies_kev: ArrayLike) -> FloatArray:
     energies = np.asarray(energies_kev, np.float64)
     return np.asarray(np.log(np.clip(energies, 1.0, HIGHEST_ENERGY_KEV)))
 

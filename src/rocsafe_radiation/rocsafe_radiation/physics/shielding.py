@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of which material lies between a source and a point."""
+"""Length of each material between a source and a point."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,24 +7,23 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.physics.photons import material
 
-Array = NDArray[np.float64]
-Coordinates = tuple[Array, Array, Array]
+Coordinates = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class Shielding(Protocol):
-    """Whatever knows the materials of a scene."""
+    """The materials in the way of rays."""
 
-    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, FloatArray]:
         """Return by material the length within it of each ray from a start to a point, metres.
 
-        `starts` and `points` are latitudes and longitudes in degrees and altitudes in metres,
-        each of shape (m,) and (n,); lengths have shape (m, n). Air is left out: it is where
-        nothing else is. Materials are those of `photons.materials`.
+        `starts` and `points` are latitudes and longitudes in degrees and altitudes in metres, each
+        of shape (m,) and (n,); lengths have shape (m, n). Air is left out: it fills all other
+        space. Materials are those of `photons.materials`.
         """
 
 
@@ -34,11 +33,16 @@ class Box:
 
     Attributes
     ----------
-    material: name of its material.
-    centre_enu_m: its centre.
-    size_m: length, width and height, outside.
-    yaw_rad: direction of its length, anticlockwise from east.
-    wall_m: thickness of its six walls, hollow within; 0: it is solid.
+    material
+        Name of its material.
+    centre_enu_m
+        Its centre.
+    size_m
+        Length, width and height, outside.
+    yaw_rad
+        Direction of its length, anticlockwise from east.
+    wall_m
+        Thickness of its six walls, metres; 0: it is solid.
     """
 
     material: str
@@ -59,7 +63,7 @@ class Box:
                 f'shortest side, {min(self.size_m) / 2.0:g}'
             )
 
-    def lengths_m(self, starts_enu: Array, points_enu: Array) -> Array:
+    def lengths_m(self, starts_enu: FloatArray, points_enu: FloatArray) -> FloatArray:
         """Return the length in the material of each ray from (m, 3) to (n, 3), shape (m, n)."""
         turn = self._rotation()
         starts = (starts_enu - np.array(self.centre_enu_m)) @ turn.T
@@ -70,7 +74,7 @@ class Box:
             shares = shares - _shares_within(starts, rays, half - self.wall_m)
         return np.asarray(shares * np.linalg.norm(rays, axis=-1))
 
-    def _rotation(self) -> Array:
+    def _rotation(self) -> FloatArray:
         cosine, sine = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         return np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
 
@@ -82,11 +86,11 @@ class BoxShielding:
     frame: LocalFrame
     boxes: tuple[Box, ...]
 
-    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, FloatArray]:
         """Return by material the length within it of each ray from a start to a point, metres."""
         starts_enu = self.frame.to_enu(*starts)
         points_enu = self.frame.to_enu(*points)
-        lengths: dict[str, Array] = {}
+        lengths: dict[str, FloatArray] = {}
         for box in self.boxes:
             inside = box.lengths_m(starts_enu, points_enu)
             lengths[box.material] = lengths.get(box.material, 0.0) + inside
@@ -95,13 +99,13 @@ class BoxShielding:
 
 @dataclass(frozen=True, slots=True)
 class JoinedShielding:
-    """Several at once; where two overlap, both count."""
+    """Several shieldings at once; where two overlap, both count."""
 
     parts: tuple[Shielding, ...]
 
-    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, Array]:
+    def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, FloatArray]:
         """Return by material the length within it of each ray from a start to a point, metres."""
-        totals: dict[str, Array] = {}
+        totals: dict[str, FloatArray] = {}
         for part in self.parts:
             for name, lengths in part.lengths_m(starts, points).items():
                 totals[name] = totals.get(name, 0.0) + lengths
@@ -109,13 +113,13 @@ class JoinedShielding:
 
 
 def joined(parts: Sequence[Shielding]) -> Shielding | None:
-    """Return `parts` as one, None of none."""
+    """Return `parts` as one shielding, None if there are none."""
     if len(parts) > 1:
         return JoinedShielding(tuple(parts))
     return parts[0] if parts else None
 
 
-def _shares_within(starts: Array, rays: Array, half: Array) -> Array:
+def _shares_within(starts: FloatArray, rays: FloatArray, half: FloatArray) -> FloatArray:
     """Return the share of each ray within a box about the origin, by the slab method.
 
     A ray is inside while it is between all three pairs of faces.

@@ -4,15 +4,13 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
 from rocsafe_radiation.physics.source_shape import PointShape, SourceShape
 
-# A hundred thousand times a commercial irradiator of 100 PBq of Co-60 (9.8e6 uSv/s at 1 m); the
-# limit keeps every dose rate far below what a float64 can hold.
+# 100,000 times a commercial irradiator of 100 PBq of Co-60 (9.8e6 uSv/s at 1 m); the limit keeps
+# every dose rate finite.
 LARGEST_SIGMA_USVPS = 1e12
 
 
@@ -22,12 +20,17 @@ class RadiationSource:
 
     Attributes
     ----------
-    name: unique among the sources of a field.
-    position: where it is, or begins, with its altitude above the ellipsoid.
-    sigma_usvps: dose rate at 1 m without air, microsievert per second; the paper's sigma. Of a
-        source that is not a point: what it would be, were it gathered in one.
-    nuclide: what it consists of; by default Cs-137. The model ``paper`` does not ask.
-    shape: where its parts are at any time; None: all at `position`, always.
+    name
+        Unique among the sources of a field.
+    position
+        Where it is, or begins, with its altitude above the ellipsoid.
+    sigma_usvps
+        Dose rate at 1 m without air, microsievert per second; the paper's sigma. For a source that
+        is not a point: that of all of it in one point.
+    nuclide
+        What it consists of; by default Cs-137. The model ``paper`` ignores it.
+    shape
+        Where its parts are at any time; None: all at `position`, always.
     """
 
     name: str
@@ -51,7 +54,7 @@ class RadiationSource:
         except ValueError as error:
             raise ValueError(f'source {self.name}: {error}') from error
 
-    def places(self, time_s: float = 0.0) -> NDArray[np.float64]:
+    def places(self, time_s: float = 0.0) -> FloatArray:
         """Return latitude, longitude, altitude of each of its equal parts, shape (parts, 3)."""
         return (self.shape or PointShape(place=self.position)).places(time_s)
 
@@ -61,7 +64,8 @@ def decayed_sigma_usvps(name: str, nuclide_name: str, activity_gbq: float, age_s
 
     Raises
     ------
-    ValueError: naming the source, the value and the limit.
+    ValueError
+        Naming the source, the value and the limit.
     """
     if not 0.0 < activity_gbq < math.inf:
         raise ValueError(

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the parts of a source are: along a line, over an area, or on the move.
+"""Places of the parts of a source: along a line, over an area, or moving.
 
-A source that is not a point is taken apart into points of equal strength. Nearer to it than two of
-their distances, the dose rate of the points differs from that of the whole by more than 2 %; that
-distance is half a metre for all but the largest sources.
+A source that is not a point is divided into points of equal strength. Nearer to it than twice the
+distance of neighbouring points, their dose rate differs from that of the whole by more than 2 %.
+That distance is half a metre for all but the largest sources.
 """
 
 import math
@@ -12,21 +12,20 @@ from typing import Protocol
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 
-Array = NDArray[np.float64]
 SMALLEST_STEP_M = 0.5
 MOST_PARTS = 400
 
 
 class SourceShape(Protocol):
-    """Whatever knows where a source is at any time."""
+    """The places of a source at any time."""
 
-    def places(self, time_s: float, /) -> Array:
+    def places(self, time_s: float, /) -> FloatArray:
         """Return latitude, longitude in degrees, altitude in metres of each part, (parts, 3).
 
         All parts are of the same strength. `time_s` counts from the start of the mission.
@@ -39,8 +38,8 @@ class PointShape:
 
     place: GeoPosition
 
-    def places(self, _time_s: float, /) -> Array:
-        """Return the place, whatever the time."""
+    def places(self, _time_s: float, /) -> FloatArray:
+        """Return the place; the time does not matter."""
         return _rows((self.place,))
 
 
@@ -49,7 +48,7 @@ class LineShape:
     """A source spread evenly along a line through `corners`, straight between them."""
 
     corners: tuple[GeoPosition, ...]
-    _parts: Array = field(init=False, repr=False, compare=False)
+    _parts: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if len(self.corners) < 2:
@@ -64,8 +63,8 @@ class LineShape:
         parts = np.stack([np.interp(middles, along, axis) for axis in corners.T], axis=1)
         object.__setattr__(self, '_parts', frame.to_geodetic(parts))
 
-    def places(self, _time_s: float, /) -> Array:
-        """Return the middles of equal pieces of the line, whatever the time."""
+    def places(self, _time_s: float, /) -> FloatArray:
+        """Return the middles of equal pieces of the line; the time does not matter."""
         return self._parts
 
 
@@ -74,7 +73,7 @@ class AreaShape:
     """A source spread evenly over the polygon `corners`, at their mean altitude."""
 
     corners: tuple[GeoPosition, ...]
-    _parts: Array = field(init=False, repr=False, compare=False)
+    _parts: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if len(self.corners) < 3:
@@ -88,14 +87,14 @@ class AreaShape:
         parts = np.column_stack([inside, np.full(len(inside), corners[:, 2].mean())])
         object.__setattr__(self, '_parts', frame.to_geodetic(parts))
 
-    def places(self, _time_s: float, /) -> Array:
-        """Return the nodes of a square grid within, whatever the time."""
+    def places(self, _time_s: float, /) -> FloatArray:
+        """Return the nodes of a square grid within the polygon; the time does not matter."""
         return self._parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackShape:
-    """A point source that moves: at `times_s` it is at `stops`, in between on its way.
+    """A moving point source: at `times_s` it is at `stops`, in between on the straight line.
 
     Before the first time it waits at the first stop, after the last it stays at the last.
     """
@@ -113,24 +112,24 @@ class TrackShape:
         if not np.isfinite(times_s).all() or not (np.diff(times_s) > 0.0).all():
             raise ValueError(f'times_s = {list(self.times_s)} of a track must rise')
 
-    def places(self, time_s: float, /) -> Array:
+    def places(self, time_s: float, /) -> FloatArray:
         """Return the place at `time_s`."""
-        # Degrees of stops that lie close together are as good as metres to interpolate in.
+        # Stops are close together: interpolation in degrees is as good as in metres.
         stops = _rows(self.stops)
         return np.array([[np.interp(time_s, self.times_s, axis) for axis in stops.T]])
 
 
-def _rows(positions: tuple[GeoPosition, ...]) -> Array:
+def _rows(positions: tuple[GeoPosition, ...]) -> FloatArray:
     return np.array([(p.latitude_deg, p.longitude_deg, p.altitude_m) for p in positions])
 
 
-def _grid_inside(polygon: Polygon) -> Array:
+def _grid_inside(polygon: Polygon) -> FloatArray:
     """Return nodes of a square grid within `polygon`, east and north, at least one."""
     step = max(SMALLEST_STEP_M, math.sqrt(polygon.area / MOST_PARTS))
     west, south, east, north = polygon.bounds
     axes = (np.arange(low + step / 2, high, step) for low, high in ((west, east), (south, north)))
     nodes = np.stack([part.ravel() for part in np.meshgrid(*axes)], axis=1)
-    inside: Array = nodes[shapely.contains_xy(polygon, nodes)] if len(nodes) else nodes
+    inside: FloatArray = nodes[shapely.contains_xy(polygon, nodes)] if len(nodes) else nodes
     if len(inside):
         return inside
     middle = polygon.representative_point()

@@ -1,27 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What air and other materials leave of the dose rate of a source."""
+"""Share of the dose rate of a source that air and other materials transmit."""
 
 from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.physics.nuclide import nuclide
 from rocsafe_radiation.physics.photons import AIR, geometric_progression, material
 
-Array = NDArray[np.float64]
 # Linear interpolation between steps is good to 1e-5 at 60 keV and better above.
 STEP_M = 0.25
-# Air leaves less than 1e-8 of any line beyond.
+# Beyond this, air transmits less than 1e-8 of any line.
 REACH_M = 3000.0
 # Points at a time: their arrays stay in the cache of a core.
 BLOCK = 16384
-# Each of these rays has a value a line.
+# Arrays hold one value for each of these rays and each line.
 SHIELDED_BLOCK = 4096
 
 
-def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
+def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
     """Return dose rate in air over that without air, for a nuclide, shape of `distances_m`.
 
     The sum over the lines of share * exp(-mu r) * B(mu r), with the build-up B of air.
@@ -40,8 +39,10 @@ def air_transmission(nuclide_name: str, distances_m: Array) -> Array:
     return result.reshape(np.shape(distances_m))
 
 
-def air_transmission_and_slope(nuclide_name: str, distances_m: Array) -> tuple[Array, Array]:
-    """Return the same and its derivative by the distance, 1/m."""
+def air_transmission_and_slope(
+    nuclide_name: str, distances_m: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the transmission of air and its derivative by the distance, 1/m."""
     values, slopes = _table(nuclide_name)
     places = np.minimum(distances_m * (1.0 / STEP_M), float(len(slopes) - 1))
     indices = places.astype(np.intp)
@@ -49,29 +50,30 @@ def air_transmission_and_slope(nuclide_name: str, distances_m: Array) -> tuple[A
     return values[indices] + (places - indices) * steps, steps * (1.0 / STEP_M)
 
 
-def exact_air_transmission(nuclide_name: str, distances_m: Array) -> Array:
-    """Return the same, line by line."""
+def exact_air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
+    """Return the transmission of air without the table, line by line."""
     return shielded_transmission(nuclide_name, {AIR: distances_m})
 
 
-def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, Array]) -> Array:
+def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, FloatArray]) -> FloatArray:
     """Return dose rate behind materials over that without any.
 
     `lengths_m` maps names of materials, air among them, to the lengths of n rays within, each of
     shape (n,). Each line is attenuated by all of them; the build-up is that of the material with
-    the most mean free paths along the ray, at the sum of all: the usual choice of point kernels.
+    the most mean free paths along the ray, at their sum over all materials: the usual choice for
+    point kernels.
     """
     names = tuple(lengths_m)
     lengths = np.stack([np.asarray(lengths_m[name], np.float64) for name in names])
     flat = lengths.reshape(len(names), -1)
-    result: Array = np.empty(flat.shape[1])
+    result: FloatArray = np.empty(flat.shape[1])
     for start in range(0, flat.shape[1], SHIELDED_BLOCK):
         rays = slice(start, start + SHIELDED_BLOCK)
         result[rays] = _shielded(nuclide_name, names, flat[:, rays])
     return result.reshape(lengths.shape[1:])
 
 
-def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: Array) -> Array:
+def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: FloatArray) -> FloatArray:
     """Return the transmission of each ray, with `lengths` of shape (materials, rays)."""
     shares, mu, terms = _lines(nuclide_name, names)
     depths = mu @ lengths
@@ -82,8 +84,8 @@ def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: Array) -> Arra
 
 
 @cache
-def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[Array, Array, Array]:
-    """Return of each line that gives dose: its share, mu of each material and build-up terms."""
+def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return share, mu of each material and build-up terms of each line that gives dose."""
     source = nuclide(nuclide_name)
     shares = source.dose_shares()
     energies, kept = source.energies_kev[shares > 0.0], shares[shares > 0.0]
@@ -94,9 +96,9 @@ def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[Array, Array, Arr
 
 
 @cache
-def _table(nuclide_name: str) -> tuple[Array, Array]:
+def _table(nuclide_name: str) -> tuple[FloatArray, FloatArray]:
     """Return the transmission at each step and its difference to the next."""
-    distances: Array = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
+    distances: FloatArray = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
     values = exact_air_transmission(nuclide_name, distances)
     slopes = np.diff(values)
     slopes[-1] = 0.0

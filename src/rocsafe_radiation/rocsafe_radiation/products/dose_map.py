@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dose rate one metre above the ground, and how sure it is, from the sources found."""
+"""The dose rate one metre above the ground and its uncertainty, from the sources found."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.residual_kriging import residual
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-Array = NDArray[np.float64]
 # Where responders measure: IAEA, EPR-First Responders.
 HEIGHT_M = 1.0
 SAMPLES = 40
@@ -31,33 +30,37 @@ class DoseMap:
 
     Attributes
     ----------
-    corner_m: east and north of the south-western node.
-    cell_m: distance of nodes.
-    mean_usvh: of the sources and the background as estimated.
-    std_usvh, upper_usvh: standard deviation and upper 95 % of what the estimate leaves open.
+    corner_m
+        East and north of the south-western node.
+    cell_m
+        Distance of nodes.
+    mean_usvh
+        Dose rate of sources and background as estimated.
+    std_usvh, upper_usvh
+        Standard deviation and upper 95 % of the dose rate.
     """
 
     corner_m: tuple[float, float]
     cell_m: float
-    mean_usvh: Array
-    std_usvh: Array
-    upper_usvh: Array
+    mean_usvh: FloatArray
+    std_usvh: FloatArray
+    upper_usvh: FloatArray
 
 
 def dose_map(
     found: Localization,
-    survey: Survey,
+    survey: RadiationSurvey,
     kernel: Kernel,
     lowest_level_usvh: float,
     seed: int = 0,
     largest_cells: int = LARGEST_CELLS,
 ) -> DoseMap:
-    """Return the map of the readings' extent and of all ground that sources raise to a level.
+    """Return the map of the surveyed ground and of all ground that sources raise to a level.
 
-    The map is that of sources and an even background, times what kriging makes of the readings'
-    residuals where these are more than noise. The spread comes from 40 draws of the sources'
-    places and strengths from their covariances and of the residual, with `seed`. Cells are at
-    least half a metre wide and not many more than `largest_cells`.
+    The map is that of sources and a constant background, times the kriged residual of the readings
+    where this is more than noise. The uncertainty comes from 40 draws, with `seed`, of the places
+    and strengths of the sources from their covariances, and of the residual. Cells are at least
+    half a metre wide and not many more than `largest_cells`.
     """
     low, high = _bounds(found, survey, lowest_level_usvh)
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
@@ -70,7 +73,8 @@ def dose_map(
     rest = residual(found, survey, kernel, east, north)
     if rest is not None:
         mean *= np.exp(rest.log_mean)
-        # One number a draw: each cell varies as it should, cells vary together.
+        # One number for each draw: the standard deviation of each cell is right, and cells vary
+        # together.
         for draw, turn in zip(draws, generator.normal(size=SAMPLES), strict=True):
             draw *= np.exp(rest.log_mean + turn * rest.log_std)
     return DoseMap(
@@ -82,8 +86,10 @@ def dose_map(
     )
 
 
-def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Array, Array]:
-    """Return the south-western and the north-eastern corner of what the map shows."""
+def _bounds(
+    found: Localization, survey: RadiationSurvey, level_usvh: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the south-western and the north-eastern corner of the map."""
     places = survey.positions_enu_m[:, :2]
     low, high = places.min(axis=0) - MARGIN_M, places.max(axis=0) + MARGIN_M
     for source in found.sources:
@@ -94,8 +100,8 @@ def _bounds(found: Localization, survey: Survey, level_usvh: float) -> tuple[Arr
     return low, high
 
 
-def _ups(survey: Survey, east: Array, north: Array) -> Array | None:
-    """Return how high the nodes lie, one metre above the ground; None if that is level."""
+def _ups(survey: RadiationSurvey, east: FloatArray, north: FloatArray) -> FloatArray | None:
+    """Return the heights of the nodes, one metre above the ground; None if it is level."""
     if survey.ground.is_level:
         return None
     return survey.ground.ups_at(np.stack(np.meshgrid(east, north), axis=-1)) + HEIGHT_M
@@ -104,11 +110,11 @@ def _ups(survey: Survey, east: Array, north: Array) -> Array | None:
 def _drawn(
     found: Localization,
     kernel: Kernel,
-    east: Array,
-    north: Array,
-    ups: Array | None,
+    east: FloatArray,
+    north: FloatArray,
+    ups: FloatArray | None,
     generator: np.random.Generator,
-) -> Array:
+) -> FloatArray:
     background = max(0.0, generator.normal(found.background_usvh, found.background_std_usvh))
     sources = [_shifted(source, generator) for source in found.sources]
     return grid_dose_rates_usvh(sources, background, kernel, east, north, ups)
@@ -129,15 +135,15 @@ def grid_dose_rates_usvh(
     sources: Sequence[SourceEstimate],
     background_usvh: float,
     kernel: Kernel,
-    east: Array,
-    north: Array,
-    ups: Array | None = None,
-) -> Array:
+    east: FloatArray,
+    north: FloatArray,
+    ups: FloatArray | None = None,
+) -> FloatArray:
     """Return the dose rate at all nodes, shape (north, east).
 
-    `ups` says how high these are, of the same shape; None: all 1 m above level ground.
+    `ups` are their heights, of the same shape; None: all 1 m above level ground.
     """
-    total: Array = np.full((north.size, east.size), background_usvh)
+    total: FloatArray = np.full((north.size, east.size), background_usvh)
     for source in sources:
         x, y, up = source.position_enu_m
         columns, rows = (east - x) ** 2, (north - y) ** 2

@@ -3,29 +3,33 @@
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
-Array = NDArray[np.float64]
-Index = tuple[NDArray[np.intp], NDArray[np.intp]]
+from rocsafe_geo.arrays import FloatArray, IndexArray
+
+Index = tuple[IndexArray, IndexArray]
 # Corners of the two triangles of a cell as (row, column), and the pairs that make their edges.
 TRIANGLES = (((0, 0), (0, 1), (1, 1)), ((0, 0), (1, 1), (1, 0)))
 EDGES = ((0, 1), (1, 2), (2, 0))
 
 
 def areas_above(
-    values: Array, level: float, corner: tuple[float, float], cell_m: float
+    values: FloatArray, level: float, corner: tuple[float, float], cell_m: float
 ) -> MultiPolygon:
     """Return where `values` exceed `level`, with holes; rings lie on the interpolated isoline.
 
     Parameters
     ----------
-    values: at the nodes of a grid, shape (rows, columns), rows northwards, columns eastwards.
-    level: the limit.
-    corner: east and north of ``values[0, 0]``.
-    cell_m: distance of nodes.
+    values
+        At the nodes of a grid, shape (rows, columns), rows northwards, columns eastwards.
+    level
+        Value of the isoline.
+    corner
+        East and north of ``values[0, 0]``.
+    cell_m
+        Distance of nodes.
     """
-    # Outside of the grid everything is very low: each area is closed, and ends at the border.
+    # Values outside of the grid count as very low, so that each area is closed at the border.
     floor = level - 1e9 * max(1.0, abs(level), float(values.max()))
     padded = np.pad(values, 1, constant_values=floor)
     # Nodes exactly at the level count as just above it: no isoline runs through a node.
@@ -43,7 +47,7 @@ def areas_above(
     return merged if isinstance(merged, MultiPolygon) else MultiPolygon()
 
 
-def _cells_cut(values: Array, level: float) -> Index:
+def _cells_cut(values: FloatArray, level: float) -> Index:
     """Return row and column of the cells with corners on both sides of `level`."""
     high = values > level
     corners = (high[:-1, :-1], high[:-1, 1:], high[1:, :-1], high[1:, 1:])
@@ -53,8 +57,8 @@ def _cells_cut(values: Array, level: float) -> Index:
 
 
 def _segments(
-    values: Array, level: float, cells: Index, corners: tuple[tuple[int, int], ...]
-) -> Array:
+    values: FloatArray, level: float, cells: Index, corners: tuple[tuple[int, int], ...]
+) -> FloatArray:
     """Return the isoline in one triangle of each cell, (column, row), shape (n, 2, 2)."""
     row, column = cells
     nodes = [(row + down, column + right) for down, right in corners]
@@ -66,7 +70,7 @@ def _segments(
     return np.asarray(points[cut][is_end].reshape(-1, 2, 2))
 
 
-def _crossing(first: Index, second: Index, values: Array, level: float) -> Array:
+def _crossing(first: Index, second: Index, values: FloatArray, level: float) -> FloatArray:
     """Return where each edge crosses `level`, (column, row).
 
     The ends are taken in a fixed order: both triangles of an edge get the very same point.
@@ -82,7 +86,9 @@ def _crossing(first: Index, second: Index, values: Array, level: float) -> Array
     return np.stack([column0 + share * (column1 - column0), row0 + share * (row1 - row0)], axis=1)
 
 
-def _value_in(values: Array, face: Polygon, corner: tuple[float, float], cell_m: float) -> float:
+def _value_in(
+    values: FloatArray, face: Polygon, corner: tuple[float, float], cell_m: float
+) -> float:
     """Return the value, by the plane of its triangle, at a point within `face`."""
     point = face.representative_point()
     column = min(max((point.x - corner[0]) / cell_m, 0.0), values.shape[1] - 1.0)

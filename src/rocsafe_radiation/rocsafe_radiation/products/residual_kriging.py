@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What readings say beyond sources and an even background: kriged, in the logarithm.
+"""Kriged residual of readings about sources and a constant background, in the logarithm.
 
-Logarithms of counts over what the estimate expects are taken for a random field with exponential
-covariance plus the noise of the counts (simple kriging, or a Gaussian process). Its variance is
-what the readings scatter beyond their counts, its length the likeliest of a few. Where the
-readings agree with the estimate there is nothing to krige.
+The logarithms of counts over expected counts are a random field with exponential covariance plus
+the noise of the counts (simple kriging, or a Gaussian process). Its variance is that of the
+readings beyond their counts, its length the most likely of a few. Where the readings agree with
+the estimate, there is no residual.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-Array = NDArray[np.float64]
 MOST_READINGS = 600
 MOST_NODES_A_SIDE = 60
 LENGTH_HEIGHTS = (1.0, 2.0, 4.0, 8.0)
@@ -26,19 +25,24 @@ LEAST_MISFIT = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Residual:
-    """By how much the logarithm of the dose rate differs from the estimate, and its deviation.
+    """Difference of the logarithm of the dose rate from the estimate, and its deviation.
 
     Attributes
     ----------
-    log_mean, log_std: at the nodes of a grid, shape (north, east).
+    log_mean, log_std
+        At the nodes of a grid, shape (north, east).
     """
 
-    log_mean: Array
-    log_std: Array
+    log_mean: FloatArray
+    log_std: FloatArray
 
 
 def residual(
-    found: Localization, survey: Survey, kernel: Kernel, east: Array, north: Array
+    found: Localization,
+    survey: RadiationSurvey,
+    kernel: Kernel,
+    east: FloatArray,
+    north: FloatArray,
 ) -> Residual | None:
     """Return the residual at all nodes, None where readings agree with the estimate."""
     sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
@@ -63,7 +67,12 @@ class _Kriging:
     """A random field of known covariance, conditioned on noisy values."""
 
     def __init__(
-        self, places: Array, values: Array, noise: Array, sill: float, length_m: float
+        self,
+        places: FloatArray,
+        values: FloatArray,
+        noise: FloatArray,
+        sill: float,
+        length_m: float,
     ) -> None:
         self._places, self._sill, self._length_m = places, sill, length_m
         covariance = self._covariance(places)
@@ -74,7 +83,7 @@ class _Kriging:
         logs = np.log(np.diag(self._factor)).sum()
         self.log_likelihood = float(-0.5 * half @ half - logs)
 
-    def on_grid(self, east: Array, north: Array) -> Residual:
+    def on_grid(self, east: FloatArray, north: FloatArray) -> Residual:
         """Return mean and standard deviation, computed on a coarse grid and interpolated."""
         coarse_east, coarse_north = _coarse(east), _coarse(north)
         nodes = np.stack([part.ravel() for part in np.meshgrid(coarse_east, coarse_north)], axis=1)
@@ -89,14 +98,14 @@ class _Kriging:
         )
         return Residual(log_mean=log_mean, log_std=log_std)
 
-    def _covariance(self, places: Array) -> Array:
+    def _covariance(self, places: FloatArray) -> FloatArray:
         squares = np.zeros((len(places), len(self._places)))
         for axis in range(2):
             squares += np.subtract.outer(places[:, axis], self._places[:, axis]) ** 2
         return np.asarray(self._sill * np.exp(-np.sqrt(squares) / self._length_m))
 
 
-def _thinned(survey: Survey, cell_m: float) -> Survey:
+def _thinned(survey: RadiationSurvey, cell_m: float) -> RadiationSurvey:
     """Return `survey` merged into at most `MOST_READINGS` cells."""
     merged = survey.merged(cell_m)
     while merged.size > MOST_READINGS:
@@ -105,21 +114,23 @@ def _thinned(survey: Survey, cell_m: float) -> Survey:
     return merged
 
 
-def _rates_usvh(found: Localization, survey: Survey, kernel: Kernel) -> Array:
-    rates: Array = np.full(survey.size, found.background_usvh)
+def _rates_usvh(found: Localization, survey: RadiationSurvey, kernel: Kernel) -> FloatArray:
+    rates: FloatArray = np.full(survey.size, found.background_usvh)
     for source in found.sources:
         squares = ((survey.positions_enu_m - source.position_enu_m) ** 2).sum(axis=1)
         rates += source.dose_rate_at_1m_usvh * kernel.values(squares)
     return rates
 
 
-def _coarse(axis: Array) -> Array:
+def _coarse(axis: FloatArray) -> FloatArray:
     """Return at most `MOST_NODES_A_SIDE` places from end to end of `axis`."""
     count = min(axis.size, MOST_NODES_A_SIDE)
     return np.asarray(np.linspace(axis[0], axis[-1], count), np.float64)
 
 
-def _interpolated(values: Array, coarse: tuple[Array, Array], fine: tuple[Array, Array]) -> Array:
+def _interpolated(
+    values: FloatArray, coarse: tuple[FloatArray, FloatArray], fine: tuple[FloatArray, FloatArray]
+) -> FloatArray:
     """Return `values` (north, east) at the fine nodes, bilinear."""
     rows = np.stack([np.interp(fine[0], coarse[0], row) for row in values])
     columns = [np.interp(fine[1], coarse[1], column) for column in rows.T]

@@ -5,19 +5,19 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
-from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.assessment import Assessment
 
 ELLIPSE_CORNERS = 72
-# A millimetre on the ground.
+# Digits of degrees for a millimetre on the ground.
 DEGREE_DIGITS = 8
 
 
 def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found; places in degrees with `frame`, else in metres."""
+    """Return the sources found; places in degrees with `frame`, else in metres."""
     return {
         'method': found.method,
         'reading_count': found.reading_count,
@@ -32,13 +32,13 @@ def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, 
     }
 
 
-def picture_document(picture: Picture, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found, and whether that is enough and at which error rates."""
-    rule = picture.options.rule
+def assessment_document(assessment: Assessment, frame: LocalFrame | None) -> dict[str, Any]:
+    """Return the sources found, whether the evidence is enough, and the error rates."""
+    rule = assessment.options.rule
     return {
-        **source_document(picture.found, frame),
-        'is_enough': picture.verdict.is_enough,
-        'verdict': picture.verdict.reason,
+        **source_document(assessment.found, frame),
+        'is_enough': assessment.verdict.is_enough,
+        'verdict': assessment.verdict.reason,
         'false_alarm_probability': rule.false_alarm,
         'missed_probability': rule.missed,
         'smallest_source_usvh': rule.smallest_usvh,
@@ -60,7 +60,7 @@ def source_geojson(found: Localization, frame: LocalFrame) -> dict[str, Any]:
     return {'type': 'FeatureCollection', 'features': features}
 
 
-def place_of(enu: NDArray[np.float64], frame: LocalFrame | None) -> dict[str, float]:
+def place_of(enu: FloatArray, frame: LocalFrame | None) -> dict[str, float]:
     """Return a place in degrees with `frame`, else in metres."""
     if frame is None:
         east, north, up = enu.tolist()
@@ -87,7 +87,7 @@ def _source(source: SourceEstimate, frame: LocalFrame | None) -> dict[str, Any]:
     }
 
 
-def _ellipse(source: SourceEstimate) -> NDArray[np.float64]:
+def _ellipse(source: SourceEstimate) -> FloatArray:
     """Return the corners of the ellipse, anticlockwise, east, north, up."""
     long_m, short_m, angle = source.ellipse_95()
     turns = np.linspace(0.0, 2.0 * math.pi, ELLIPSE_CORNERS, endpoint=False)

@@ -1,49 +1,43 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ground below a survey in the frame of the mission: how high it is, how it slopes."""
+"""Height and slope of the ground below a survey, in the frame of the mission."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.errors import RadiationError
 
-Array = NDArray[np.float64]
-# Around readings; farther away the ground goes on level.
+# Margin around readings in which the ground is known, metres; beyond it goes on level.
 MARGIN_M, LEAST_MARGIN_M = 150.0, 75.0
 MOST_CELLS_A_SIDE, SMALLEST_CELL_M = 350, 1.0
 
 
 class GroundError(RadiationError):
-    """Nobody knows how high the ground is."""
-
-
-class GroundHeights(Protocol):
-    """Whoever knows how high the ground is."""
-
-    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> Array:
-        """Return the altitude of the ground above the ellipsoid, (n,); NaN where unknown."""
-        ...
+    """The height of the ground is not known."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ground:
-    """Heights at the nodes of a grid, linear in between, beyond its rim those of the rim.
+    """Heights at the nodes of a grid, linear in between; beyond the rim, those of the rim.
 
     By default the ground is level, at 0.
 
     Attributes
     ----------
-    corner_m: east and north of the south-western node.
-    cell_m: distance of nodes.
-    ups_m: up of the mission's frame, shape (rows to the north, columns to the east).
+    corner_m
+        East and north of the south-western node.
+    cell_m
+        Distance of nodes.
+    ups_m
+        Heights in the mission's frame, shape (rows to the north, columns to the east), metres.
     """
 
     corner_m: tuple[float, float] = (0.0, 0.0)
     cell_m: float = 1.0
-    ups_m: Array = field(default_factory=lambda: np.zeros((1, 1)))
+    ups_m: FloatArray = field(default_factory=lambda: np.zeros((1, 1)))
 
     def __post_init__(self) -> None:
         if self.ups_m.ndim != 2 or not self.ups_m.size or not np.isfinite(self.ups_m).all():
@@ -56,14 +50,14 @@ class Ground:
         """Whether it is level, at 0."""
         return self.ups_m.size == 1 and float(self.ups_m[0, 0]) == 0.0
 
-    def reaches(self, places_m: Array) -> bool:
+    def reaches(self, places_m: FloatArray) -> bool:
         """Return whether it is known around all places (n, 2)."""
         low = np.array(self.corner_m)
         high = low + self.cell_m * (np.array(self.ups_m.shape[::-1]) - 1.0)
         inside = (places_m >= low + LEAST_MARGIN_M) & (places_m <= high - LEAST_MARGIN_M)
         return bool(inside.all())
 
-    def ups_at(self, places_m: Array) -> Array:
+    def ups_at(self, places_m: FloatArray) -> FloatArray:
         """Return the height of the ground at places (..., 2)."""
         if self.ups_m.size == 1:
             return np.full(places_m.shape[:-1], self.ups_m[0, 0])
@@ -72,8 +66,8 @@ class Ground:
         north = corners[2] + over * (corners[3] - corners[2])
         return np.asarray(south + down * (north - south))
 
-    def slopes_at(self, places_m: Array) -> Array:
-        """Return by how much the ground rises a metre to the east and north, (..., 2)."""
+    def slopes_at(self, places_m: FloatArray) -> FloatArray:
+        """Return the slope of the ground to the east and to the north, (..., 2)."""
         if self.ups_m.size == 1:
             return np.zeros(places_m.shape)
         (row, column), (down, over), corners = self._cells(places_m)
@@ -84,7 +78,7 @@ class Ground:
         north = (1.0 - over) * (corners[2] - corners[0]) + over * (corners[3] - corners[1])
         return np.stack([east * inside_x, north * inside_y], axis=-1) / self.cell_m
 
-    def raised(self, sources: Array) -> Array:
+    def raised(self, sources: FloatArray) -> FloatArray:
         """Return east, north, up of places given by east, north and height above, (k, 3)."""
         if self.is_level:
             return sources
@@ -92,24 +86,28 @@ class Ground:
         places[:, 2] += self.ups_at(places[:, :2])
         return places
 
-    def follow(self, slopes: Array, sources: Array) -> None:
-        """Add to slopes by east and north what comes of the height that changes with the place.
+    def follow(self, slopes: FloatArray, sources: FloatArray) -> None:
+        """Add to derivatives by east and north the part that comes from the slope of the ground.
 
-        `slopes` (k, parameters, n) begin with those by east, north and up of each source.
+        The first of `slopes` (k, parameters, n) are those by east, north and up of each source.
         """
         if not self.is_level:
             slopes[:, :2] += self.slopes_at(sources[:, :2])[:, :, None] * slopes[:, 2:3]
 
-    def tilted(self, covariance: Array, place_m: Array) -> Array:
-        """Return a covariance of east, north, height above ground, ... as one of up instead."""
+    def tilted(self, covariance: FloatArray, place_m: FloatArray) -> FloatArray:
+        """Return a covariance with up, the third, in place of the height above the ground."""
         turn = np.eye(len(covariance))
         turn[2, :2] = self.slopes_at(place_m[:2])
         return np.asarray(turn @ covariance @ turn.T)
 
     def _cells(
-        self, places_m: Array
-    ) -> tuple[tuple[Array, Array], tuple[Array, Array], tuple[Array, Array, Array, Array]]:
-        """Return row and column, the way into the cell, and the heights of its corners."""
+        self, places_m: FloatArray
+    ) -> tuple[
+        tuple[FloatArray, FloatArray],
+        tuple[FloatArray, FloatArray],
+        tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+    ]:
+        """Return row and column, the fraction within the cell, and the heights of its corners."""
         rows, columns = self.ups_m.shape
         column = np.clip((places_m[..., 0] - self.corner_m[0]) / self.cell_m, 0.0, columns - 1.0)
         row = np.clip((places_m[..., 1] - self.corner_m[1]) / self.cell_m, 0.0, rows - 1.0)
@@ -124,15 +122,16 @@ class Ground:
 LEVEL = Ground()
 
 
-def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: Array) -> Ground:
+def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: FloatArray) -> Ground:
     """Return the ground under and around places (n, 2) of `frame`.
 
-    Where nobody knows it, it is as high as the nearest known ground to the east or west, or else
-    to the north or south.
+    Unknown ground is as high as the nearest known ground to the east or west, or else to the north
+    or south.
 
     Raises
     ------
-    GroundError: if it is known nowhere there.
+    GroundError
+        If it is known nowhere there.
     """
     low, high = places_m.min(axis=0) - MARGIN_M, places_m.max(axis=0) + MARGIN_M
     cell = max(SMALLEST_CELL_M, float((high - low).max()) / MOST_CELLS_A_SIDE)
@@ -154,7 +153,7 @@ def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: Array) -> G
     )
 
 
-def _filled(ups: Array) -> Array:
+def _filled(ups: FloatArray) -> FloatArray:
     """Return heights with gaps closed along rows, then along columns."""
     for table in (ups, ups.T):
         for row in table:

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The background under a photopeak, foretold by a window of the spectrum above it.
+"""The background under a photopeak, predicted from a window of the spectrum above it.
 
-Photons of the source cannot reach a window above its lines; those of the ground and the sky
-scatter down from there into the peak. Where that window counts more, so does the background of
-the peak.
+Photons of the source have less energy than a window above its lines. Photons of the ground and the
+sky scatter down from that window into the peak. Where the window has more counts, so has the
+background under the peak.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-# Counts of readings this near say the same of the ground.
+from rocsafe_geo.arrays import FloatArray
+
+# Readings this near to each other are over the same ground.
 SMOOTHING_M = 8.0
-# So many counts foretell the background to 7 %, well below what one reading of the peak can tell.
+# 200 counts predict the background to 7 %, better than one reading of the peak does.
 FEWEST_COUNTS = 200.0
 LARGEST_SMOOTHING_M = 1000.0
 # Readings at a time, so that memory stays small.
@@ -20,8 +20,8 @@ BLOCK = 1024
 
 
 def background_shape(
-    positions_enu_m: Array, reference_counts: Array, smoothing_m: float = SMOOTHING_M
-) -> Array:
+    positions_enu_m: FloatArray, reference_counts: FloatArray, smoothing_m: float = SMOOTHING_M
+) -> FloatArray:
     """Return the background at each reading relative to its mean, shape (n,).
 
     `reference_counts` of the window above, shape (n,), are averaged over neighbours with a
@@ -30,7 +30,8 @@ def background_shape(
 
     Raises
     ------
-    ValueError: if nothing was counted in the window.
+    ValueError
+        If nothing was counted in the window.
     """
     if not reference_counts.sum() > 0.0:
         raise ValueError('reference_counts must hold at least one count')
@@ -40,11 +41,13 @@ def background_shape(
         sums, weights = _sums(positions_enu_m[:, :2], reference_counts, smoothing_m)
     smooth = sums / weights
     mean = float(reference_counts.mean())
-    # A tenth of the mean: a quiet place may just have had no count yet.
+    # At least a tenth of the mean: a quiet place may have had no count by chance.
     return np.asarray(np.maximum(smooth / mean, 0.1))
 
 
-def _sums(places: Array, counts: Array, smoothing_m: float) -> tuple[Array, Array]:
+def _sums(
+    places: FloatArray, counts: FloatArray, smoothing_m: float
+) -> tuple[FloatArray, FloatArray]:
     """Return around each place the weighted sum of `counts` and the sum of weights."""
     sums, totals = np.empty(len(places)), np.empty(len(places))
     for start in range(0, len(places), BLOCK):

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Edges without steps: each is blended along itself, after the idea of FXAA (Lottes, 2009)."""
+"""Anti-aliasing of edges by blending along each edge, after FXAA (Lottes, 2009)."""
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, IndexArray
+
 Image = NDArray[np.uint8]
 
-# Edges of less contrast, absolute and of the brightness around, are left as they are.
+# Edges with less contrast than these, absolute and relative to the brightness, are kept as they
+# are.
 _LEAST, _LEAST_SHARE = 16.0, 0.14
 _BOUNDS = np.rint(np.maximum(np.arange(256) * _LEAST_SHARE, _LEAST)).astype(np.uint8)
 _REACH_PX = 6.0
 _BRIGHTNESS = np.array([0.114, 0.587, 0.299], np.float32)
-# Of the third component of a normal, of 255.
+# Least step of the third component of a normal, of 255.
 _LEAST_TURN = 60
 
 
@@ -21,9 +24,12 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
 
     Parameters
     ----------
-    image : as drawn, (height, width, 3).
-    numbers : of instances, (height, width); where they change is an edge.
-    normals : bytes, (height, width, 3); where they jump within a thing is an edge too.
+    image : (height, width, 3)
+        Image as drawn.
+    numbers
+        Of instances, (height, width); where they change is an edge.
+    normals
+        Bytes, (height, width, 3); where they jump within a thing is an edge too.
     """
     bright = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     kernel = np.ones((3, 3), np.uint8)
@@ -49,7 +55,7 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
     return result
 
 
-def _differs(values: NDArray[np.uint32]) -> NDArray[np.bool_]:
+def _differs(values: NDArray[np.uint32]) -> BoolArray:
     """Return whether a value differs from that to the left or above."""
     found = np.zeros(values.shape, bool)
     found[:, 1:] = values[:, 1:] != values[:, :-1]
@@ -63,9 +69,7 @@ def _steps(values: Image) -> Image:
     return np.asarray(cv2.subtract(cv2.dilate(values, kernel), cv2.erode(values, kernel)))
 
 
-def _along(
-    bright: Image, rows: NDArray[np.intp], columns: NDArray[np.intp]
-) -> NDArray[np.float32]:
+def _along(bright: Image, rows: IndexArray, columns: IndexArray) -> NDArray[np.float32]:
     """Return the direction in which each edge runs, x right and y down, pixels, (n, 2)."""
     across_x = cv2.Sobel(bright, cv2.CV_16S, 1, 0)[rows, columns].astype(np.float32)
     across_y = cv2.Sobel(bright, cv2.CV_16S, 0, 1)[rows, columns].astype(np.float32)
@@ -75,7 +79,7 @@ def _along(
 
 
 def _at(
-    image: Image, rows: NDArray[np.intp], columns: NDArray[np.intp], shift: NDArray[np.float32]
+    image: Image, rows: IndexArray, columns: IndexArray, shift: NDArray[np.float32]
 ) -> NDArray[np.float32]:
     """Return colours at places beside pixels, (n, 3)."""
     x = (columns + shift[:, 0]).astype(np.float32)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle can do: its flight, its hover time, its battery."""
+"""Performance of a vehicle: flight, hover time, battery."""
 
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
-from rocsafe_geo.motion.battery import PowerModel
+from rocsafe_geo.motion.battery import HOVER_POWER_W, PowerModel
 from rocsafe_geo.motion.performance import Performance
 
 
@@ -14,23 +14,28 @@ class Airframe:
 
     Attributes
     ----------
-    performance : of its flight, and the wind.
-    hover_s : standing time at a viewpoint, at whose end it photographs; 0: it passes viewpoints
-        without a stop and photographs on the way.
-    endurance_s : time in the air on a full battery, however it flies.
-    reserve_fraction : part of a full battery with which it wants to land.
-    fails_after_s : time from a flight's take-off to the failure of its battery; 0: never.
-    collision_radius_m : within which nothing may stand; 0: it passes through everything.
-    hover_power_w, drag_power_w_s2_per_m2, voltage_v : of its battery, see `PowerModel`.
+    performance
+        Limits of its flight, and the wind.
+    hover_s
+        Time at a viewpoint, at whose end it photographs, seconds; 0: it passes viewpoints without
+        a stop.
+    endurance_s
+        Time in the air on a full battery at the largest airspeed, seconds.
+    reserve_fraction
+        Charge to land with, as a part of a full battery.
+    fails_after_s
+        Time from take-off to a failure of the battery, seconds; 0: never.
+    collision_radius_m
+        Distance to an object that counts as a collision, metres; 0: no collisions.
+    hover_power_w
+        Power in hover in still air, W.
     """
 
     performance: Performance
     hover_s: float
     endurance_s: float
     reserve_fraction: float
-    hover_power_w: float = 350.0
-    drag_power_w_s2_per_m2: float = 0.2
-    voltage_v: float = 12.6
+    hover_power_w: float = HOVER_POWER_W
     fails_after_s: float = 0.0
     collision_radius_m: float = 0.4
 
@@ -44,11 +49,9 @@ class Airframe:
 
     @property
     def power(self) -> PowerModel:
-        """Power in flight; at the largest airspeed a battery lasts for `endurance_s`."""
+        """Power in flight."""
         return PowerModel(
             hover_power_w=self.hover_power_w,
-            drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
-            voltage_v=self.voltage_v,
             endurance_s=self.endurance_s,
             top_airspeed_mps=self.performance.airspeed_mps,
         )

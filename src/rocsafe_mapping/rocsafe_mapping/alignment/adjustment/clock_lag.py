@@ -15,10 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment_options import ClockOptions
 
-NS_PER_S = 1e9
 # Standard deviation of a normal distribution over its median absolute deviation.
 NORMAL_MAD = 1.4826
 

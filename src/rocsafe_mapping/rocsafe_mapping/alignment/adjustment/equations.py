@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.projection import LENS_SIZE, POSE_SIZE, TieResiduals
 from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw, turned
 from rocsafe_mapping.alignment.adjustment.ties import Index, Ties
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, Pose
+from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.state import Lens, State
 from rocsafe_mapping.alignment_options import AdjustmentOptions
 

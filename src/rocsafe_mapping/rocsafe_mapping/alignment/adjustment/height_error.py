@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from rocsafe_mapping.alignment.model.photo import FloatArray, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.alignment_options import AlignmentOptions
 

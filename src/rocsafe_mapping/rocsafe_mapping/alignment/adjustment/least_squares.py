@@ -13,12 +13,13 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.adjustment.projection import TieResiduals
 from rocsafe_mapping.alignment.adjustment.ties import ties_of
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.normal_equations import factored
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, footprint
+from rocsafe_mapping.alignment.model.photo import Photo, footprint
 from rocsafe_mapping.alignment.model.state import Lens, Noise, State
 from rocsafe_mapping.alignment.model.surface import level_grid
 from rocsafe_mapping.alignment_options import AdjustmentOptions, AlignmentOptions, GroundOptions

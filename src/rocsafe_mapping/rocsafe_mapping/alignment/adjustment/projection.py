@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import FloatArray
 
 POSE_SIZE = 6
 LENS_SIZE = 3

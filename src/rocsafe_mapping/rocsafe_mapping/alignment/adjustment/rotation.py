@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 
-from rocsafe_mapping.alignment.model.photo import FloatArray, Pose
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.model.photo import Pose
 
 
 def tilt_and_yaw(pose: Pose, prior: Pose) -> tuple[FloatArray, float]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.adjustment.projection import (
     TieDerivatives,
     TieResiduals,
@@ -16,7 +17,7 @@ from rocsafe_mapping.alignment.adjustment.projection import (
     tie_residuals,
 )
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo
+from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import Lens, State
 
 Index = NDArray[np.int64]
@@ -127,7 +128,7 @@ def ties_of(
 
 def _offsets(
     pixels: Sequence[FloatArray],
-    chosen: Sequence[NDArray[np.bool_]],
+    chosen: Sequence[BoolArray],
     middles: FloatArray,
     aspect: FloatArray,
     index: Index,

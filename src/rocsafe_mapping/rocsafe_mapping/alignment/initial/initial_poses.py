@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.initial.pair_graph import (
-    BoolArray,
     ComplexArray,
     Edge,
     averaged,
@@ -25,7 +25,7 @@ from rocsafe_mapping.alignment.initial.pair_graph import (
     spanned,
 )
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, Pose, rays_of_pixels
+from rocsafe_mapping.alignment.model.photo import Photo, Pose, rays_of_pixels
 from rocsafe_mapping.alignment_options import InitialOptions
 
 

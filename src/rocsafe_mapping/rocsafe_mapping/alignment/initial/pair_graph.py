@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
-from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.alignment_options import InitialOptions
 
 ComplexArray = NDArray[np.complex128]
-BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 

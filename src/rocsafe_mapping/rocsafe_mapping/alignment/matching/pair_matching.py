@@ -9,10 +9,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.matching.features import Features, Gray
 from rocsafe_mapping.alignment.matching.parallax import off_plane, transformed
 from rocsafe_mapping.alignment.matching.refinement import refined
-from rocsafe_mapping.alignment.model.photo import FloatArray, Photo, camera_matrix
+from rocsafe_mapping.alignment.model.photo import Photo, camera_matrix
 from rocsafe_mapping.alignment_options import AlignmentOptions, MatchingOptions
 
 
@@ -36,7 +37,7 @@ class Pair:
     second: str
     first_px: FloatArray
     second_px: FloatArray
-    is_held_out: NDArray[np.bool_]
+    is_held_out: BoolArray
     method: str
 
     def __len__(self) -> int:

@@ -2,9 +2,8 @@
 """Ties of points that stand off the ground's plane: they show how high it is there."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rocsafe_mapping.alignment.model.photo import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment_options import ParallaxOptions
 
 
@@ -21,7 +20,7 @@ def off_plane(
     second_px: FloatArray,
     middle_px: FloatArray,
     options: ParallaxOptions,
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Return which matches (n,) are probably points above or below a homography's plane.
 
     Such points are displaced along the baseline. None is returned unless clearly more matches are
@@ -44,12 +43,12 @@ def off_plane(
     off = second_px - transformed(homography, first_px)
     along = off @ (way / length)
     across = off @ (np.array([-way[1], way[0]]) / length)
-    found: NDArray[np.bool_] = _band(along, across, options)
+    found: BoolArray = _band(along, across, options)
     by_chance = int(_band(across, along, options).sum())
     return found if found.sum() > options.certainty * (by_chance + 1) else none
 
 
-def _band(along: FloatArray, across: FloatArray, options: ParallaxOptions) -> NDArray[np.bool_]:
+def _band(along: FloatArray, across: FloatArray, options: ParallaxOptions) -> BoolArray:
     far = np.abs(along)
     return (
         (far > options.across_px) & (far < options.most_px) & (np.abs(across) < options.across_px)

@@ -4,9 +4,9 @@
 import cv2
 import numpy as np
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.matching.features import Gray
 from rocsafe_mapping.alignment.matching.parallax import transformed
-from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.alignment_options import RefinementOptions
 
 

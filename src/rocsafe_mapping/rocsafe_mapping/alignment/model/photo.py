@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import rotation_of_quaternion
 from rocsafe_geo.position import GeoPosition
@@ -18,7 +18,6 @@ from rocsafe_mapping.alignment_options import PriorOptions
 from rocsafe_mapping.errors import PlacementError
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
-FloatArray = NDArray[np.float64]
 # A yaw less certain than this is not used.
 UNKNOWN_YAW_STD_RAD = math.radians(60.0)
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.sparse import csr_matrix, diags, identity, kron, vstack
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.model.normal_equations import factored
-from rocsafe_mapping.alignment.model.photo import FloatArray
 from rocsafe_mapping.alignment_options import GroundOptions
 
 

@@ -50,7 +50,7 @@ def _sources_digest(directory: Path) -> str:
     it has inlined: machine code is therefore kept apart by the text of all of them.
     """
     digest = hashlib.sha256()
-    for source in sorted(directory.glob('*.py')):
+    for source in sorted(directory.rglob('*.py')):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -58,7 +58,7 @@ def _sources_digest(directory: Path) -> str:
 def cache_directory() -> Path:
     """Return where machine code is kept: beside the sources or else in the user's cache."""
     # A workspace installs links to the sources: machine code is the same by either name.
-    directory = Path(__file__).resolve().parent
+    directory = Path(__file__).resolve().parents[1]
     name = f'{CACHE_PREFIX}{_sources_digest(directory)}'
     if os.access(directory, os.W_OK):
         return directory / '__pycache__' / name

@@ -8,6 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
+
 Floats = NDArray[np.float64]
 Routes = tuple[tuple[int, ...], ...]
 
@@ -143,7 +145,7 @@ class RoutingProblem:
     legs: tuple[PointLegs | MatrixLegs, ...] = (PointLegs(),)
     points: Floats | None = None
     """(sites, 2 or 3) coordinates in metres; needed by `PointLegs`."""
-    allowed: NDArray[np.bool_] | None = None
+    allowed: BoolArray | None = None
     """(vehicles, customers) who may serve whom; none: anybody."""
     objective: str = 'max'
 

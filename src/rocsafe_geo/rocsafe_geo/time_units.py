@@ -1,0 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Units of time. Clocks count whole nanoseconds; durations are seconds."""
+
+NS_PER_S = 1_000_000_000

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of processes: what runs, when it should, and how it shows that it is ready."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from rocsafe_orchestrator.mission.phase import ACTIVE_PHASES, Phase
+from rocsafe_orchestrator.mission.situation import Crew
+from rocsafe_orchestrator.processes import node_parameters as parameters
+from rocsafe_orchestrator.processes.field_parameters import field_parameters
+from rocsafe_orchestrator.processes.node_parameters import BRIDGE, FLEET
+from rocsafe_orchestrator.processes.process_values import RestartPolicy
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_ros import topics
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import VehicleBlock
+
+Spec = topics.TopicSpec | topics.CallSpec
+VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endpoint:
+    """A topic published, or a service or action served, by a process that is ready."""
+
+    spec: Spec
+    vehicle: str = ''
+
+    @property
+    def kind(self) -> str:
+        """``'topic'``, ``'service'`` or ``'action'``."""
+        return self.spec.kind if isinstance(self.spec, topics.CallSpec) else 'topic'
+
+    @property
+    def name(self) -> str:
+        """Name relative to the namespace of the suite."""
+        return topics.name_of(self.spec, self.vehicle)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProcessSpec:
+    """One process of a run.
+
+    Attributes
+    ----------
+    name
+        Name in logs and messages, and of its log file.
+    node
+        Full name of the node, to which `parameters` belong.
+    readiness
+        It can be used once all of these exist.
+    runs_in
+        Phases of the mission in which it should run.
+    """
+
+    name: str
+    package: str
+    executable: str
+    node: str
+    parameters: dict[str, Any]
+    readiness: tuple[Endpoint, ...]
+    runs_in: frozenset[Phase] = ACTIVE_PHASES
+    restart: RestartPolicy = field(default_factory=RestartPolicy)
+
+    @property
+    def namespace(self) -> str:
+        """Namespace of the node."""
+        return self.node.rpartition('/')[0] or '/'
+
+
+def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
+    """Return every process that flies `scenario`."""
+    detectors = _of_each(scenario.with_simulated_detector, topics.RADIATION)
+    return (
+        _process('recorder', 'rocsafe_orchestrator/recorder',
+                 parameters.recorder_parameters(scenario, run), *_shared(topics.STEP_DONE)),
+        _process('planner', 'rocsafe_planner/planner',
+                 parameters.planner_parameters(scenario, run),
+                 *_shared(topics.PLAN_SURVEY, topics.PLAN)),
+        _process('world', 'rocsafe_sim/world',
+                 parameters.world_parameters(scenario),
+                 *_shared(topics.WORLD_RUN, topics.CLOCK)),
+        _process('radiation_field', 'rocsafe_radiation/field',
+                 field_parameters(scenario, run), *detectors),
+        _process('localizer', 'rocsafe_radiation/localizer',
+                 parameters.localizer_parameters(scenario, run),
+                 *_shared(topics.HAZARD_SOURCES, topics.SUGGEST_VIEWPOINTS)),
+        _process('collector', 'rocsafe_mapping/collector',
+                 parameters.collector_parameters(scenario, run), *_shared(topics.RECEIPTS)),
+        _process('mosaic', 'rocsafe_mapping/mosaic',
+                 parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+        *_vehicle_processes(scenario, run),
+    )  # fmt: skip
+
+
+def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
+    """Return who takes part, as the mission needs to know it."""
+    is_fleet = scenario.simulation.processes == 'fleet'
+    return Crew(
+        vehicle_processes={
+            **{v.name: FLEET if is_fleet else v.name for v in scenario.simulated},
+            **{vehicle.name: BRIDGE for vehicle in scenario.linked},
+        },
+        processes=frozenset(spec.name for spec in table),
+    )
+
+
+def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
+    """Yield one process for all real vehicles, and one or several for the simulated ones."""
+    simulated, linked = scenario.simulated, scenario.linked
+    if simulated and scenario.simulation.processes == 'fleet':
+        values = parameters.fleet_parameters(scenario, run)
+        yield _process(FLEET, 'rocsafe_sim/fleet', values, *_of_each(simulated, *VEHICLE_SPECS))
+    else:
+        for vehicle in simulated:
+            values = parameters.rav_parameters(scenario, vehicle, run)
+            ready = _of_each((vehicle,), *VEHICLE_SPECS)
+            yield _process(
+                vehicle.name, 'rocsafe_sim/rav', values, *ready, node=f'/{vehicle.name}/rav'
+            )
+    if linked:
+        values = parameters.bridge_parameters(scenario, str(run.spool))
+        yield _process(BRIDGE, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS))
+
+
+def _shared(*specs: Spec) -> Iterator[Endpoint]:
+    return (Endpoint(spec=spec) for spec in specs)
+
+
+def _of_each(vehicles: tuple[VehicleBlock, ...], *specs: Spec) -> Iterator[Endpoint]:
+    return (Endpoint(spec=spec, vehicle=vehicle.name) for vehicle in vehicles for spec in specs)
+
+
+def _process(
+    name: str, executable: str, values: dict[str, Any], *readiness: Endpoint, node: str = ''
+) -> ProcessSpec:
+    """Return the process `name` of ``package/executable``; its node is called so too."""
+    package, _, program = executable.partition('/')
+    return ProcessSpec(
+        name=name,
+        package=package,
+        executable=program,
+        node=node or f'/{name}',
+        parameters=values,
+        readiness=readiness,
+    )
