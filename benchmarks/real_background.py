@@ -23,9 +23,9 @@ from pathlib import Path
 import numpy as np
 from radiation_surveys import CAESIUM_USVH_PER_GBQ, OPTIONS, Row
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.photons import material
