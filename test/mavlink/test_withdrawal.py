@@ -62,6 +62,21 @@ def test_new_route_is_withdrawn_when_the_vehicle_is_taken_over(take_over, words)
     assert not air.copters[1].is_armed or air.copters[1].mode == mode
 
 
+def test_new_route_is_withdrawn_from_a_vehicle_that_has_landed():
+    """It falls silent in the middle of the upload, and stands on the ground when it is heard."""
+    air = flying()
+    number = replacing(air)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    copter.is_silent = True
+    air.wait(3.5)
+    copter.is_armed = False
+    copter.is_silent = False
+    before = changes(air)
+    air.until(lambda: commands.outcome(number) is not None, 60.0)
+    assert 'withdrawn: the motors were stopped' in commands.outcome(number)
+    assert changes(air) == before
+
+
 def test_new_route_is_refused_while_a_failsafe_has_the_vehicle():
     """Nor is one begun at all: the vehicle returns and lands."""
     air = flying()

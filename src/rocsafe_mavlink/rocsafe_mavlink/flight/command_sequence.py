@@ -191,6 +191,8 @@ class CommandSequence:
         Whether it ended so.
     mode
         Custom mode in which the last step left the vehicle, or the first step found it.
+    was_armed
+        Whether its motors ran then.
     look_after_s
         The next step waits for a heartbeat after this steady time.
     """
@@ -204,6 +206,7 @@ class CommandSequence:
     is_withdrawable: bool = True
     is_withdrawn: bool = False
     mode: int = -1
+    was_armed: bool = False
     look_after_s: float = -math.inf
 
     @property
@@ -252,12 +255,14 @@ class CommandSequence:
         if self.is_over:
             return self
         if self.mode < 0:
-            return replace(self, mode=vehicle.custom_mode)
+            return replace(self, mode=vehicle.custom_mode, was_armed=vehicle.is_armed)
         step = self.steps[0]
         refusal = step.refusal(vehicle) if self.is_begun else ''
         if refusal and not step.is_done(vehicle):
             return replace(self, error=refusal)
         modes = {self.mode, *(step.modes if self.is_begun else ())}
+        if self.was_armed and not vehicle.is_armed:
+            return self.withdrawn('the motors were stopped')
         # On the ground modes change by themselves: a PX4 leaves a mode that it cannot fly in.
         if not vehicle.is_armed or vehicle.custom_mode in modes:
             return self
@@ -287,6 +292,7 @@ class CommandSequence:
             is_begun=False,
             verified_mission=step.verified_mission or self.verified_mission,
             mode=vehicle.custom_mode,
+            was_armed=vehicle.is_armed,
             # A transfer takes long: what the vehicle did meanwhile may not show yet.
             look_after_s=now_s if is_transfer else self.look_after_s,
         )
