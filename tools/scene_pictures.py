@@ -3,7 +3,7 @@
 
     python tools/scene_pictures.py [--only derailment] [--run RUN_DIR]
 
-With the directory of a finished run in the scene `derailment`, its overview shows the planned and flown
+With the directory of a finished run in the derailment, its overview shows the planned and flown
 routes. Each image is drawn with four times the pixels; that takes about a minute a scene.
 """
 
