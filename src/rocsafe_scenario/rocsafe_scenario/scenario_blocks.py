@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The blocks of a scenario file, each with its keys, units, limits and defaults.
 
-Values are taken as written: a text is no number, an unknown key is refused.
+Values are not converted: a string is not a number, and an unknown key is refused.
 """
 
 from collections.abc import Callable
@@ -13,13 +13,13 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
-# Names of ROS nodes and namespaces, which a vehicle may not take.
+# Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
      'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
 
-# What the planner needs to know of a vehicle, and the simulation does not.
+# Keys that only the planner needs.
 PLANNING_KEYS = (
     'battery_swap_s', 'end', 'is_open', 'sensors', 'cruise_power_w', 'hover_power_w',
 )  # fmt: skip
@@ -96,7 +96,7 @@ class RegionBlock(Block):
 
 
 class SurveyBlock(Block):
-    """How the region is photographed, and how hard the planner may try."""
+    """How the region is photographed, and the effort of the planner."""
 
     height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
     spacing_rule: Literal['iou', 'linear'] = 'iou'

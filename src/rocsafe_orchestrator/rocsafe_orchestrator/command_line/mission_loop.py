@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a mission: keeps processes, mission, ROS and console in step."""
+"""The main loop of a run: supervises processes, advances the mission, shows its state."""
 
 import time
 from dataclasses import dataclass
@@ -14,27 +14,27 @@ from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
 from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
-from rocsafe_orchestrator.processes.processes import ProcessSpec
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory
 
-if TYPE_CHECKING:  # a run is tested without ROS
+if TYPE_CHECKING:  # the loop is tested without ROS
     from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
 
 TICK_S = 0.05
 SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
-# Time that stands still for longer is asked about.
+# If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 3.0
-# Orchestrators on other machines have been seen by then; on this one a lock keeps them apart.
+# DDS finds orchestrators on other machines in this time; on this machine there is a lock.
 DISCOVERY_S = 0.7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parts:
-    """What a run is put together from."""
+    """The parts of a run."""
 
     table: tuple[ProcessSpec, ...]
     participants: tuple[str, ...]
@@ -49,14 +49,17 @@ class Parts:
     run_info: dict[str, Any]
 
 
-class MissionRun:
+class MissionLoop:
     """Flies one mission from the start of its processes to their end.
 
     Parameters
     ----------
-    parts: what the run is put together from.
-    stop_s: what a process may take to end when asked.
-    started_s: when the run began, by `time.monotonic`.
+    parts
+        The parts of the run.
+    stop_s
+        Time within which a process must end when asked, seconds.
+    started_s
+        When the run began, by `time.monotonic`.
     """
 
     def __init__(self, parts: Parts, stop_s: float, started_s: float) -> None:
@@ -73,11 +76,12 @@ class MissionRun:
 
         Raises
         ------
-        SetupError: if another run uses this ROS domain, or the report cannot be started.
+        SetupError
+            If another run uses this ROS domain, or the report cannot be started.
         """
         parts = self._parts
         try:
-            # Meanwhile the processes load: nobody is disturbed if they have to end again.
+            # The processes load meanwhile; they can still be stopped without harm.
             self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
@@ -141,7 +145,7 @@ class MissionRun:
             return
         self._parts.mission.accepted(order)
         self._show(time.monotonic())
-        # The recording is whole, and nobody writes images, once the nodes have ended.
+        # Only after the nodes have ended is the recording complete and no image being written.
         self._stop([spec.name for spec in self._parts.table])
         self._write_outcome(is_over=False)
         if not self._parts.interrupt.is_urgent:
@@ -154,7 +158,7 @@ class MissionRun:
         )
 
     def _write_outcome(self, *, is_over: bool) -> None:
-        """Note in the run's information how it ended, or will unless the products fail."""
+        """Write the outcome to ``run.json``; before the products are made it is preliminary."""
         mission = self._parts.mission
         self._parts.run_info.update(
             outcome=(mission.phase if is_over else mission.outcome).name.lower(),

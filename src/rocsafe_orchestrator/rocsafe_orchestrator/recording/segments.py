@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writing the recording of a run: MCAP segments while it runs, then one indexed file.
+"""Writers of the recording of a run: MCAP segments in flight, then one indexed file.
 
-A segment is unchunked, so that each message is on its way to the disk as soon as it is flushed: a
-recorder that is killed leaves a file whose last record at most is torn. A restarted recorder opens
+A segment has no chunks, so that a flush hands every message to the kernel: a recorder that is
+killed leaves a file of which at most the last record is incomplete. A restarted recorder opens
 the next segment. `rocsafe_orchestrator.recording.finalising` makes one file of them.
 """
 
@@ -21,7 +21,7 @@ from rocsafe_orchestrator.recording.message_definitions import MessageDefinition
 LIBRARY = 'rocsafe_orchestrator'
 MISSION_FILE = 'mission.mcap'
 SEGMENT_PATTERN = 'mission.part-*.mcap'
-# A stamp further ahead of the recorder's time than this is no matter of message order.
+# A stamp further ahead of the recorder's clock cannot come from message order.
 STAMP_LEAD_LIMIT_NS = NS_PER_S
 
 # Values of rmw's enumerations and its infinite duration, as rosbag2 writes them.
@@ -42,10 +42,14 @@ class Channel:
 
     Attributes
     ----------
-    topic: full name, with its leading slash.
-    message_type: ``<package>/msg/<Name>``.
-    depth: of its publisher's history.
-    is_latched: its publisher hands the last message to whoever comes later.
+    topic
+        Full name, with its leading slash.
+    message_type
+        ``<package>/msg/<Name>``.
+    depth
+        Depth of the publisher's history.
+    is_latched
+        Whether late subscribers receive the last message (transient local).
     """
 
     topic: str
@@ -54,7 +58,7 @@ class Channel:
     is_latched: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse names that no reader would find."""
+        """Refuse relative topic names and types that are no message."""
         if not self.topic.startswith('/'):
             raise ValueError(f"topic {self.topic!r} must start with '/'")
         if len(self.message_type.split('/')) != 3:
@@ -87,8 +91,10 @@ class RosWriter:
 
     Parameters
     ----------
-    stream: where it is written; stays open.
-    is_indexed: chunked, compressed and indexed; else each message stands alone.
+    stream
+        File to write to; it is not closed.
+    is_indexed
+        Whether it is chunked, compressed and indexed.
     """
 
     def __init__(self, stream: BinaryIO, *, is_indexed: bool) -> None:
@@ -118,8 +124,10 @@ class SegmentWriter:
 
     Parameters
     ----------
-    directory: the run directory, made if it is missing.
-    definitions: where the types of the channels are defined.
+    directory
+        The run directory, made if it is missing.
+    definitions
+        Where the types of the channels are defined.
     """
 
     def __init__(self, directory: Path, definitions: MessageDefinitions) -> None:
@@ -135,7 +143,8 @@ class SegmentWriter:
 
         Raises
         ------
-        DefinitionError: if the definition of its type is not found.
+        DefinitionError
+            If the definition of its type is not found.
         """
         text = self._definitions.text(channel.message_type)
         number = self._writer.add_channel(
@@ -152,9 +161,8 @@ class SegmentWriter:
     def write(self, number: int, data: bytes, now_ns: int) -> None:
         """Append one serialised message, received at `now_ns`, of channel `number`.
 
-        The message's own stamp is its time of publication. Its log time is never earlier, though
-        the clock that the recorder follows may come a moment after what happened at its time; 0
-        says that no clock has come yet.
+        The stamp of the message is its publish time. The log time is never earlier, although the
+        clock may arrive after messages of its time; 0 means that no clock has arrived.
         """
         stamp = now_ns
         if self._stamped[number] and len(data) >= _CDR_PREFIX_SIZE + _STAMP_SIZE:
@@ -169,17 +177,17 @@ class SegmentWriter:
         self.message_count += 1
 
     def flush(self) -> None:
-        """Hand everything written to the kernel: it outlives this process from here on."""
+        """Hand all data to the kernel, so that they survive the end of this process."""
         self._stream.flush()
 
     def close(self) -> None:
-        """End the segment in good order."""
+        """Finish and close the segment."""
         self._writer.mcap.finish()
         self._stream.close()
 
 
 def segments(directory: Path) -> list[Path]:
-    """Return the segments in `directory` in the order they were opened."""
+    """Return the segments in `directory` in order."""
     return sorted(directory.glob(SEGMENT_PATTERN), key=_number_of)
 
 
