@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every camera of the simulation offers."""
+"""The interface of all simulated cameras."""
 
 from dataclasses import dataclass
 from typing import Protocol

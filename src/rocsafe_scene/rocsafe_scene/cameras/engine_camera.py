@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The camera of simulated vehicles that looks into a scene."""
+"""Cameras of simulated vehicles that see a scene of the engine."""
 
 import json
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of ground truth, for people."""
+"""Images that show classes, instances, depth and normals."""
 
 import cv2
 import numpy as np

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meadow as far as anybody flies: painted tile by tile when a camera first looks there."""
+"""Meadow without limits, painted tile by tile when a camera first sees a tile."""
 
 import math
 from collections import OrderedDict

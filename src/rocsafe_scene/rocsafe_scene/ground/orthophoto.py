@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A ground that is a GeoTIFF orthophoto, in any coordinate system."""
+"""Flat ground that shows a GeoTIFF orthophoto in any coordinate system."""
 
 import math
 from pathlib import Path
