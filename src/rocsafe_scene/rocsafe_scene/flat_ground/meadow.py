@@ -8,18 +8,16 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.arrays import ImageArray
-from rocsafe_scene.ground.ground_map import natural
 from rocsafe_scene.ground.ground_patch import (
     GroundBounds,
     Patch,
     require_patch_size,
     south_up_homography,
 )
-from rocsafe_scene.painting.canvas import Canvas
+from rocsafe_scene.painting.canvas import Canvas, natural
 from rocsafe_scene.painting.noise import CM_PER_M, Window
 from rocsafe_scene.painting.turf import detail, turf
-from rocsafe_scene.scene.description import DEFAULT_TIME
-from rocsafe_scene.scene.sunlight import Lighting, lighting, sun_direction
+from rocsafe_scene.scene.sunlight import DEFAULT_TIME, Lighting, lighting, sun_direction
 
 TILE_PX = 512
 FINEST_OCTAVE, COARSEST_OCTAVE = 0, 9

@@ -13,7 +13,7 @@ from rocsafe_scene.ground.ground_kinds import GroundWork
 from rocsafe_scene.ground.terrain import INNER_HALF_M, OUTER_HALF_M
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.painting.canvas import Canvas
+from rocsafe_scene.painting.canvas import Canvas, natural
 from rocsafe_scene.painting.marks import Layer
 from rocsafe_scene.painting.noise import CM_PER_M, Window
 from rocsafe_scene.painting.turf import detail, turf
@@ -24,8 +24,6 @@ _LABEL_STEP = 2
 _TILE_PX = 512
 _PAD_PX = 8
 _WORKERS = 2
-# Matrix from painted blue, green, red to the colours that the engine lights.
-_NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,11 +102,6 @@ def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> ImageArray:
     canvas.paint(layer)
     painted = canvas.finished(detail(seed, octave, inner), _PAD_PX)
     return natural(painted)
-
-
-def natural(painted: ImageArray) -> ImageArray:
-    """Return painted colours less saturated and warmer, as the engine lights them."""
-    return np.asarray(cv2.transform(painted, _NATURAL))
 
 
 def _classes(

@@ -15,6 +15,8 @@ _SHIFT = 6
 _SMALLEST_TEXELS = 0.4
 # Relative change of brightness at full grain.
 _STRONGEST_GRAIN = 0.52
+# Matrix from painted blue, green, red to the colours that the engine lights.
+_NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
 class Canvas:
@@ -149,3 +151,8 @@ class Canvas:
     def _softened(self, mask: ImageArray, softness_m: float) -> ImageArray:
         size = 2 * int(0.5 * softness_m / self._texel_m) + 1
         return cv2.blur(mask, (size, size)) if size > 1 else mask
+
+
+def natural(painted: ImageArray) -> ImageArray:
+    """Return painted colours less saturated and warmer, as the engine lights them."""
+    return np.asarray(cv2.transform(painted, _NATURAL))
