@@ -144,7 +144,7 @@ def test_pictures_find_their_shots(offset_s, gaps, lost):
         picture(time_s + offset_s, f'{n}.jpg') for n, time_s in enumerate(times) if n != lost
     ]
     pairs = ImagePairing().add(shots, pictures)
-    assert {(pair.shot.index, pair.picture.name) for pair in pairs} == {
+    assert {(pair.trigger.index, pair.image.name) for pair in pairs} == {
         (n, f'{n}.jpg') for n in range(len(gaps)) if n != lost
     }
 
@@ -162,7 +162,7 @@ def test_drifting_clock_is_followed():
     for number in range(300):
         taken_s = NOW_S + 2.0 * number
         pairs = pairing.add([shot(number, taken_s)], [picture(taken_s * 1.0 + number / 150.0)])
-        assert [pair.shot.index for pair in pairs] == [number]
+        assert [pair.trigger.index for pair in pairs] == [number]
 
 
 def jpeg(value=128, size=(48, 64)):
@@ -196,7 +196,7 @@ def test_source_that_is_none_is_refused():
         open_source('/nowhere', lambda: 0.0)
 
 
-def exposure():
+def context():
     """Return what a photograph takes from its vehicle."""
     stops = tuple(
         FlightWaypoint(position=GeoPosition(47.397742 + 0.001 * n, 8.545594, 0.0), height_m=30.0)
@@ -212,15 +212,15 @@ def exposure():
 def test_photograph_has_all_that_places_it(tmp_path):
     """Viewpoint, time of the mission, size; it outlives the process, and its receipt ends it."""
     (tmp_path / 'in').mkdir()
-    film = ShotNumbering(tmp_path / 'spool')
+    numbering = ShotNumbering(tmp_path / 'spool')
     table = tmp_path / 'shots.csv'
-    made = Geotagger(film, FolderSource(tmp_path / 'in'), table)
+    made = Geotagger(numbering, FolderSource(tmp_path / 'in'), table)
     for number in range(2):
         place = {'lat': 473977420 + 10000 * number}
         made.on_message(feedback(number, NOW_S + number, **place), ready(), NOW_S)
         leave(tmp_path / 'in', f'{number}.jpg', NOW_S + number)
-    made.develop(exposure(), pytest.fail)
-    first, second = made.develop(exposure(), pytest.fail)
+    made.tagged(context(), pytest.fail)
+    first, second = made.tagged(context(), pytest.fail)
     assert (first.shot_id, first.viewpoint_id, second.viewpoint_id) == ('rav1-00000', 7, 8)
     assert first.time_ns == round((NOW_S + 100.0) * 1e9)
     assert (first.width_px, first.height_px) == (64, 48)
@@ -239,29 +239,29 @@ def test_photograph_has_all_that_places_it(tmp_path):
 
 def test_number_that_was_not_noted_is_not_given_twice(tmp_path):
     """Killed between the photograph and its count: the photograph tells."""
-    film, (vehicle, source) = ShotNumbering(tmp_path / 'spool'), (ready(), tmp_path / 'in')
+    numbering, (vehicle, source) = ShotNumbering(tmp_path / 'spool'), (ready(), tmp_path / 'in')
     source.mkdir()
-    made = Geotagger(film, FolderSource(source), None)
+    made = Geotagger(numbering, FolderSource(source), None)
     made.on_message(feedback(0), vehicle, NOW_S)
     leave(source, 'a.jpg', NOW_S)
-    made.develop(exposure(), pytest.fail)
-    made.develop(exposure(), pytest.fail)
+    made.tagged(context(), pytest.fail)
+    made.tagged(context(), pytest.fail)
     (tmp_path / 'spool' / 'next.json').unlink()
     assert ShotNumbering(tmp_path / 'spool').next_sequence == 1
 
 
 def test_full_spool_is_told_and_flight_goes_on(tmp_path):
     """A picture that cannot be kept is named once; the next one has its number."""
-    film, refused = ShotNumbering(), []
-    film.store = ShotStore(most_bytes=len(jpeg()))
-    made = Geotagger(film, FolderSource(tmp_path), None)
+    numbering, refused = ShotNumbering(), []
+    numbering.store = ShotStore(most_bytes=len(jpeg()))
+    made = Geotagger(numbering, FolderSource(tmp_path), None)
     for number in range(2):
         made.on_message(feedback(number, NOW_S + number), ready(), NOW_S)
         leave(tmp_path, f'{number}.jpg', NOW_S + number)
-    made.develop(exposure(), refused.append)
-    kept = made.develop(exposure(), refused.append)
+    made.tagged(context(), refused.append)
+    kept = made.tagged(context(), refused.append)
     assert [shot.sequence for shot in kept] == [0]
-    assert film.next_sequence == 1
+    assert numbering.next_sequence == 1
     (line,) = refused
     assert line.startswith('rav1: 1.jpg is not sent: spool is full')
 

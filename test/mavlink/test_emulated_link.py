@@ -60,8 +60,9 @@ class RadioAir(Air):
         """Send bytes to the station."""
         self._send('station', data)
 
-    def carry(self, outgoing):
+    def carry(self):
         """Send what the station sends."""
+        outgoing, self.wires.sent = self.wires.sent, []
         for _address, data in outgoing:
             self._send('copters', data)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test.fakes.camera import GREYS, RATE_HZ, Camera, HttpCamera, RtspCamera, number_of
 from test.mavlink.telemetry import ready
-from test.mavlink.test_camera import exposure, feedback
+from test.mavlink.test_camera import context, feedback
 
 from rocsafe_mavlink.assembly import open_source
 from rocsafe_mavlink.camera import video_source as video_stream
@@ -79,7 +79,7 @@ def shots_get_their_frames(stream):
         made.on_message(feedback(index, taken_s), ready(), now_s - behind_s)
         moments_s += [] if behind_s else [now_s]
         time.sleep(0.3)
-    shots = made.develop(exposure(), told.append)
+    shots = made.tagged(context(), told.append)
     assert told == ['rav1: shot 2 has no picture: the camera sent none then']
     assert [shot.sequence for shot in shots] == [0, 1, 2]
     numbers = [number_of(shot.jpeg) for shot in shots]

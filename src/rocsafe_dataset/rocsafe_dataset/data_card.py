@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The data card: what is in a data set, how it was made, what it is not good for."""
+"""The data card: content, making and limits of a data set."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Taking the pictures of a data set, one arrangement after the other."""
+"""Rendering and labelling of the images of a data set."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,22 +25,25 @@ from rocsafe_scene.scene.description import SceneDescription
 from rocsafe_scene.scene.environment import Environment
 from rocsafe_scene.scene.sunlight import lighting, sun_direction
 
-# Grows without end, and is everywhere.
+# Classes at which images are not aimed: they are everywhere.
 _PLANTS = frozenset(('tree', 'hedge', 'shrub', 'fence', 'cordon'))
 _NS_PER_US = 1000
 
 
 class DatasetCamera:
-    """Takes pictures of one scene into one folder.
+    """Renders images of one scene into one folder.
 
     Parameters
     ----------
-    environment : the scene.
-    folder : of the data set.
+    environment
+        Scene to render.
+    folder
+        Folder of the data set.
 
     Raises
     ------
-    DatasetError, EngineError: one line.
+    DatasetError, EngineError
+        One line.
     """
 
     def __init__(self, environment: Environment, folder: DatasetFolder) -> None:
@@ -64,7 +67,7 @@ class DatasetCamera:
         )
 
     def photograph(self, arrangement: int, numbers: Sequence[int]) -> Iterator[int]:
-        """Take pictures of an arrangement; yield the number of each when its files are written."""
+        """Render images of an arrangement; yield the number of each when its files are written."""
         state = arrange(arrangement, self._environment, self._folder.options)
         place = self._environment.description.place
         sun = sun_direction(state.time, place.latitude_deg, place.longitude_deg)
@@ -79,7 +82,7 @@ class DatasetCamera:
         frame = self._camera.expose(planned.position, planned.rotation)
         objects = {thing.number: thing for thing in state.objects}
         found = large_enough(frame, self._folder.options.least_pixels)
-        # What is in the picture can be hidden by, and hide, whatever else is there.
+        # All instances of the image are needed: each can hide others.
         bounds = {k: bounds_of(objects[k]) for k in found}
         pose = planned.position, planned.rotation
         shares = self._silhouettes.visible_shares(frame.numbers, bounds, pose)
@@ -98,17 +101,18 @@ class DatasetCamera:
 def open_dataset_camera(
     description: SceneDescription, folder: DatasetFolder, cache: Path
 ) -> DatasetCamera:
-    """Return a photographer of a scene file's content.
+    """Return the camera of a data set in the scene of a scene file.
 
     Raises
     ------
-    SceneError, EngineError, DatasetError: one line.
+    SceneError, EngineError, DatasetError
+        One line.
     """
     return DatasetCamera(build(description, cache=cache), folder)
 
 
 def site_of(environment: Environment, options: DatasetOptions) -> Site:
-    """Return what the pictures of a data set are taken over."""
+    """Return the site over which the poses of a data set are drawn."""
     worth = [
         piece.offset[:2]
         for thing in environment.objects

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The files of a data set: where they lie, and one picture's worth of them."""
+"""The folder of a data set, and the files of one image."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -24,22 +24,28 @@ from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 from rocsafe_scene.graphics.rendering import Rendering
 
 _UNKNOWN = (0.0,) * 9
-# 16 bit pictures of instances end here.
+# Instance masks have 16 bits.
 LARGEST_NUMBER = 65_535
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LabelledImage:
-    """One finished picture.
+    """One rendered image with its labels.
 
     Attributes
     ----------
-    pose : how it was taken.
-    frame : what was seen.
-    annotations : of the instances in it.
-    weather, time_ns : of the light.
-    height_m : of the camera above the ground.
-    renderer : that drew it.
+    pose
+        Pose of the camera.
+    frame
+        Image, depth and labels as rendered.
+    annotations
+        Annotations of the instances in it.
+    weather, time_ns
+        Weather, and time of the sun, nanoseconds since 1970.
+    height_m
+        Height of the camera above the ground, metres.
+    renderer
+        Name of the renderer.
     """
 
     pose: ImagePose
@@ -57,27 +63,30 @@ class DatasetFolder:
 
     Attributes
     ----------
-    path : of it.
-    options : of the data set.
+    path
+        Path of the folder.
+    options
+        Options of the data set.
     """
 
     path: Path
     options: DatasetOptions
 
     def image(self, pose: ImagePose) -> str:
-        """Return the path of a picture in the folder."""
+        """Return the path of an image, relative to the folder."""
         return f'images/{pose.split}/{pose.name}.{self.options.image_format}'
 
     def record(self, number: int) -> Path:
-        """Return the path of a picture's record, the last of its files to be written."""
+        """Return the path of the record of an image, the last of its files to be written."""
         return self.path / 'records' / f'{number:06d}.json'
 
     def write(self, picture: LabelledImage, frame: LocalFrame) -> None:
-        """Write all files of one picture; `frame` is that of the scene.
+        """Write all files of one image; `frame` is the local frame of the scene.
 
         Raises
         ------
-        DatasetError: if the disk does not take them.
+        DatasetError
+            If a file cannot be written.
         """
         pose, seen = picture.pose, picture.frame
         shot = _shot(picture, frame, self.options.lens)
@@ -123,7 +132,7 @@ class DatasetFolder:
 
 
 def _shot(picture: LabelledImage, frame: LocalFrame, lens: PinholeCamera) -> ShotRecord:
-    """Return the record that the image store would keep of a picture."""
+    """Return the record that the image store would keep of an image."""
     pose = picture.pose
     position = frame.position_of(pose.position)
     return ShotRecord(
@@ -158,7 +167,7 @@ def _encoded(suffix: str, image: NDArray[Any], settings: list[int] | None = None
 
 
 def _yolo(annotations: list[Annotation]) -> str:
-    """Return the lines of a picture's text: class and polygon; one without instances is empty."""
+    """Return YOLO's text of an image, a line per instance: class and polygon."""
     return ''.join(
         f'{annotation.category} {" ".join(map(str, annotation.polygon))}\n'
         for annotation in annotations

@@ -8,18 +8,20 @@ import numpy as np
 
 from rocsafe_scene.mesh.mesh import Floats
 
-# Blocks across and along the detailed ground.
+# Number of blocks in each direction.
 BLOCKS = (4, 4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GroundSplits:
-    """The detailed ground cut into blocks.
+    """The detailed ground in blocks, each given to one split.
 
     Attributes
     ----------
-    half_m : its half extents.
-    splits : number of the split of each block, (columns, rows).
+    half_m
+        Half extents of the ground, metres.
+    splits : (columns, rows)
+        Number of the split of each block.
     """
 
     half_m: tuple[float, float]
@@ -46,14 +48,18 @@ class GroundSplits:
 def divide_ground(
     half_m: tuple[float, float], things: Floats, shares: Sequence[float], seed: int
 ) -> GroundSplits:
-    """Return blocks given to splits so that each gets its share of the things and of the ground.
+    """Give blocks to splits so that each gets its share of the objects and of the ground.
 
     Parameters
     ----------
-    half_m : half extents of the ground.
-    things : (east, north) of what there is to learn, (n, 2).
-    shares : of the splits, sum 1; one of 0 gets nothing.
-    seed : of the order among like blocks.
+    half_m
+        Half extents of the ground, metres.
+    things : (n, 2)
+        East and north of the objects that images are aimed at, metres.
+    shares
+        Shares of the splits, sum 1; a split with share 0 gets nothing.
+    seed
+        Seed of the order of equal blocks.
     """
     area = [(-half, half) for half in half_m]
     found = np.histogram2d(things[:, 0], things[:, 1], list(BLOCKS), area)[0]
@@ -62,7 +68,7 @@ def divide_ground(
     given = np.zeros(BLOCKS, int)
     got = np.zeros(len(shares))
     for block in sorted(range(found.size), key=lambda k: (-weight.flat[k], tie[k])):
-        # To the one that lacks most of its share.
+        # The block goes to the split that is farthest below its share.
         lack = np.where(np.array(shares) > 0.0, got / np.maximum(shares, 1e-9), np.inf)
         split = int(np.argmin(lack))
         given.flat[block] = split

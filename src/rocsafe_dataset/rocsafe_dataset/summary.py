@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The files about a whole data set: COCO's annotations, YOLO's list, the data card."""
+"""The files about a whole data set: COCO annotations, YOLO's list, the data card."""
 
 import json
 from collections import Counter
@@ -18,11 +18,12 @@ Record = Mapping[str, Any]
 
 
 def finish(folder: DatasetFolder, scene: str) -> Counter[str]:
-    """Write what can only be written when all pictures are there; return the counts by class.
+    """Write the files that need all images; return the number of instances by class.
 
     Raises
     ------
-    DatasetError: if a record is missing or damaged, or the disk does not take a file.
+    DatasetError
+        If a record is missing or damaged, or a file cannot be written.
     """
     records = [_read(folder.record(number)) for number in range(folder.options.count)]
     names = [label.name for label in CLASSES.values()]
@@ -53,7 +54,7 @@ def _read(path: Path) -> Record:
 
 
 def coco(records: Sequence[Record], size_px: tuple[int, int], scene: str) -> dict[str, Any]:
-    """Return the content of COCO's instances file for some pictures."""
+    """Return the content of COCO's instances file for some images."""
     width, height = size_px
     annotations = [
         {'image_id': record['number'], **annotation}
@@ -94,7 +95,7 @@ def coco(records: Sequence[Record], size_px: tuple[int, int], scene: str) -> dic
 
 
 def _data_yaml() -> str:
-    """Return the file that YOLO's trainers start from; `path` is where it lies."""
+    """Return the file with which YOLO's training starts; `path` is its own folder."""
     rows = [f'  {label.number}: {label.name}' for label in CLASSES.values()]
     splits = [f'{split}: images/{split}' for split in SPLITS]
     return '\n'.join(['path: .', *splits, f'nc: {len(rows)}', 'names:', *rows, ''])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The pictures shared out among processes, each with an engine of its own."""
+"""Distribution of the images to processes, each with an engine of its own."""
 
 import json
 import multiprocessing
@@ -18,18 +18,19 @@ from rocsafe_scene.scene.description import SceneDescription
 
 Task = tuple[int, tuple[int, ...]]
 
-# Pictures of one task: few, so that progress shows and the last worker is not long alone.
+# Images of one task: few, so that progress is visible and all workers end at about the same time.
 _TASK_SIZE = 10
-# Of the software renderer: each worker gets its share of the cores.
+# Variable for the threads of the software renderer: each worker gets its share of the cores.
 _RENDER_THREADS = 'LP_NUM_THREADS'
 
 
 def claim_folder(folder: DatasetFolder, description: SceneDescription) -> None:
-    """Make the folder of a data set, or make sure that it holds the same one, begun before.
+    """Create the folder of a data set, or check that it holds the same data set.
 
     Raises
     ------
-    DatasetError: if it holds another one, or something else, or cannot be made.
+    DatasetError
+        If it holds another data set or other files, or cannot be created.
     """
     digest = sha256(description.model_dump_json().encode()).hexdigest()
     content = {
@@ -60,7 +61,7 @@ def _require_same(found: dict[str, object], wanted: dict[str, object], path: Pat
 
 
 def open_tasks(folder: DatasetFolder) -> list[Task]:
-    """Return what is still to be done: arrangement and numbers of pictures."""
+    """Return the open tasks: arrangement and numbers of images."""
     options = folder.options
     tasks = []
     for arrangement in range(options.arrangements):
@@ -79,15 +80,16 @@ def run_tasks(
     cache: Path,
     workers: int,
 ) -> Iterator[int]:
-    """Take all pictures; yield how many were finished, task by task.
+    """Render all images; yield the number of images of each finished task.
 
     Raises
     ------
-    SceneError, EngineError, DatasetError: one line.
+    SceneError, EngineError, DatasetError
+        One line.
     """
     count = max(1, min(workers, len(tasks)))
     os.environ.setdefault(_RENDER_THREADS, str(max(1, (os.cpu_count() or 1) // count)))
-    # A fresh process each: a copy of one in which the engine runs would hang.
+    # Spawned, not forked: a fork of a process in which the engine runs hangs.
     context = multiprocessing.get_context('spawn')
     arguments = (description, folder, cache)
     with ProcessPoolExecutor(count, context, _open, arguments) as pool:
@@ -110,10 +112,10 @@ def _finished(pool: ProcessPoolExecutor, tasks: Sequence[Task]) -> Iterator[int]
 
 
 class _Worker:
-    """What a worker process keeps between its tasks; made at the first, to raise there."""
+    """State of a worker process; the first task makes the camera, and raises its errors."""
 
     arguments: tuple[SceneDescription, DatasetFolder, Path]
-    photographer: object = None
+    camera: object = None
 
 
 def _open(description: SceneDescription, folder: DatasetFolder, cache: Path) -> None:
@@ -123,7 +125,7 @@ def _open(description: SceneDescription, folder: DatasetFolder, cache: Path) -> 
 def _work(task: Task) -> int:
     from rocsafe_dataset.dataset_camera import DatasetCamera, open_dataset_camera
 
-    if not isinstance(_Worker.photographer, DatasetCamera):
-        _Worker.photographer = open_dataset_camera(*_Worker.arguments)
+    if not isinstance(_Worker.camera, DatasetCamera):
+        _Worker.camera = open_dataset_camera(*_Worker.arguments)
     arrangement, numbers = task
-    return sum(1 for _ in _Worker.photographer.photograph(arrangement, numbers))
+    return sum(1 for _ in _Worker.camera.photograph(arrangement, numbers))

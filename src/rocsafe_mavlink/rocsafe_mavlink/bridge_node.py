@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``bridge``: real vehicles, each in its own namespace, as if they were simulated."""
+"""The node ``bridge``: real vehicles, each in its own namespace, like simulated ones."""
 
 import os
 import time
@@ -29,17 +29,17 @@ from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-# Between two looks at the sockets: most of the time from a datagram to its topic.
+# Period of reading the sockets: most of the time from a datagram to its topic.
 POLL_S = 0.005
-# Between two looks at what is due; nothing that a vehicle says waits for them.
+# Period of what is due by time; messages of vehicles do not wait for it.
 TICK_S = 0.02
 DIAGNOSE_S = 1.0
-# The mission says twice a second that it lives.
+# mission/state is published twice a second while the mission lives.
 SUPERVISOR_LEASE_S = 3.0
 
 
 class DroneInterface:
-    """Everything of a vehicle's namespace: topics, services and the action."""
+    """All topics, services and the action in a vehicle's namespace."""
 
     def __init__(
         self, node: VehicleScopeNode, drone: Drone, geotagger: Geotagger, fov_rad: float
@@ -62,7 +62,7 @@ class DroneInterface:
         self._telemetry.on_event(event)
 
     def follow(self) -> None:
-        """Publish what can wait until the fixes of all vehicles are out."""
+        """Publish what can wait until the fixes of all vehicles are published."""
         self._telemetry.follow()
 
     def step(self, now_s: float, time_s: float) -> None:

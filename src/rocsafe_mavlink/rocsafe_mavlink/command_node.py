@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The operator's services of a real vehicle: answered when the vehicle has obeyed or refused."""
+"""The command services of a real vehicle: answered when it has obeyed or refused."""
 
 from collections.abc import Callable
 from typing import Any
@@ -21,9 +21,12 @@ class CommandServices:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    clock: returns steady time, seconds.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    clock
+        Returns steady time, seconds.
     """
 
     def __init__(self, node: VehicleScopeNode, drone: Drone, clock: Callable[[], float]) -> None:
@@ -47,7 +50,7 @@ class CommandServices:
         node.create_service(spec.call_type, spec.name, self._on_preflight)
 
     def step(self) -> None:
-        """Answer the calls whose order is over."""
+        """Answer the calls whose command is over."""
         waiting, self._waiting = self._waiting, []
         for answer in waiting:
             error = self._drone.commands.outcome(answer.number)
@@ -65,7 +68,7 @@ class CommandServices:
             answer = _Answer(response, self._drone.spec.name, ends_flight)
             answers.append(answer)
             now_s = self._clock()
-            # A flight that has just been found is one that may be resumed.
+            # A flight that has just been found may be resumed.
             self._drone.step(now_s)
             try:
                 begin(request, now_s)
@@ -123,14 +126,14 @@ class _Answer:
         self._send: Callable[[Any], None] | None = None
 
     def give(self, error: str) -> None:
-        """Fill it in: why the order failed, empty if it was obeyed."""
+        """Fill in why the command failed; empty if it was obeyed."""
         self._response.success = not error
         self._response.message = f'{self._vehicle}: {error}' if error else ''
         self._is_known = True
         self._send_if_ready()
 
     def address(self, send: Callable[[Any], None]) -> None:
-        """Say how it is sent."""
+        """Give the function that sends the response."""
         self._send = send
         self._send_if_ready()
 

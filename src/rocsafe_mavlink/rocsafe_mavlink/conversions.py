@@ -50,16 +50,17 @@ _VERDICTS = {
 }
 # MAV_SEVERITY: 0 to 3 are errors, 4 a warning, 5 and 6 notes.
 _SEVERITIES = (VehicleEvent.ERROR,) * 4 + (VehicleEvent.WARN,) + (VehicleEvent.INFO,) * 2
-# A position of which nobody says how good it is.
+# Quantities that no autopilot reports.
 _UNKNOWN = math.nan
 
 
 def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assignment:
-    """Return what a route asks of a vehicle.
+    """Return the plan in a route message.
 
     Raises
     ------
-    ValueError: naming what cannot be flown.
+    ValueError
+        Naming what cannot be flown.
     """
     home = position_of_point(message.home)
     if not message.viewpoints:
@@ -82,7 +83,7 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
 
 
 def _require_plain(message: RouteMessage) -> None:
-    """Refuse what real vehicles do not fly: late, in several flights, to another place."""
+    """Refuse what real vehicles do not fly: a late start, several flights, another end."""
     if message.delay_s > 0.0:
         raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
     if len(message.flights) > 1:
@@ -95,7 +96,7 @@ def _require_plain(message: RouteMessage) -> None:
 def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[FlightWaypoint]:
     """Return the bends before a viewpoint, and the viewpoint."""
     place = position_of_point(viewpoint.position)
-    # Both altitudes have one datum, whichever it is: their difference has none.
+    # Both altitudes have the same datum, so their difference needs none.
     height_m = place.altitude_m - home.altitude_m
     if not math.isfinite(height_m):
         height_m = viewpoint.height_agl_m
@@ -109,7 +110,7 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
 
 
 def _bend(point: GeoPoint, stop: FlightWaypoint) -> FlightWaypoint:
-    """Return a bend of the way to or from `stop`: as high, and looking the same way."""
+    """Return a bend of the way to or from `stop`, with the same height and heading."""
     place = _level(position_of_point(point))
     return replace(stop, position=place, hold_s=0.0, is_bend=True)
 
@@ -125,7 +126,7 @@ def ring_of(polygon: GeoPolygon) -> Ring:
 
 
 def predicted_message(seen: DroneStatus, stamp: Time, frame_id: str) -> NavSatFix | None:
-    """Return where a silent vehicle should be; None while it is heard."""
+    """Return the expected position of a silent vehicle; None while it is heard."""
     if seen.prediction is None:
         return None
     place, variance = seen.prediction.position, seen.prediction.spread_m**2
@@ -141,7 +142,7 @@ def predicted_message(seen: DroneStatus, stamp: Time, frame_id: str) -> NavSatFi
 
 
 def battery_message(seen: DroneStatus, stamp: Time, frame_id: str) -> BatteryState:
-    """Return the charge; what the autopilot does not tell is NaN. Discharging is negative."""
+    """Return the charge; NaN where the autopilot does not tell. Discharging is negative."""
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
         voltage=seen.voltage_v,
@@ -165,7 +166,7 @@ def battery_message(seen: DroneStatus, stamp: Time, frame_id: str) -> BatterySta
 def state_message(
     seen: DroneStatus, vehicle: str, stamp: Time, shots: tuple[int, int]
 ) -> VehicleState:
-    """Return the state; `shots` are those taken and those not yet stored."""
+    """Return the state; `shots` are the numbers taken and not yet stored."""
     return VehicleState(
         header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
         vehicle=vehicle,
@@ -183,7 +184,7 @@ def state_message(
 
 
 def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
-    """Return something that happened."""
+    """Return an event."""
     severity = _SEVERITIES[event.severity] if event.severity < 7 else VehicleEvent.DEBUG
     return VehicleEvent(
         header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
@@ -195,7 +196,7 @@ def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
 
 
 def check_message(check: Check) -> PreflightCheck:
-    """Return one look before a flight."""
+    """Return one check before a flight."""
     return PreflightCheck(
         name=check.name, verdict=_VERDICTS[check.verdict], value=check.value, limit=check.limit
     )
@@ -204,7 +205,7 @@ def check_message(check: Check) -> PreflightCheck:
 def link_status(
     name: str, contacts: dict[str, Contact], counts: dict[str, int]
 ) -> DiagnosticStatus:
-    """Return the health of a link: who is heard on it, and what was dropped and why."""
+    """Return the health of a link: who is heard, and how much was dropped and why."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
     return DiagnosticStatus(
         name=f'bridge: {name}',

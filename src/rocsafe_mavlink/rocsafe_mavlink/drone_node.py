@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the namespace of a real vehicle says: fix, velocity, odom, battery, state, events."""
+"""Publishes the telemetry of a real vehicle: fix, velocity, odom, battery, state, events."""
 
 from collections.abc import Callable
 from typing import Any
@@ -32,9 +32,9 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
-# A track that grows for hours is thinned rather than kept whole.
+# Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
-# Texts of a vehicle that go to our log; all of them are events.
+# Texts of a vehicle that are logged each second; all of them are published as events.
 TEXTS_PER_S = 5
 
 
@@ -46,9 +46,12 @@ class TelemetryPublisher:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs were taken, and how many are not yet stored.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs were taken, and how many are not yet stored.
     """
 
     def __init__(
@@ -73,7 +76,7 @@ class TelemetryPublisher:
         self._following: list[tuple[Motion, Time]] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
-        """Publish the fix when a position has come; what else it says waits for `follow`."""
+        """Publish the fix of a position; the rest of it waits for `follow`."""
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
         if message.name != POSITION or motion is None:
             return
@@ -85,7 +88,7 @@ class TelemetryPublisher:
         self._following.append((motion, stamp))
 
     def follow(self) -> None:
-        """Publish what else the positions said that have come: fixes of all vehicles go first."""
+        """Publish the rest of the positions that have come: the fixes of all vehicles go first."""
         following, self._following = self._following, []
         for motion, stamp in following:
             place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
@@ -97,7 +100,7 @@ class TelemetryPublisher:
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 
     def on_event(self, event: Event) -> None:
-        """Publish something that happened."""
+        """Publish an event."""
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.EVENTS, event_message(event, self._name, stamp))
         if event.kind is EventKind.HOME and self._drone.home is not None:

@@ -21,7 +21,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
-# A vehicle that is being looked at, or whose motors still run, is waited for no longer.
+# A goal waits at most so long until a vehicle is read or its motors stand still.
 LARGEST_WAIT_S = 45.0
 
 
@@ -32,9 +32,12 @@ class FlyRouteServer:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs of the flight will be in the store.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs of the flight will be in the store.
     """
 
     def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:
@@ -57,7 +60,7 @@ class FlyRouteServer:
         )
 
     def step(self, now_s: float) -> None:
-        """Let goals begin, give feedback, and end the goals of a flight that has ended."""
+        """Begin flights, give feedback, and end the goals of a flight that has ended."""
         self._now_s = now_s
         early, self._early = self._early, []
         for goal, since_s in early:
@@ -77,7 +80,7 @@ class FlyRouteServer:
         self._early.append((goal, self._now_s or time.monotonic()))
 
     def _begin(self, goal: Any, since_s: float) -> None:
-        """Order the flight, or say why not; one that cannot be judged yet waits."""
+        """Begin the flight, or say why not; a goal that cannot be judged yet waits."""
         request, name = goal.request, self._drone.spec.name
         if request.route.vehicle not in ('', name):
             self._end(goal, refusal_message(f'{name}: the route is for {request.route.vehicle}'))
@@ -137,7 +140,7 @@ class FlyRouteServer:
         return result
 
     def _on_cancel(self, goal: Any) -> CancelResponse:
-        """Hold where it is; the goal ends when the vehicle holds, or has refused to."""
+        """Hold; the goal ends when the vehicle holds, or has refused to."""
         if goal not in self._flying:
             return CancelResponse.REJECT
         try:

@@ -58,7 +58,7 @@ def main() -> int:
 
 
 def options_of(given: dict[str, Any]) -> BridgeOptions:
-    """Return the options of a request; nothing is remembered of a look."""
+    """Return the options of a request; a check keeps nothing over restarts."""
     known = {field.name for field in fields(BridgeOptions)}
     unknown = set(given) - known
     if unknown:
@@ -85,7 +85,7 @@ def wait(
     plans: dict[str, FlightPlan],
     patience_s: float,
 ) -> None:
-    """Listen until nothing that waiting helps is amiss, but no longer than `patience_s`."""
+    """Listen until waiting cannot change a check, but no longer than `patience_s`."""
     end_s = time.monotonic() + patience_s
     while (now_s := time.monotonic()) < end_s:
         for station in stations:
@@ -97,7 +97,7 @@ def wait(
 
 
 def answer_of(drone: Drone, plan: FlightPlan | None) -> dict[str, Any]:
-    """Return what is to be said of a vehicle."""
+    """Return the answer for a vehicle."""
     checks = _checks(drone, plan, time.monotonic())
     home = drone.home
     return {

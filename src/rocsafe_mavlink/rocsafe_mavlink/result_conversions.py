@@ -34,7 +34,7 @@ def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
 
 
 def cancelled_message(remaining: RemainingRoute, shots: int, reason: str) -> FlyRoute.Result:
-    """Return the result of a flight that was cancelled; `reason`: why it does not even hold."""
+    """Return the result of a cancelled flight; `reason` says why it does not even hold."""
     outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
     return FlyRoute.Result(
         outcome=outcome,

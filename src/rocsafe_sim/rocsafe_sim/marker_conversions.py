@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Routes and scenes -> markers for RViz and Foxglove."""
+"""Markers of routes and scenes for RViz and Foxglove."""
 
 from collections.abc import Iterable, Iterator
 
@@ -11,7 +11,7 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_ros.conversions import MAP_FRAME
 from rocsafe_scene.flat_ground.scene_box import SceneBox
 from rocsafe_scene.mesh.classes import CLASSES
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.route import FlightRoute
 
 _LINE_WIDTH_M = 0.5
 _DOT_WIDTH_M = 1.2
@@ -20,8 +20,8 @@ _DOT_COLOUR = ColorRGBA(r=1.0, g=0.5, b=0.05, a=1.0)
 _BOX_ALPHA = 0.9
 
 
-def route_markers(route: Route) -> MarkerArray:
-    """Return the planned route as a line from home to home and a dot a viewpoint."""
+def route_markers(route: FlightRoute) -> MarkerArray:
+    """Return the planned route as a line from home to home, and a dot for each viewpoint."""
     stops = [waypoint.position_enu for waypoint in route.waypoints]
     line = _marker('route', 0, Marker.LINE_STRIP, _ROUTE_COLOUR)
     line.scale = Vector3(x=_LINE_WIDTH_M, y=0.0, z=0.0)
@@ -32,7 +32,7 @@ def route_markers(route: Route) -> MarkerArray:
     return MarkerArray(markers=[line, dots])
 
 
-def _track(route: Route) -> Iterator[Enu]:
+def _track(route: FlightRoute) -> Iterator[Enu]:
     """Yield the corners of the planned track."""
     yield route.home_enu
     for waypoint in route.waypoints:

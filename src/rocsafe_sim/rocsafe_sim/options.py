@@ -25,17 +25,21 @@ IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WorldOptions(OriginOptions):
+class WorldOptions:
     """Options of the node `world`."""
 
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ('seed', *(setting.name for setting in fields(OriginOptions))),
+        'a parameter of rav and fleet only',
+    )
+
     step_s: float = option(0.1, 'simulated time between two steps, s', 1e-3, 10.0)
-    speed: float = option(0.0, 'simulated seconds a second; 0: as fast as possible', 0.0, 1e3)
-    participants: tuple[str, ...] = option((), 'names waited for at every step')
-    autostart: bool = option(True, 'let time run from the start; else world/run does')
+    speed: float = option(0.0, 'simulated seconds per second; 0: as fast as possible', 0.0, 1e3)
+    participants: tuple[str, ...] = option((), 'names of those who must finish each step')
+    autostart: bool = option(True, 'let time run from the start; otherwise world/run starts it')
     pause_when_idle: bool = option(False, 'pause when all participants have become idle')
     start_time_s: float = option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
     scene: str = option(NO_SCENE, f'objects shown as markers: {", ".join(SCENE_NAMES)}')
-    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
 
     def __post_init__(self) -> None:
         require_between('step_s', self.step_s, 1e-3, 10.0)
@@ -82,7 +86,7 @@ class VehicleOptions(FlightOptions):
     gps_vertical_std_m: float = option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
     tilt_std_deg: float = option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
     attitude_std_deg: float = option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
-    fix_rate_hz: float = option(5.0, 'of fix, velocity and odom, Hz', 0.01, 1e3)
+    fix_rate_hz: float = option(5.0, 'rate of fix, velocity and odom, Hz', 0.01, 1e3)
     camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
     scene_file: str = option('', 'path of the scene, for the engine')
     scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
@@ -91,9 +95,9 @@ class VehicleOptions(FlightOptions):
     )
     ground: str = option(SCENE_GROUND, 'scene: its photograph, or path of a GeoTIFF')
     scene: str = option(NO_SCENE, f'on the ground scene: {", ".join(SCENE_NAMES)}')
-    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
-    spool_directory: str = option('', 'of journal and photographs; empty: memory only')
-    lock_step: bool = option(True, 'step with the world; else with the wall clock')
+    seed: int = option(1, 'seed of all random numbers', 0, 2**31 - 1)
+    spool_directory: str = option('', 'folder of journal and photographs; empty: memory only')
+    lock_step: bool = option(True, 'step with the world; otherwise with the wall clock')
 
     def __post_init__(self) -> None:
         require_positive('fix_rate_hz', self.fix_rate_hz)

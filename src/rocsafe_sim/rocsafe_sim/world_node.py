@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``world``: simulated time in lock-step, and what lies on the ground."""
+"""The node ``world``: simulated time in lock-step, and markers of the scene."""
 
 import time
 from typing import Any
@@ -20,13 +20,13 @@ from rocsafe_sim.clock.clockwork import Clockwork, Pace
 from rocsafe_sim.marker_conversions import scene_markers
 from rocsafe_sim.options import WorldOptions
 
-# How often waiting is looked at where no report comes in.
+# Wall period of the check whether the next time is due.
 TICK_S = 0.1
 DIAGNOSE_S = 1.0
 
 
 class WorldNode(Node):
-    """Publishes /clock, each time when all participants have done the one before.
+    """Publishes /clock: the next time when all participants have finished the last one.
 
     Subscribes: sim/step_done. Publishes: /clock, scene/markers, /diagnostics. Service: world/run.
     """

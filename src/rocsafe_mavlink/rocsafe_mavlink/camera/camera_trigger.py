@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Photographs as autopilots report them: three messages, one value.
+"""Camera triggers as autopilots report them: three messages, one value.
 
-CAMERA_IMAGE_CAPTURED comes from a camera, CAMERA_FEEDBACK from an autopilot that saw its shutter,
-CAMERA_TRIGGER from one that only pulled it. Where better ones come, the others are not counted.
-Reports that were lost on the way are filled in from the track, and marked.
+CAMERA_IMAGE_CAPTURED comes from a camera, CAMERA_FEEDBACK from an autopilot that saw the shutter,
+CAMERA_TRIGGER from one that only triggered it. Where better ones come, the others are not counted.
+Reports that were lost are filled in from the track, and marked.
 """
 
 import math
@@ -18,26 +18,33 @@ from rocsafe_mavlink.wire.units import m_of_mm, position_of_e7
 
 TRIGGER, FEEDBACK, CAPTURED = 'CAMERA_TRIGGER', 'CAMERA_FEEDBACK', 'CAMERA_IMAGE_CAPTURED'
 RANKS = {TRIGGER: 1, FEEDBACK: 2, CAPTURED: 3}
-# A gap wider than this is another count, not a loss.
+# A larger gap means that the camera counts anew, not a loss.
 LARGEST_GAP = 50
 TRACK_LENGTH = 1200
-# Before it a time of day is none.
+# An earlier time of day was never set.
 EARLIEST_UNIX_S = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraTrigger:
-    """One photograph.
+    """One photograph that was taken.
 
     Attributes
     ----------
-    index: as the camera counts.
-    unix_s: time of day of the exposure.
-    position: altitude above the ellipsoid, NaN if not known.
-    height_m: above home.
-    attitude: of the vehicle; None if it was not told.
-    source: message that reported it.
-    is_interpolated: whether no report came, and it is taken from the track.
+    index
+        Number by the camera's count.
+    unix_s
+        Time of day of the exposure.
+    position
+        Altitude above the ellipsoid, NaN if not known.
+    height_m
+        Height above home.
+    attitude
+        Attitude of the vehicle; None if it was not told.
+    source
+        Name of the message that reported it.
+    is_interpolated
+        Whether no report came and it is filled in from the track.
     """
 
     index: int
@@ -50,7 +57,7 @@ class CameraTrigger:
 
 
 class TriggerLog:
-    """Makes shots of the messages of one vehicle, each index once and in order."""
+    """Collects the camera triggers of one vehicle, each index once and in order."""
 
     def __init__(self) -> None:
         self._rank = 0
@@ -62,7 +69,7 @@ class TriggerLog:
     def take(
         self, message: Message, vehicle: VehicleTelemetry, unix_s: float
     ) -> list[CameraTrigger]:
-        """Take a message that came at `unix_s`; return the shots that it tells of."""
+        """Take a message that came at `unix_s`; return the triggers that it reports."""
         motion = vehicle.motion
         if message.name == 'GLOBAL_POSITION_INT' and motion is not None:
             place = (unix_s, motion.position, motion.height_above_home_m, vehicle.attitude)
@@ -71,14 +78,14 @@ class TriggerLog:
         if not rank or rank < self._rank:
             return []
         self._rank = rank
-        shot = self._shot(message, vehicle, unix_s)
+        trigger = self._trigger(message, vehicle, unix_s)
         last = self._last
-        if shot is None or (last is not None and 0 <= last.index - shot.index < LARGEST_GAP):
+        if trigger is None or (last is not None and 0 <= last.index - trigger.index < LARGEST_GAP):
             return []
-        self._last = shot
-        return [*self._missing(last, shot), shot]
+        self._last = trigger
+        return [*self._missing(last, trigger), trigger]
 
-    def _shot(
+    def _trigger(
         self, message: Message, vehicle: VehicleTelemetry, unix_s: float
     ) -> CameraTrigger | None:
         if message.name == FEEDBACK:
@@ -125,22 +132,22 @@ class TriggerLog:
             source=CAPTURED,
         )
 
-    def _missing(self, last: CameraTrigger | None, shot: CameraTrigger) -> list[CameraTrigger]:
-        """Return the shots between two reports, evenly spread over the time between them."""
-        count = 0 if last is None else shot.index - last.index
+    def _missing(self, last: CameraTrigger | None, trigger: CameraTrigger) -> list[CameraTrigger]:
+        """Return the triggers between two reports, evenly spread over the time between them."""
+        count = 0 if last is None else trigger.index - last.index
         if last is None or not 1 < count < LARGEST_GAP:
             return []
         found = []
         for number in range(1, count):
-            unix_s = last.unix_s + (shot.unix_s - last.unix_s) * number / count
-            filled = self._at(unix_s, last.index + number, shot.source, is_interpolated=True)
+            unix_s = last.unix_s + (trigger.unix_s - last.unix_s) * number / count
+            filled = self._at(unix_s, last.index + number, trigger.source, is_interpolated=True)
             found += [] if filled is None else [filled]
         return found
 
     def _at(
         self, unix_s: float, index: int, source: str, *, is_interpolated: bool = False
     ) -> CameraTrigger | None:
-        """Return a shot where the track was at `unix_s`; None if there is no track."""
+        """Return a trigger where the track was at `unix_s`; None if there is no track."""
         if not self._track:
             return None
         before = max(
@@ -167,7 +174,7 @@ class TriggerLog:
 
 
 def _time_of_day(told_s: float, arrived_s: float) -> float:
-    """Return when a shot was taken: as told, or as it arrived where only the uptime is told."""
+    """Return the time of a trigger: as reported, or its arrival if only the uptime is reported."""
     return told_s if told_s > EARLIEST_UNIX_S else arrived_s
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the pictures of a real camera come from: a folder that is watched, or a video stream."""
+"""Images from a folder into which files of the camera are copied."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ LARGEST_FILE = 64 * 1024 * 1024
 
 
 class FolderSource:
-    """JPEG files as they appear in a folder, each once and only when it is whole."""
+    """JPEG files as they appear in a folder, each once and only when it is complete."""
 
     is_stream = False
 
@@ -21,25 +21,25 @@ class FolderSource:
         self._sizes: dict[str, int] = {}
 
     def take(self) -> list[CameraImage]:
-        """Return the files that have become whole since the last call, by their time."""
+        """Return the files that were completed since the last call, by their time."""
         found = []
         for path in self._folder.glob('*'):
             if path.suffix.lower() in SUFFIXES and path.name not in self._known:
-                picture = self._whole(path)
-                if picture is not None:
+                image = self._whole(path)
+                if image is not None:
                     self._known.add(path.name)
-                    found.append(picture)
-        return sorted(found, key=lambda picture: (picture.unix_s, picture.name))
+                    found.append(image)
+        return sorted(found, key=lambda image: (image.unix_s, image.name))
 
     def at(self, _unix_s: float) -> CameraImage | None:
-        """Return nothing: files come when they come."""
+        """Return None: a folder is not asked for an image of a time."""
         return None
 
     def close(self) -> None:
-        """Do nothing: no file is held."""
+        """Do nothing: no file is held open."""
 
     def _whole(self, path: Path) -> CameraImage | None:
-        """Return the picture if its file has stopped growing and ends as a JPEG file does."""
+        """Return the image if its file has stopped growing and ends as a JPEG file does."""
         try:
             status = path.stat()
             is_stable = self._sizes.get(path.name) == status.st_size

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The frames of a video stream, dated, so that a photograph finds its own.
+"""Images from a video stream: its frames with their times.
 
-A stream that breaks, or stands still for longer than a deadline, is opened again for as long as it
-takes. Frames are dated by the stream's own clock where it tells one: it then holds too for those
-that waited while the stream was opened, or in a network.
+A stream that breaks, or sends nothing for longer than a deadline, is opened again without limit.
+Frames are dated by the stream's own clock where it has one. That also dates frames correctly that
+waited while the stream was opened, or in the network.
 """
 
 import threading
@@ -15,13 +15,13 @@ import cv2
 
 from rocsafe_mavlink.camera.source import CameraImage
 
-# Frames that are kept until their shot is known.
+# Number of frames that are kept until their trigger is known.
 FRAMES_KEPT = 60
 JPEG_QUALITY = 92
 # A camera that sends nothing for so long is opened again.
 OPEN_DEADLINE_S = READ_DEADLINE_S = 4.0
 RETRY_S = 1.0
-# No frame is nearer to a shot: the camera was away.
+# If no frame is nearer to a trigger, the camera was away.
 LARGEST_DISTANCE_S = 0.5
 # What a process that opens streams sets in its environment, if its user has not: RTP over TCP, in
 # the connection that we open. Over UDP the decoder would listen on ports of its own, everywhere.
@@ -31,13 +31,16 @@ DEVICE_PREFIX = '/dev/'
 
 @dataclass(frozen=True, slots=True)
 class VideoFrame:
-    """One picture of a stream.
+    """One frame of a stream.
 
     Attributes
     ----------
-    arrived_s: when it was read, time of day.
-    told_s: by the clock of the stream, from its own start.
-    pixels: of it.
+    arrived_s
+        Time of day at which it was read.
+    told_s
+        Time by the clock of the stream, from its start.
+    pixels
+        The image.
     """
 
     arrived_s: float
@@ -46,12 +49,14 @@ class VideoFrame:
 
 
 class VideoSource:
-    """The frames of a stream; a thread reads them, since reading waits for the next.
+    """The frames of a stream; a thread reads them, since reading waits for the next one.
 
     Parameters
     ----------
-    address: what OpenCV opens: ``rtsp://...``, ``http://...``, ``/dev/video0``, a file.
-    clock: returns the time of day.
+    address
+        What OpenCV opens: ``rtsp://...``, ``http://...``, ``/dev/video0``, a file.
+    clock
+        Returns the time of day.
     """
 
     is_stream = True
@@ -68,7 +73,7 @@ class VideoSource:
         return []
 
     def at(self, unix_s: float) -> CameraImage | None:
-        """Return the frame nearest to `unix_s`; None while there is none that is near."""
+        """Return the frame nearest to `unix_s`; None if none is near yet."""
         frames = list(self._frames)
         if not self._is_over.is_set() and is_catching_up(frames, self._clock()):
             return None
@@ -101,16 +106,16 @@ class VideoSource:
     def _keep(self, pixels: cv2.typing.MatLike, told_s: float) -> None:
         arrived_s = self._clock()
         if self._frames and told_s < self._frames[-1].told_s:
-            # Opened anew: its clock began again.
+            # The stream was opened again: its clock restarted.
             self._frames.clear()
         self._frames.append(VideoFrame(arrived_s, told_s, pixels))
 
 
 def is_catching_up(frames: list[VideoFrame], now_s: float) -> bool:
-    """Return whether frames that waited while the stream was opened still come at `now_s`.
+    """Return whether frames that waited while the stream was opened are still arriving at `now_s`.
 
-    They come faster than they were taken, each less under way than all before it: none of them
-    tells yet what the stream's clock is ahead.
+    They come faster than they were taken, each with less delay than all before it. Until the last
+    of them has come, the offset of the stream's clock is not known.
     """
     if not frames or now_s - frames[-1].arrived_s > LARGEST_DISTANCE_S:
         return False
@@ -121,10 +126,10 @@ def is_catching_up(frames: list[VideoFrame], now_s: float) -> bool:
 
 
 def dates_of(frames: list[VideoFrame]) -> list[tuple[float, cv2.typing.MatLike]]:
-    """Return when each of `frames` was taken, time of day, and its pixels.
+    """Return the time of day at which each of `frames` was taken, and its pixels.
 
-    The frame that was least under way tells what the stream's clock is ahead of the time of day. A
-    stream without a clock is dated by arrival.
+    The frame with the least delay gives the offset of the stream's clock to the time of day.
+    Frames of a stream without a clock are dated by arrival.
     """
     if not frames:
         return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What there is to say of a real vehicle at one moment."""
+"""Status of a real vehicle at one moment, as it is published."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _SILENT = (Contact.STALE, Contact.LOST)
 
 
 class FixQuality(IntEnum):
-    """How good a position is, as NavSatStatus counts."""
+    """Quality of a position, as NavSatStatus counts."""
 
     NONE = -1
     FIX = 0
@@ -34,7 +34,7 @@ _QUALITIES = {4: FixQuality.AUGMENTED, 5: FixQuality.GROUND_BASED, 6: FixQuality
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RemainingRoute:
-    """What is left of a flight: `visited` of `count` stops are behind."""
+    """Rest of a route: `visited` of `count` stops are done."""
 
     visited: int = 0
     count: int = 0
@@ -44,7 +44,7 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """What a status is made from; `frame` is that of the mission."""
+    """Inputs of a status; `frame` is that of the mission."""
 
     session: VehicleSession
     entry: JournalEntry | None
@@ -63,20 +63,34 @@ class DroneStatus:
 
     Attributes
     ----------
-    contact: how fresh this is.
-    state: what it does.
-    mode: of the autopilot, in its own words.
-    is_armed: whether its motors may run.
-    motion: where it is; None if it has not said.
-    position_enu: of it in the frame of the mission; its height is above home, NaN if not known.
-    fix_fault: why its position cannot be believed; empty if it can.
-    fix_quality: of its position.
-    horizontal_std_m, vertical_std_m: of its position; NaN if not known.
-    plan_id, viewpoint_count, visited: of its plan.
-    charge, voltage_v, current_a: of its battery; NaN if not known.
-    distance_m: flown.
-    text: for people, why it is as it is.
-    prediction: where it should be, while it is silent.
+    contact
+        How recent this is.
+    state
+        What it does.
+    mode
+        Mode of the autopilot, by the autopilot's own name.
+    is_armed
+        Whether its motors may run.
+    motion
+        Position and velocity; None if it has not told them.
+    position_enu
+        Position in the frame of the mission, metres; the height is above home, NaN if not known.
+    fix_fault
+        Why its position cannot be used; empty if it can.
+    fix_quality
+        Quality of its position.
+    horizontal_std_m, vertical_std_m
+        Standard deviations of its position; NaN if not known.
+    plan_id, viewpoint_count, visited
+        Its plan and progress.
+    charge, voltage_v, current_a
+        Its battery; NaN if not known.
+    distance_m
+        Distance flown.
+    text
+        Explanation for people.
+    prediction
+        Expected position while it is silent.
     """
 
     contact: Contact
@@ -101,7 +115,7 @@ class DroneStatus:
 
 
 def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
-    """Return what there is to say of a vehicle at `now_s`, steady seconds."""
+    """Return the status of a vehicle at `now_s`, steady seconds."""
     vehicle, entry, motion = inputs.vehicle, inputs.entry, inputs.vehicle.motion
     autopilot = inputs.session.known_autopilot()
     state = FlightState.UNKNOWN if autopilot is None else autopilot.state_of(vehicle, now_s)
@@ -132,7 +146,7 @@ def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
 
 
 def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRoute:
-    """Return what is left of the plan of a vehicle, to touch-down."""
+    """Return the rest of the route of a vehicle, to touch-down."""
     if inputs.entry is None or inputs.vehicle.home is None:
         return RemainingRoute()
     plan, visited = inputs.entry.assignment.plan, _visited(inputs)
@@ -150,12 +164,12 @@ def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRout
 
 
 def fix_quality(vehicle: VehicleTelemetry, now_s: float) -> FixQuality:
-    """Return how good the position of a vehicle is at `now_s`, steady seconds."""
+    """Return the quality of the position of a vehicle at `now_s`, steady seconds."""
     return _quality_but_for(fix_fault(vehicle, now_s), vehicle)
 
 
 def enu_of(frame: LocalFrame, motion: Motion) -> Enu:
-    """Return where a vehicle is in the frame of the mission; its height is above home."""
+    """Return the position of a vehicle in the frame of the mission; its height is above home."""
     east, north, _ = frame.enu_of(_on_ground(frame, motion.position)).tolist()
     return east, north, motion.height_above_home_m
 
@@ -177,7 +191,7 @@ def _on_ground(frame: LocalFrame, place: GeoPosition) -> GeoPosition:
 def _prediction(
     inputs: StatusInputs, autopilot: Autopilot | None, now_s: float
 ) -> Prediction | None:
-    """Return where a silent vehicle should be; it is taken to do what it last did."""
+    """Return the expected position of a silent vehicle, which is assumed to go on as before."""
     vehicle, motion = inputs.vehicle, inputs.vehicle.motion
     if motion is None:
         return None

@@ -38,7 +38,8 @@ class VehicleSession:
     telemetry
         What the vehicle said.
     readout
-        What was read from it besides: settings, fence, mission.
+        What was read from it besides
+        Settings, fence, mission.
     separation_m
         Height of the geoid above the ellipsoid where the vehicle does not tell, metres; NaN if not
         known.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a bridge that was started again cannot read from the vehicle: which plan it was given.
+"""Journal of flights: which plan a vehicle was given, kept over restarts of the bridge.
 
-Where the vehicle is, what it does and how far it is, is always asked of the vehicle itself.
+Position, state and progress are always asked of the vehicle itself.
 """
 
 import json
@@ -21,9 +21,12 @@ class Assignment:
 
     Attributes
     ----------
-    plan_id: of whoever gave it.
-    plan: what is flown.
-    viewpoint_ids: of its stops, in order.
+    plan_id
+        Name of the plan, by its sender.
+    plan
+        What is flown.
+    viewpoint_ids
+        Numbers of its stops, in order.
     """
 
     plan_id: str
@@ -40,17 +43,23 @@ class Assignment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JournalEntry:
-    """How far an assignment is, as last noted.
+    """Progress of an assignment, as last noted.
 
     Attributes
     ----------
-    assignment: what was given.
-    was_airborne: whether it was seen in the air since.
-    visited: waypoints behind it.
-    distance_m, duration_s: flown.
-    outcome, reason: how it ended; None before.
-    successor: what was being sent to be flown in its place; None: nothing. Which of both lies on
-        the vehicle is asked of the vehicle.
+    assignment
+        What was given.
+    was_airborne
+        Whether the vehicle was seen in the air since.
+    visited
+        Waypoints behind it.
+    distance_m, duration_s
+        Distance and time flown.
+    outcome, reason
+        How it ended; None before.
+    successor
+        Plan that was being sent to be flown in its place; None: none. Which of both is on the
+        vehicle is asked of the vehicle.
     """
 
     assignment: Assignment
@@ -64,14 +73,14 @@ class JournalEntry:
 
 
 class FlightJournal:
-    """Keeps the entry of one vehicle, in memory and, if a path is given, on disk."""
+    """Keeps the entry of one vehicle, in memory and, if a path is given, in a file."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
         self.entry: JournalEntry | None = None if path is None else _read(path)
 
     def write(self, entry: JournalEntry) -> None:
-        """Keep `entry`: once this returns, a kill does not lose it."""
+        """Keep `entry`; once this returns, it survives a kill."""
         if entry == self.entry:
             return
         self.entry = entry
@@ -87,7 +96,8 @@ def _read(path: Path) -> JournalEntry | None:
 
     Raises
     ------
-    ValueError: if it is damaged.
+    ValueError
+        If the file is damaged.
     """
     if not path.exists():
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a flight ended, and what the autopilot's own words say about why."""
+"""How a flight ended, and which failsafe the autopilot's texts announce."""
 
 from enum import Enum
 
@@ -34,7 +34,7 @@ _WORDS = (
 
 
 def failsafe_of(text: str) -> FlightOutcome | None:
-    """Return the failsafe that a text of an autopilot announces, None if it announces none."""
+    """Return the failsafe that a text of an autopilot announces; None if it announces none."""
     said = text.lower()
     if 'cleared' in said:
         return None

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a careful pilot looks at before a flight: a list of checks with value and limit.
+"""Checks before a flight, each with value and limit.
 
-An autopilot accepts a waypoint in another country and one at 40 km height; so both are looked at
-here.
+An autopilot accepts a waypoint in another country and one at 40 km height, so distances and
+heights are checked here.
 """
 
 import math
@@ -18,18 +18,18 @@ from rocsafe_mavlink.flight.flight_plan import FlightPlan
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
 
-# Of a setting that was asked for and may still be answered.
+# Value of a setting that was asked for and may still be answered.
 NOT_READ = 'not read yet'
-# Corners: measured on a recorded survey, a constant speed alone is 23 % too short.
+# For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
 
-# What a vehicle may show a while after it was switched on, or first heard.
+# Checks that may pass a while after a vehicle was switched on or first heard.
 _PASSING_SOON = frozenset({'contact', 'fix', 'satellites', 'self-test', 'home', 'settings'})
 
 
 class CheckVerdict(Enum):
-    """What a check says."""
+    """Result of a check."""
 
     PASS = 'pass'  # noqa: S105 - the opposite of fail
     WARN = 'warn'
@@ -38,7 +38,7 @@ class CheckVerdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check: what was looked at, what it showed, and what it must be."""
+    """One check: what it is about, what was found, and what it must be."""
 
     name: str
     verdict: CheckVerdict
@@ -47,26 +47,35 @@ class Check:
 
     @property
     def may_pass_soon(self) -> bool:
-        """Whether waiting can help: a vehicle that was just switched on."""
+        """Whether waiting can help, as after a vehicle was switched on."""
         is_untold = self.value == NOT_READ or 'not known' in self.value
         return is_untold or self.name in _PASSING_SOON
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightLimits:
-    """What a flight may be.
+    """Limits of a flight.
 
     Attributes
     ----------
-    lowest_m, highest_m: height above home of a waypoint.
-    furthest_m: distance of a waypoint from home.
-    longest_s: duration of the flight.
-    smallest_charge: of the battery at the start, 0 to 1.
-    fewest_satellites: that the receiver must use.
-    climb_mps, descent_mps: for the duration.
-    longest_to_home_m: from the home of the plan to that of the vehicle.
-    must_return_on_link_loss: whether a vehicle that hears nobody has to come back.
-    reserve: share of the charge that a flight leaves.
+    lowest_m, highest_m
+        Height above home of a waypoint.
+    furthest_m
+        Distance of a waypoint from home.
+    longest_s
+        Duration of the flight.
+    smallest_charge
+        Charge of the battery at the start, 0 to 1.
+    fewest_satellites
+        Satellites that the receiver must use.
+    climb_mps, descent_mps
+        Vertical speeds from which the duration is estimated.
+    longest_to_home_m
+        Distance between the home of the plan and that of the vehicle.
+    must_return_on_link_loss
+        Whether a vehicle that loses its link has to come back.
+    reserve
+        Share of the charge that must be left after the flight.
     """
 
     lowest_m: float = 5.0
@@ -84,13 +93,16 @@ class FlightLimits:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleSettings:
-    """What was read from a vehicle besides what it says by itself.
+    """What was read from a vehicle besides its telemetry.
 
     Attributes
     ----------
-    parameters: its settings; None: not read.
-    fence: the polygons of its fence; None: not read.
-    fence_error: why its fence cannot be read; empty while it may be.
+    parameters
+        Its parameters; None: not read.
+    fence
+        Polygons of its fence; None: not read.
+    fence_error
+        Why its fence cannot be read; empty while it may be.
     """
 
     parameters: ParameterReader | None = None
@@ -106,9 +118,9 @@ def preflight(
     now_s: float,
     knowledge: VehicleSettings | None = None,
 ) -> tuple[Check, ...]:
-    """Return every check of `vehicle` and `plan`, those that failed among them.
+    """Return all checks of `vehicle` and `plan`, passed or failed.
 
-    Without `plan` only the vehicle is looked at.
+    Without `plan` only the vehicle is checked.
     """
     known = knowledge or VehicleSettings()
     checks = [
@@ -128,7 +140,7 @@ def preflight(
 def route_checks(
     vehicle: VehicleTelemetry, plan: FlightPlan, limits: FlightLimits, known: VehicleSettings
 ) -> tuple[Check, ...]:
-    """Return every look at the way that `plan` takes, be it from the ground or in the air."""
+    """Return the checks of the way of `plan`, from the ground or in the air."""
     if vehicle.home is None:
         return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = _place(vehicle.home)
@@ -142,12 +154,12 @@ def failures(checks: tuple[Check, ...]) -> str:
 
 
 def is_failed_for_good(checks: tuple[Check, ...]) -> bool:
-    """Whether something failed that waiting does not help."""
+    """Whether a check failed that cannot pass by waiting."""
     return any(check.verdict is CheckVerdict.FAIL and not check.may_pass_soon for check in checks)
 
 
 def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
-    """Return a coarse duration, home to home: a constant speed and an allowance for corners."""
+    """Return a coarse duration, home to home: constant speed and an allowance for corners."""
     places = [home, *(waypoint.position for waypoint in plan.waypoints), home]
     level_s = LEVEL_ALLOWANCE * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
     climb_s = plan.waypoints[0].height_m / limits.climb_mps
@@ -197,7 +209,7 @@ def _vehicle_checks(
 
 
 def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> list[Check]:
-    """Return what the vehicle's settings do when something goes wrong."""
+    """Return the checks of what the vehicle does by itself when something goes wrong."""
     must_return = limits.must_return_on_link_loss
     if reader is None:
         verdict = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
@@ -211,7 +223,7 @@ def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> lis
 
 
 def _heading_checks(reader: ParameterReader) -> list[Check]:
-    """Return whether it looks where its mission says, not where it flies."""
+    """Return the check that it keeps the heading of its mission, not that of its way."""
     if Parameter.YAW_BEHAVIOUR not in SPELLINGS[reader.autopilot]:
         return []
     text = _setting_text(reader, Parameter.YAW_BEHAVIOUR)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happened to a vehicle between two of its states."""
+"""Events: what changed between two states of a vehicle."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -8,7 +8,7 @@ from rocsafe_mavlink.knowledge.telemetry import SystemStatus, VehicleTelemetry
 
 
 class EventKind(Enum):
-    """Kinds of things that happen."""
+    """Kinds of events."""
 
     FOUND = 'found'
     REBOOTED = 'started again'
@@ -25,7 +25,7 @@ class EventKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened, with a word for people."""
+    """One event, with a word for people."""
 
     kind: EventKind
     text: str = ''
@@ -33,7 +33,7 @@ class Event:
 
 
 def events_between(before: VehicleTelemetry, after: VehicleTelemetry) -> list[Event]:
-    """Return what happened from one state to the next, text apart."""
+    """Return the events from one state to the next; texts come separately."""
     events = []
     if before.autopilot is None and after.autopilot is not None:
         events.append(Event(EventKind.FOUND, f'{after.system}/{after.component}'))

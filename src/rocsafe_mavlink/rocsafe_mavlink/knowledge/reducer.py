@@ -36,9 +36,9 @@ from rocsafe_mavlink.wire.units import (
 
 ARMED_FLAG = 0x80
 PREARM_BIT = 1 << 28
-# MAV_AUTOPILOT of what is no autopilot: a camera, a ground station.
+# MAV_AUTOPILOT of a component without autopilot: a camera, a ground station.
 NO_AUTOPILOT = 8
-# Autopilot time that goes back by more is a new start; by less, a late message.
+# Autopilot time that goes back by more means a restart; by less, a late message.
 REBOOT_AFTER_S = 2.0
 UNKNOWN_SATELLITES = 255
 Reducer = Callable[[VehicleTelemetry, Message, float], VehicleTelemetry]
@@ -47,14 +47,17 @@ Reducer = Callable[[VehicleTelemetry, Message, float], VehicleTelemetry]
 def reduce(
     vehicle: VehicleTelemetry, message: Message, now_s: float, given_separation_m: float = math.nan
 ) -> tuple[VehicleTelemetry, list[Event]]:
-    """Return what is known after a message, and what happened.
+    """Return what is known after a message, and the events.
 
     Messages of other senders change nothing.
 
     Parameters
     ----------
-    now_s: steady time of arrival, seconds.
-    given_separation_m: geoid above ellipsoid where the receiver does not tell; NaN if not known.
+    now_s
+        Steady time of arrival, seconds.
+    given_separation_m
+        Height of the geoid above the ellipsoid where the receiver does not tell, metres; NaN if
+        not known.
     """
     if (message.system, message.component) != (vehicle.system, vehicle.component):
         return vehicle, []
@@ -103,7 +106,7 @@ def _position(vehicle: VehicleTelemetry, message: Message, now_s: float) -> Vehi
     boot_s = message['time_boot_ms'] / 1000.0
     last = vehicle.motion
     if last is not None and boot_s < last.boot_s:
-        # Overtaken on the way: what is known is newer.
+        # Overtaken on the way: a newer position is known already.
         return vehicle
     altitude_m = m_of_mm(message['alt'])
     motion = Motion(
@@ -124,7 +127,7 @@ def _position(vehicle: VehicleTelemetry, message: Message, now_s: float) -> Vehi
 def _is_jump(last: Motion | None, motion: Motion) -> bool:
     if last is None:
         return False
-    # Positions are rounded: the shortest time counts as a fifth of a second.
+    # Positions are rounded: shorter times count as a fifth of a second.
     passed_s = max(motion.boot_s - last.boot_s, 0.2)
     return distance_m(last.position, motion.position) > LARGEST_SPEED_MPS * passed_s
 
@@ -150,7 +153,7 @@ def _accuracy_m(accuracy_mm: int) -> float:
 
 def _with_geoid(vehicle: VehicleTelemetry, message: Message, given_m: float) -> VehicleTelemetry:
     if vehicle.is_armed and math.isfinite(vehicle.geoid_separation_m):
-        # Held still in flight, or the track would step where the source changes.
+        # Kept in flight: the track would step where the source changes.
         return vehicle
     found_m = separation_m(m_of_mm(message['alt']), m_of_mm(message['alt_ellipsoid']), given_m)
     return replace(vehicle, geoid_separation_m=found_m)
@@ -173,7 +176,7 @@ def _ekf(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleT
 
 
 def _attitude(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
-    # Forward, right, down becomes forward, left, up.
+    # From forward, right, down to forward, left, up.
     attitude = Attitude(
         roll_rad=message['roll'],
         pitch_rad=-message['pitch'],

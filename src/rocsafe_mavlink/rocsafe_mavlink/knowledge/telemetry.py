@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of one autopilot: a value that only messages change, see `reducer`."""
+"""What one autopilot said of itself: a value that only messages change, see `reducer`."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from rocsafe_geo.angle import heading_of_yaw_rad
 from rocsafe_geo.position import GeoPosition
 
 NEVER = -math.inf
-# Words of a heartbeat.
+# Age of the last heartbeat from which a vehicle counts as stale, as lost.
 STALE_AFTER_S = 3.0
 LOST_AFTER_S = 10.0
 FIX_3D = 3
@@ -36,7 +36,7 @@ class Landed(IntEnum):
 
 
 class SystemStatus(IntEnum):
-    """MAV_STATE, as far as it is looked at."""
+    """MAV_STATE, the values that are used here."""
 
     UNINIT = 0
     BOOT = 1
@@ -68,15 +68,20 @@ class EkfFlag(IntFlag):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gps:
-    """Last word of the receiver.
+    """Last report of the GPS receiver.
 
     Attributes
     ----------
-    fix_type: 3 and above is a position in space.
-    satellites: in view; -1 if not known.
-    time_us: of the receiver's solution.
-    changed_s: steady time at which `time_us` last changed.
-    horizontal_std_m, vertical_std_m: NaN if the receiver does not tell.
+    fix_type
+        3 and above is a position with height.
+    satellites
+        Satellites in use; -1 if not known.
+    time_us
+        Time of the receiver's solution.
+    changed_s
+        Steady time at which `time_us` last changed.
+    horizontal_std_m, vertical_std_m
+        Standard deviations, metres; NaN if the receiver does not tell.
     """
 
     fix_type: int = FIX_NONE
@@ -89,17 +94,24 @@ class Gps:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """Where the autopilot believes to be.
+    """Position and velocity as the autopilot estimates them.
 
     Attributes
     ----------
-    position: altitude above the ellipsoid, NaN if the geoid is not known here.
-    altitude_msl_m: above mean sea level.
-    height_above_home_m: as it says.
-    velocity_enu_mps: east, north, up.
-    yaw_rad: REP 103; NaN if not known.
-    boot_s: autopilot's own time.
-    heard_s: steady time.
+    position
+        Altitude above the ellipsoid, NaN if the geoid is not known here.
+    altitude_msl_m
+        Altitude above mean sea level.
+    height_above_home_m
+        Height above home, by the autopilot.
+    velocity_enu_mps
+        Velocity east, north, up.
+    yaw_rad
+        Yaw after REP 103; NaN if not known.
+    boot_s
+        Time since the start of the autopilot.
+    heard_s
+        Steady time of arrival.
     """
 
     position: GeoPosition
@@ -118,7 +130,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attitude:
-    """How it hangs in the air, after REP 103: yaw 0 is east, positive pitch lowers the nose."""
+    """Attitude after REP 103: yaw 0 is east, positive pitch lowers the nose."""
 
     roll_rad: float
     pitch_rad: float
@@ -127,7 +139,7 @@ class Attitude:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Home:
-    """Where the autopilot will return to; its altitude is above mean sea level."""
+    """Place to which the autopilot will return; its altitude is above mean sea level."""
 
     latitude_deg: float
     longitude_deg: float
@@ -145,13 +157,16 @@ class Battery:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionStatus:
-    """What the autopilot says of its mission, in its own numbers.
+    """Progress of the autopilot in its mission, in its own item numbers.
 
     Attributes
     ----------
-    current: item it flies to; -1 if it has not said.
-    reached: highest item it reported reached since it was armed; -1 if none.
-    phase: of its mission.
+    current
+        Item to which it flies; -1 if it has not said.
+    reached
+        Highest item that it reported reached since it was armed; -1 if none.
+    phase
+        Phase of its mission.
     """
 
     current: int = -1
@@ -161,19 +176,28 @@ class MissionStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleTelemetry:
-    """All that is known of one autopilot, (system, component).
+    """All that one autopilot, (system, component), said of itself.
 
     Attributes
     ----------
-    heartbeat_s: steady time of its last heartbeat.
-    autopilot: MAV_AUTOPILOT of its heartbeat, None before the first.
-    vehicle_type: MAV_TYPE of its heartbeat.
-    has_flown: whether it was in the air since it was last seen started.
-    is_prearm_ok: its pre-arm bit; means nothing in a mode that cannot be armed.
-    geoid_separation_m: ellipsoid to mean sea level; NaN if not known; held still while armed.
-    jumped_s: steady time at which the position last moved faster than anything flies.
-    boot_unix_s: time of day at its start, NaN if not known.
-    is_fence_breached: whether it says so.
+    heartbeat_s
+        Steady time of its last heartbeat.
+    autopilot
+        MAV_AUTOPILOT of its heartbeat, None before the first.
+    vehicle_type
+        MAV_TYPE of its heartbeat.
+    has_flown
+        Whether it was in the air since it was last seen started.
+    is_prearm_ok
+        Its pre-arm bit; it means nothing in a mode that cannot be armed.
+    geoid_separation_m
+        Height of the geoid above the ellipsoid; NaN if not known; kept while armed.
+    jumped_s
+        Steady time at which the position last moved faster than any multicopter flies.
+    boot_unix_s
+        Time of day at its start; NaN if not known.
+    is_fence_breached
+        Whether it reports a breach of its fence.
     """
 
     system: int
@@ -200,7 +224,7 @@ class VehicleTelemetry:
     is_fence_breached: bool = False
 
     def contact(self, now_s: float) -> Contact:
-        """Return how fresh what is known is at `now_s`, by its heartbeats."""
+        """Return how recent its last heartbeat is at `now_s`."""
         age_s = now_s - self.heartbeat_s
         if self.autopilot is None:
             return Contact.NONE
@@ -210,5 +234,5 @@ class VehicleTelemetry:
 
     @property
     def is_on_ground(self) -> bool:
-        """Whether it stands: motors off, or by its own word."""
+        """Whether the motors are off, or it reports that it stands on the ground."""
         return not self.is_armed or self.landed is Landed.ON_GROUND

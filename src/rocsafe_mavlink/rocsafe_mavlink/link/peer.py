@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One sender on a link: bytes in, messages out that may be believed.
+"""One sender on a link: bytes in, plausible messages out.
 
 The order of checks: size, frame and checksum, signature, rate, use, plausibility. Nothing that a
-frame says is remembered before its signature was found good.
+frame says is stored before its signature was found good.
 """
 
 from rocsafe_mavlink.wire.counters import Counters, Reason
@@ -15,9 +15,9 @@ from rocsafe_mavlink.wire.signing import SignatureGate, SignatureVerdict
 LARGEST_DATAGRAM = 4096
 LARGEST_RATE_PER_S = 2000.0
 LARGEST_SENDER_COUNT = 64
-# A gap wider than this is a restart of the sender, not a loss.
+# A larger gap is a restart of the sender, not a loss.
 LARGEST_GAP = 128
-# What a radio modem puts in of itself; it has no key.
+# RADIO_STATUS, which a radio modem inserts; it has no key.
 UNSIGNED_ALLOWED = frozenset({109})
 _REASONS = {
     SignatureVerdict.FORGED: Reason.FORGED,
@@ -32,9 +32,12 @@ class Peer:
 
     Parameters
     ----------
-    counters: of the link.
-    gate: judge of signatures; None reads everything, signed or not.
-    is_stream: whether bytes come without borders (TCP, serial), not in datagrams.
+    counters
+        Counters of the link.
+    gate
+        Checks signatures; None reads everything, signed or not.
+    is_stream
+        Whether the bytes come without message borders (TCP, serial), not in datagrams.
     """
 
     def __init__(
@@ -49,17 +52,20 @@ class Peer:
 
     @property
     def buffered(self) -> int:
-        """Bytes kept of a frame that has not arrived whole."""
+        """Number of bytes kept of a frame that has not arrived whole."""
         return len(self._rest)
 
     def receive(self, data: bytes, now_s: float, time_s: float) -> list[Message]:
-        """Return the believable messages in `data`.
+        """Return the plausible messages in `data`.
 
         Parameters
         ----------
-        data: a datagram, or the next bytes of a stream.
-        now_s: steady time, seconds.
-        time_s: time of day, seconds since 1970, for signatures.
+        data
+            A datagram, or the next bytes of a stream.
+        now_s
+            Steady time, seconds.
+        time_s
+            Time of day, seconds since 1970, for signatures.
         """
         messages = []
         for frame in self._frames(data):
@@ -81,7 +87,7 @@ class Peer:
             return []
         found = scan(self._rest + data, is_whole=not self._is_stream)
         if self._is_stream:
-            # At most one frame that is not yet whole, whatever was sent.
+            # At most one incomplete frame is kept, whatever was sent.
             self._rest = (self._rest + data)[found.used :][-LARGEST_FRAME:]
         elif not found.frames:
             self._counters.drop(Reason.NO_FRAME)

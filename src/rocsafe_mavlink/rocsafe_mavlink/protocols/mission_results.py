@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an autopilot means by the number of a MISSION_ACK."""
+"""Meaning of the number of a MISSION_ACK."""
 
 from collections.abc import Mapping
 from enum import IntEnum
@@ -36,7 +36,7 @@ RESULTS: Mapping[int, str] = {
     14: 'denied: another station transfers a mission',
     15: 'transfer cancelled',
 }
-# These may go better at the next try.
+# Another try may succeed after these.
 PASSING = frozenset({1, 14, 15})
 
 

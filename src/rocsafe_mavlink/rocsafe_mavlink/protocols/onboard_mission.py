@@ -22,8 +22,10 @@ class OnboardMission:
     Attributes
     ----------
     condition
-        UNKNOWN: another station, a restart or a lost link may have changed it. TORN: an upload of
-        ours began and was not verified. VERIFIED: what we sent was read back as it was sent.
+        UNKNOWN
+        Another station, a restart or a lost link may have changed it. TORN: an upload of
+        ours began and was not verified. VERIFIED: what we sent was read back as it was
+        sent.
     items
         The mission as it was last read from the vehicle since it was found in the air; None: not
         read.

@@ -46,8 +46,6 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'autostart': is_real,
         'pause_when_idle': not is_real,
         'scene': scenario.scene,
-        'seed': scenario.seed,
-        **_origin(scenario),
     }
 
 

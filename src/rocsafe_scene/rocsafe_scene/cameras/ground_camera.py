@@ -22,23 +22,23 @@ _COMMENT = b'\xff\xfe'
 
 @dataclass(frozen=True, slots=True)
 class GroundCamera:
-    """Sees `ground`, the plane up = 0, through `lens`."""
+    """A pinhole camera `lens` over `ground`, which is the plane up = 0."""
 
     lens: PinholeCamera
     ground: Ground
 
     @property
     def truth(self) -> Truth | None:
-        """Nothing: a flat picture has neither depth nor labels."""
+        """None: flat ground has neither depth nor labels."""
         return None
 
     @property
     def remark(self) -> str:
-        """Nothing."""
+        """Empty."""
         return ''
 
     def label_table(self) -> str:
-        """Return nothing: there are no labels."""
+        """Return an empty text: there are no labels."""
         return ''
 
     def photograph(
@@ -49,14 +49,15 @@ class GroundCamera:
         *,
         is_quick: bool = False,  # noqa: ARG002 - it always is
     ) -> Image:
-        """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
+        """Return the image seen from a pose: blue, green, red; shape (height, width, 3).
 
-        The ground is sampled at most as coarse as the picture's own pixels below the camera, so
+        The ground is sampled with texels no wider than the image's pixels below the camera, so
         that neither detail is lost nor fine texture aliased.
 
         Raises
         ------
-        GroundError: if the horizon would be seen, or the ground has no picture there.
+        GroundError
+            If the camera would see the horizon, or there is no ground image there.
         """
         try:
             corners = ground_corners(self.lens, position_enu, rotation_enu_from_optical)

@@ -38,7 +38,7 @@ def depth_picture(depth_m: Floats) -> Image:
 
 def truth_sheet(classes: NDArray[np.uint8], numbers: NDArray[np.uint32], depth_m: Floats,
                 normals: Image) -> Image:  # fmt: skip
-    """Return classes and instances over depth and normals, on one sheet."""
+    """Return one image with classes and instances above depth and normals."""
     above = np.hstack([class_picture(classes), number_picture(numbers)])
     below = np.hstack([depth_picture(depth_m), normals[..., ::-1]])
     return np.asarray(np.vstack([above, below]))

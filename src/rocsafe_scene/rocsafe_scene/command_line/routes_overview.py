@@ -21,22 +21,25 @@ from rocsafe_scene.errors import SceneError
 from rocsafe_scene.mesh.lines import resampled
 from rocsafe_scene.mesh.mesh import Floats
 
-# Okabe and Ito's palette (2008), which the colour-blind tell apart; blue, green, red.
+# Palette of Okabe and Ito (2008), safe for colour-blind readers; blue, green, red.
 _COLOURS = ((0, 159, 230), (233, 180, 86), (66, 228, 240), (167, 121, 204), (0, 94, 213))
 _STEP_M, _SLACK_M = 1.5, 0.6
-# Nearer than this to the camera's plane nothing is drawn.
+# Points nearer to the camera than this, metres, are not drawn.
 _NEAR_M = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunRoutes:
-    """What was planned and flown, by vehicle, metres about the mission origin.
+    """Planned and flown routes by vehicle, metres about the mission origin.
 
     Attributes
     ----------
-    origin : of the mission.
-    planned : places of the photographs in their order, (n, 3).
-    flown : places of the readings, (n, 3).
+    origin
+        Mission origin.
+    planned : (n, 3)
+        Places of the photographs of each vehicle, in order.
+    flown : (n, 3)
+        Places of the readings of each vehicle, in order.
     """
 
     origin: GeoPosition
@@ -50,12 +53,12 @@ class RunRoutes:
 
     @property
     def survey_middle(self) -> Floats:
-        """Middle of all that is photographed, (3,)."""
+        """Centre of all photographed places, (3,)."""
         return np.asarray(0.5 * (self.survey.min(axis=0) + self.survey.max(axis=0)))
 
     @property
     def reach_m(self) -> float:
-        """Half the extent of all that is photographed."""
+        """Half the extent of all photographed places, metres."""
         return 0.5 * float(np.linalg.norm(np.ptp(self.survey, axis=0)))
 
 
@@ -64,7 +67,8 @@ def read_run(run: Path) -> RunRoutes:
 
     Raises
     ------
-    SceneError: one line, if it is none, or nothing was planned in it.
+    SceneError
+        One line, if it is no run directory, or has no planned route.
     """
     try:
         scenario = yaml.safe_load((run / 'scenario.yaml').read_text(encoding='utf-8'))
@@ -82,7 +86,7 @@ def read_run(run: Path) -> RunRoutes:
 
 
 def _origin(scenario: Mapping[str, Any]) -> GeoPosition:
-    """Return the mission's origin, which is the region's centroid unless the scenario says it."""
+    """Return the mission origin: given by the scenario, else the centroid of the region."""
     given = scenario.get('origin', {})
     altitude = float(given.get('ground_altitude_m', 0.0))
     if given.get('latitude_deg') is not None and given.get('longitude_deg') is not None:
@@ -119,9 +123,9 @@ def draw_routes(
     pose: tuple[Floats, Floats],
     routes: RunRoutes,
 ) -> NDArray[np.uint8]:
-    """Return `image` with planned routes as thin and flown ones as thick lines.
+    """Return `image` with planned routes as thin lines and flown routes as thick lines.
 
-    What stands in front of a line hides it. `pose` is position and rotation of the camera.
+    Objects in front of a line hide it. `pose` is position and rotation of the camera.
     """
     drawn = image.copy()
     for number, (name, places) in enumerate(routes.planned.items()):
@@ -161,7 +165,7 @@ def _draw(
 
 
 def _is_in_front(depth_m: Floats, u: float, v: float, depth: float) -> bool:
-    """Return whether nothing nearer is seen where a point projects to."""
+    """Return whether no nearer surface hides a projected point."""
     rows, columns = depth_m.shape
     if depth <= _NEAR_M or not (0.0 <= u < columns - 0.5 and 0.0 <= v < rows - 0.5):
         return False

@@ -34,7 +34,7 @@ Command = Callable[[argparse.Namespace], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """From where, and at what, a picture is taken; metres in the scene's own frame."""
+    """Camera position, target and size of an image; metres in the scene's own frame."""
 
     eye: tuple[float, float, float]
     target: tuple[float, float, float] | None
@@ -50,7 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='rocsafe scene', description='Look after the scenes that simulated cameras see.'
+        prog='rocsafe scene',
+        description='Check, list and render the scenes that simulated cameras see.',
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     checking = commands.add_parser('check', help='is a scene file valid, and what is in it?')
@@ -59,9 +60,9 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser('list', help='every object: number, name, class, place')
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
-    heights = commands.add_parser('heights', help='its ground as a GeoTIFF, for planners')
+    heights = commands.add_parser('heights', help='write the ground heights as a GeoTIFF')
     _add_export(heights, 'heights.tif', _heights)
-    solids = commands.add_parser('solids', help='its solid things and ground, for hazard nodes')
+    solids = commands.add_parser('solids', help='write its solids, for hazard nodes')
     _add_export(solids, 'solids.npz', _solids)
     _add_render(commands)
     return parser
@@ -79,7 +80,7 @@ def _add_export(parser: argparse.ArgumentParser, file: str, run: Command) -> Non
 
 
 def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]') -> None:
-    parser = commands.add_parser('render', help='take a picture of a scene')
+    parser = commands.add_parser('render', help='render an image of a scene')
     parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     parser.add_argument('--out', type=Path, default=Path('scene.png'), metavar='FILE')
     parser.add_argument(
@@ -98,7 +99,7 @@ def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]')
         '--overview',
         type=Path,
         metavar='RUN_DIR',
-        help='of a finished run: with its planned and flown routes',
+        help='draw the planned and flown routes of a finished run',
     )
     parser.add_argument(
         '--truth',
@@ -190,7 +191,7 @@ def _render(arguments: argparse.Namespace) -> None:
 
 
 def _drawn(description: SceneDescription, view: View, arguments: argparse.Namespace) -> list[Path]:
-    # Only here, so that check and list work where the engine is not installed.
+    # Imported here, so that check and list work without the engine.
     from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_scene
 
     routes = read_run(arguments.overview) if arguments.overview else None
@@ -211,7 +212,7 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
 
 
 def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
-    """Return a pose from the south-west that has all planned viewpoints in view."""
+    """Return a pose in the south-west that sees all planned viewpoints."""
     from rocsafe_scene.graphics.lens import looking
 
     reach = max(60.0, min(routes.reach_m, 160.0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Opening a scene file for drawing, and drawing it in better quality than a stream needs."""
+"""Renderers of scenes, and a camera that draws at a higher resolution and scales down."""
 
 from datetime import datetime
 from pathlib import Path
@@ -27,11 +27,12 @@ AnyRenderer = Renderer | SoftwareRenderer
 def open_renderer(
     environment: Environment, description: SceneDescription, time: datetime | None = None
 ) -> AnyRenderer:
-    """Return a renderer of `environment`, lit as `description` says; `time` in place of its own.
+    """Return a renderer of `environment`, lit as `description` says, at `time` if given.
 
     Raises
     ------
-    EngineError: if nothing can draw here.
+    EngineError
+        If this machine has nothing to draw with.
     """
     light, place = description.light, description.place
     direction = sun_direction(time or light.time, place.latitude_deg, place.longitude_deg)
@@ -51,25 +52,30 @@ def open_scene(
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        If the scene cannot be built or drawn; one line.
     """
     return open_renderer(build(description, seed, origin, cache), description)
 
 
 class OversampledCamera:
-    """A camera whose picture is drawn larger and scaled down: clean edges, calm detail.
+    """A camera whose image is drawn larger and scaled down, which smooths edges and detail.
 
-    Depth and labels come from a pass of the picture's own size, so that they stay exact.
+    Depth and labels are drawn at the size of the image, so that they stay exact.
 
     Parameters
     ----------
-    renderer : of the scene.
-    lens : of the pictures.
-    oversampling : 1 draws once, 2 draws four times the pixels.
+    renderer
+        Renderer of the scene.
+    lens
+        Intrinsics of the images.
+    oversampling
+        1 draws once, 2 draws four times the pixels.
 
     Raises
     ------
-    SceneError: if the oversampled picture would be too large.
+    SceneError
+        If the oversampled image would be too large.
     """
 
     def __init__(self, renderer: AnyRenderer, lens: PinholeCamera, oversampling: int = 2) -> None:
@@ -99,7 +105,7 @@ class OversampledCamera:
         """Return what is seen from a pose, see `RendererCamera.expose`."""
         if self._large is None:
             return self.expose_once(position_enu, rotation_enu_from_optical)
-        # Labels of the very leaves that the picture shows.
+        # Labels must show the same leaves as the image.
         self._plain.resolve(self._large.lens.focal_px)
         frame = self._plain.expose(position_enu, rotation_enu_from_optical)
         large = self._large.expose(position_enu, rotation_enu_from_optical)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a scene from any pose: picture, depth, labels and normals in one pass."""
+"""Draws a scene from any pose: image, depth, labels and normals in one pass."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.scene_graph import EYE, FOCAL_PX, SceneGraph
+from rocsafe_scene.engine.drawing_options import DETAIL
+from rocsafe_scene.engine.scene_graph import ALL, SceneGraph
 from rocsafe_scene.engine.shadow_maps import ShadowMaps
 from rocsafe_scene.engine.smoothing import smoothed
 from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
@@ -30,19 +31,19 @@ _PLANES = (
 )
 # The class is the highest byte of a label, the instance the others.
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
-# Of the distances at which simpler meshes take over.
-_FINEST, _COARSEST = 0.55, 2.0
-_MAP_LOD_SCALE = 0.1
 
 
 class Renderer:
-    """One scene on one pipe; all its calls must come from the thread that made it.
+    """Draws one scene. All calls must come from the thread that made it.
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
-    weather : of the sky.
+    environment
+        Scene to draw.
+    lighting
+        Light of the scene.
+    weather
+        Weather of the sky.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
@@ -57,7 +58,7 @@ class Renderer:
         self._time_s = 0.0
 
     def set_time(self, time_s: float) -> None:
-        """Put what moves where it is at a time, seconds after the start; shadows follow."""
+        """Move objects, and their shadows, to their places `time_s` seconds after the start."""
         self.thread.require()
         if time_s != self._time_s and self.graph.has_motion:
             self.graph.move(time_s)
@@ -65,9 +66,9 @@ class Renderer:
         self._time_s = time_s
 
     def rearrange(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
-        """Put things elsewhere, leave some out, and change the light.
+        """Move or hide objects, and change the light.
 
-        `objects` are those of the environment, some in other places; what is missing is not drawn.
+        `objects` are those of the environment, possibly in other places; missing ones are hidden.
         """
         self.thread.require()
         self.graph.arrange(objects)
@@ -91,7 +92,7 @@ class RendererCamera:
         self._buffer = self._make_buffer(renderer.pipe)
         self._camera = core.Camera('eye', pinhole_lens(lens))
         self._camera.setScene(renderer.graph.root)
-        self._camera.setCameraMask(EYE)
+        self._camera.setCameraMask(ALL)
         self.resolve(lens.focal_px)
         self._node = renderer.graph.root.attachNewNode(self._camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
@@ -107,12 +108,11 @@ class RendererCamera:
         return buffer
 
     def resolve(self, focal_px: float) -> None:
-        """Draw things in the detail that a camera of another focal length resolves."""
-        scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
-        self._camera.setLodScale(scale)
+        """Draw as much detail as a camera of focal length `focal_px` resolves."""
+        self._camera.setLodScale(DETAIL.scale_of(focal_px))
 
     def use_parallel_projection(self, width_m: float, depth_m: float) -> None:
-        """Draw without perspective, everything in full detail; depths are then without meaning.
+        """Draw without perspective and in full detail; depths are then undefined.
 
         Parameters
         ----------
@@ -122,15 +122,17 @@ class RendererCamera:
             Distance up to which things are drawn, metres.
         """
         self._camera.setLens(flat_lens(width_m, width_m, depth_m))
-        self._camera.setLodScale(_MAP_LOD_SCALE)
+        self._camera.setLodScale(DETAIL.map_scale)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose.
 
         Parameters
         ----------
-        position_enu : of the camera, metres, (3,).
-        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        position_enu : (3,)
+            Position of the camera, metres.
+        rotation_enu_from_optical : (3, 3)
+            Rotation of the camera, columns right, down, ahead.
         """
         self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
@@ -141,7 +143,7 @@ class RendererCamera:
         return self._frame()
 
     def close(self) -> None:
-        """Give the buffer back."""
+        """Release the buffer."""
         self._engine.removeWindow(self._buffer)
         self._node.removeNode()
 

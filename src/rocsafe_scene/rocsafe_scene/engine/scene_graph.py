@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene graph: terrain, things, grass and sky, with their shaders and textures."""
+"""The scene graph: terrain, objects, grass and sky, with their shaders and textures."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from zlib import crc32
 import numpy as np
 from panda3d import core
 
+from rocsafe_scene.engine.drawing_options import DETAIL
 from rocsafe_scene.engine.shaders import NodeShaders
 from rocsafe_scene.graphics import upload
 from rocsafe_scene.graphics.memory import drop_mapped_pages
@@ -24,39 +25,29 @@ from rocsafe_scene.parts.thinning import LEAFY, coarser, sparser
 from rocsafe_scene.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
 from rocsafe_scene.scene.sunlight import Lighting
 
-# Bits of the cameras that see a node; ALONE sees the ground and what it is shown, SUN what stands,
-# MOVING what moves.
-EYE, SUN, BARE, ALONE, MOVING = (core.BitMask32.bit(number) for number in range(5))
+# Camera mask bits. ALL cameras see everything, SUN sees standing objects, BARE the bare ground,
+# ALONE the ground and chosen objects, MOVING sees moving objects.
+ALL, SUN, BARE, ALONE, MOVING = (core.BitMask32.bit(number) for number in range(5))
 _INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 16, 12, 20
-# Up to these distances, metres, leaves and other things are drawn in full, simpler, simpler still,
-# and grass at all, by a camera of this focal length; a longer one sees as well from further.
-FOCAL_PX = 1100.0
-_LEAVES_M = (62.0, 120.0, 260.0, 9000.0)
-_THINGS_M = (82.0, 160.0, 320.0, 9000.0)
-_GRASS_M = (42.0, 80.0)
-_GRAIN_M = (130.0, 9000.0)
-# A corner in each cube of so many metres is left of simpler things.
-_CELLS_M = (0.08, 0.16, 0.4)
-# Fewer triangles than these are not worth a simpler mesh.
-_FEW = 60
-# To this distance from the origin the finer shadow map surely reaches.
-_NEAR_M = 165.0
-# Surfaces whose gloss the programs do not leave out.
+# Surfaces that are drawn with gloss.
 _GLOSSY = {int(surface) for surface, look in LOOKS.items() if look.gloss > 0.09}
-# Drawing order: things from near to far, then leaves, whose program is another, then the ground
-# that they hide, the sky last.
+# Drawing order: objects from near to far, leaves (which have another shader), the ground that both
+# hide, the sky.
 _THINGS, _LEAVES, _GROUND, _SKY = 20, 25, 30, 40
 _CLOUDS = {'clear': 0.8, 'overcast': 0.25, 'wet': 0.2, 'fog': 0.0, 'dusk': 0.9}
 
 
 class SceneGraph:
-    """All that is drawn, under one root.
+    """Everything that is drawn, under one root node.
 
     Parameters
     ----------
-    environment : what there is.
-    weather : for the clouds.
-    pipe : that will draw it.
+    environment
+        Scene to draw.
+    weather
+        Weather, which sets the clouds.
+    pipe
+        Pipe that will draw it.
     """
 
     def __init__(self, environment: Environment, weather: str, pipe: Pipe) -> None:
@@ -96,14 +87,14 @@ class SceneGraph:
         )
 
     def move(self, time_s: float) -> None:
-        """Put what moves where it is at a time."""
+        """Move objects to their places at a time, seconds after the start."""
         for thing, node in self._moving:
             assert thing.path is not None  # noqa: S101 - only such are kept
             place, yaw = thing.path.shift_at(time_s)
             node.setPosHpr(*place.tolist(), float(np.degrees(yaw)), 0.0, 0.0)
 
     def arrange(self, objects: Sequence[SceneObject]) -> None:
-        """Put things where `objects`, the stage's own moved, have them; hide the rest."""
+        """Place the objects as `objects` says, and hide those that are missing in it."""
         left = dict(self.things)
         for thing in objects:
             parent = left.pop(thing.number)
@@ -136,7 +127,7 @@ class SceneGraph:
             chunk = inner.attachNewNode('chunk')
             water = ('GLOSSY', 'WATER') if _has_water(mesh, environment.inner) else ()
             nodes = [upload.geom_node('chunk', mesh)] * 2
-            steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), _GRAIN_M)
+            steps = _add_steps(chunk, nodes, mesh.bounds.mean(axis=0), DETAIL.grain_m)
             self._assign_steps(steps, 'ground', 'INNER', *moving, *water)
         for mesh in upload.grid_meshes(terrain.outer, _OUTER_CELLS, terrain.inner):
             around.attachNewNode(upload.geom_node('chunk', mesh))
@@ -146,7 +137,7 @@ class SceneGraph:
 
     def _lay(self, node: Any, ground: GroundMap) -> None:
         picture = upload.colour_texture('ground', ground.colours)
-        # Handed over at once: three copies of it at a time are most of what a scene needs.
+        # Uploaded at once: three copies at a time would take most of the memory of a scene.
         host = self._pipe.host
         picture.prepare(host.getGsg().getPreparedObjects())
         host.setActive(True)
@@ -168,7 +159,7 @@ class SceneGraph:
         grass.setBin('leaves', 0)
         for mesh in tufts:
             nodes = [upload.geom_node('tufts', step) for step in (mesh, sparser(mesh))]
-            _add_steps(grass, nodes, mesh.bounds.mean(axis=0), _GRASS_M)
+            _add_steps(grass, nodes, mesh.bounds.mean(axis=0), DETAIL.grass_m)
 
     def _add_objects(self, environment: Environment) -> None:
         shapes: dict[int, _Shape] = {}
@@ -203,7 +194,7 @@ class SceneGraph:
                 self._moving.append((thing, parent))
 
     def _assign_steps(self, steps: list[Any], name: str, *switches: str) -> None:
-        """Let nodes be drawn by a program, all but the first without what only shows near by."""
+        """Assign a shader to nodes; all but the first get the variant for distant objects."""
         for number, node in enumerate(steps):
             distant = ('DISTANT',) if number and name != 'foliage' else ()
             self._shaders.assign(node, name, *switches, *distant)
@@ -219,7 +210,7 @@ class SceneGraph:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shape:
-    """A mesh in the engine's memory, and simpler ones after it; things that are alike share it."""
+    """A mesh and simpler versions of it as nodes; objects of the same shape share them."""
 
     nodes: list[Any]
     bounds: Floats
@@ -235,30 +226,30 @@ def _shape(thing: SceneObject, mesh: Mesh) -> _Shape:
 
 
 def _steps(thing: SceneObject, mesh: Mesh) -> list[Mesh]:
-    """Return a mesh as it is, and simpler ones for the distance."""
+    """Return a mesh and simpler versions of it for larger distances."""
     if thing.label in LEAFY:
         return coarser(mesh)
-    if len(mesh.triangles) < _FEW:
+    if len(mesh.triangles) < DETAIL.least_triangles:
         return [mesh]
-    return [mesh, *(clustered(mesh, cell_m) for cell_m in _CELLS_M)]
+    return [mesh, *(clustered(mesh, cell_m) for cell_m in DETAIL.cells_m)]
 
 
 def _add_piece(parent: Any, thing: SceneObject, piece: Piece, shape: _Shape) -> list[Any]:
     placed = parent.attachNewNode('piece')
     _place(placed, piece, is_moving=thing.path is not None)
-    ranges = _LEAVES_M if thing.label in LEAFY else _THINGS_M
+    ranges = DETAIL.leaves_m if thing.label in LEAFY else DETAIL.objects_m
     return _add_steps(placed, shape.nodes, shape.bounds.mean(axis=0), ranges)
 
 
 def _switches(thing: SceneObject, piece: Piece, shape: _Shape) -> tuple[str, ...]:
-    """Return the variant that a piece of a thing needs."""
+    """Return the shader switches that a piece needs."""
     skin = ('SKIN',) if shape.has_skin else ()
     if thing.path is None:
         corners = np.array(np.meshgrid(*shape.bounds.T)).reshape(3, -1).T
         places = corners @ piece.rotation.T + piece.offset
     else:
         places = thing.path.places
-    is_far = np.linalg.norm(places[:, :2], axis=1).max() > _NEAR_M
+    is_far = np.linalg.norm(places[:, :2], axis=1).max() > DETAIL.near_shadow_m
     return (*(('FAR',) if is_far else ()), *(('GLOSSY',) if shape.is_glossy else ()), *skin)
 
 
@@ -280,9 +271,9 @@ def _place(placed: Any, piece: Piece, *, is_moving: bool) -> None:
 def _add_steps(
     parent: Any, nodes: list[Any], middle: Floats, ranges: tuple[float, ...]
 ) -> list[Any]:
-    """Draw one of `nodes` under `parent`, the finer the nearer the camera is to `middle`.
+    """Attach `nodes` to `parent` as levels of detail; the distance is measured to `middle`.
 
-    The k-th is drawn up to the k-th of `ranges`, metres; a single one without ranges always.
+    Node k is drawn up to `ranges[k]` metres; a single node is drawn at any distance.
     """
     if len(nodes) == 1 and len(ranges) > 1:
         return [parent.attachNewNode(nodes[0])]

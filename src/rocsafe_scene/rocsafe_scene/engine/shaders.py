@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that draw, each compiled in no more than the variants that a scene needs.
+"""Shader programs, each compiled only in the variants that a scene needs.
 
-On a processor every branch of a program costs its time, taken or not.
+A software renderer (llvmpipe) pays for every branch of a shader, taken or not.
 """
 
 from functools import lru_cache
@@ -12,13 +12,13 @@ from panda3d import core
 
 _FOLDER = Path(__file__).parent
 _SHARED = ('labels', 'light')
-# Vertex parts that are not called as the fragment part.
+# Vertex shaders whose name differs from that of the fragment shader.
 _VERTEX = {'object': 'surface', 'sky': 'ground', 'sunlit': 'ground', 'alone': 'plain'}
 
 
 @lru_cache(maxsize=64)
 def shader(name: str, *switches: str) -> Any:
-    """Return the program whose fragment part is ``<name>.frag.glsl``, with `switches` defined."""
+    """Return the program with fragment shader ``<name>.frag.glsl``, with `switches` defined."""
     vertex = _source(_VERTEX.get(name, name), 'vert', switches, ('light',))
     return core.Shader.make(core.Shader.SLGLSL, vertex, _source(name, 'frag', switches, _SHARED))
 
@@ -33,19 +33,19 @@ def _source(name: str, part: str, switches: tuple[str, ...], shared: tuple[str, 
 
 
 class NodeShaders:
-    """What nodes are drawn by: the same in the dry, and with water on it."""
+    """Assigns shaders to nodes, in a dry or a wet variant."""
 
     def __init__(self) -> None:
         self._assigned: list[tuple[Any, str, tuple[str, ...]]] = []
         self._is_wet = False
 
     def assign(self, node: Any, name: str, *switches: str) -> None:
-        """Let `node` be drawn by a program in a variant."""
+        """Draw `node` by the program called `name`, with `switches` defined."""
         self._assigned.append((node, name, switches))
         node.setShader(self._program(name, switches))
 
     def set_wet(self, *, is_wet: bool) -> None:
-        """Let all that is dressed be wet or dry."""
+        """Give all nodes the wet or the dry variant of their shaders."""
         if is_wet == self._is_wet:
             return
         self._is_wet = is_wet

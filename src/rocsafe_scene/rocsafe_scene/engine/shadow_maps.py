@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the sun and the sky do not reach: shadow maps, and the canopy seen from above."""
+"""Shadow maps of the sun, and the canopy map that darkens places below foliage."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from panda3d import core
 
+from rocsafe_scene.engine.drawing_options import SHADOWS
 from rocsafe_scene.engine.scene_graph import BARE, MOVING, SUN, SceneGraph
 from rocsafe_scene.engine.shaders import shader
 from rocsafe_scene.graphics.lens import flat_lens, looking, node_matrix
@@ -17,16 +18,6 @@ from rocsafe_scene.graphics.upload import height_texture
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.sunlight import Lighting
 
-# Width of the shadow maps on the ground, metres and texels.
-_NEAR_M, _NEAR_PX = 360.0, 4096
-_FAR_M, _FAR_PX = 1100.0, 2048
-# Texels of the map of what moves, as wide as the near one.
-_MOVING_PX = 3072
-_DEPTH_M = 900.0
-# The canopy: half extent, texel and blur, metres; from above everything.
-_CANOPY_M, _CANOPY_TEXEL_M, _BLUR_M, _ABOVE_M = 180.0, 0.5, 1.3, 400.0
-# Texel of the light on the ground, metres.
-_SUNLIT_TEXEL_M = 0.12
 # A camera that looks straight down with north at the top.
 _DOWN = np.diag([1.0, -1.0, -1.0])
 _TO_TEXTURE = core.LMatrix4f(0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5, 0.5, 1)
@@ -34,7 +25,7 @@ _TO_TEXTURE = core.LMatrix4f(0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0.5, 0.5,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _ShadowMap:
-    """A shadow map's name in the shaders, its buffer, and the camera it is drawn by."""
+    """Name of a shadow map in the shaders, its buffer, and its camera."""
 
     name: str
     buffer: Any
@@ -43,22 +34,22 @@ class _ShadowMap:
 
 
 class ShadowMaps:
-    """Shadow maps and canopy of a stage, bound to its shaders."""
+    """Shadow maps and canopy map of a scene graph, bound to its shaders."""
 
     def __init__(self, pipe: Pipe, graph: SceneGraph, lighting: Lighting) -> None:
         self._pipe, self._graph = pipe, graph
         self._suns = [
-            self._shadow_map('near', _NEAR_M, _NEAR_PX),
-            self._shadow_map('far', _FAR_M, _FAR_PX),
+            self._shadow_map('near', SHADOWS.near_m, SHADOWS.near_px),
+            self._shadow_map('far', SHADOWS.far_m, SHADOWS.far_px),
         ]
         self._moving: _ShadowMap | None = None
         if graph.has_motion:
-            self._moving = self._shadow_map('moving', _NEAR_M, _MOVING_PX, MOVING)
+            self._moving = self._shadow_map('moving', SHADOWS.near_m, SHADOWS.moving_px, MOVING)
         self._textures: list[Any] = []
         self.relight(lighting)
 
     def relight(self, lighting: Lighting) -> None:
-        """Draw all shade anew, after things were put elsewhere or the sun has moved."""
+        """Draw all maps again, after objects or the sun have moved."""
         direction = np.array(lighting.sun_direction)
         for sun in self._suns:
             self._aim(sun, direction)
@@ -77,7 +68,7 @@ class ShadowMaps:
         self._draw([*self._suns, *([self._moving] if self._moving else [])])
 
     def follow(self) -> None:
-        """Draw the shadows of what moves again; those of what stands are as they were."""
+        """Draw the shadow map of moving objects again."""
         self._draw([self._moving] if self._moving else [])
 
     def _draw(self, suns: Sequence['_ShadowMap']) -> None:
@@ -88,7 +79,7 @@ class ShadowMaps:
             sun.buffer.setActive(False)
 
     def _aim(self, sun: '_ShadowMap', direction: Floats) -> None:
-        sun.node.setMat(node_matrix(0.5 * _DEPTH_M * direction, looking(-direction)))
+        sun.node.setMat(node_matrix(0.5 * SHADOWS.depth_m * direction, looking(-direction)))
         to_clip = self._graph.root.getTransform(sun.node).getMat() * sun.lens.getProjectionMat()
         self._graph.root.setShaderInput(f'{sun.name}_sun', to_clip * _TO_TEXTURE)
 
@@ -97,7 +88,7 @@ class ShadowMaps:
         texture.setFormat(core.Texture.FDepthComponent)
         texture.setMinfilter(core.SamplerState.FTShadow)
         texture.setMagfilter(core.SamplerState.FTShadow)
-        # Nothing is known beyond the map: sunlit.
+        # Places beyond the map count as sunlit.
         texture.setWrapU(core.SamplerState.WMBorderColor)
         texture.setWrapV(core.SamplerState.WMBorderColor)
         texture.setBorderColor(core.LVecBase4f(1.0))
@@ -105,7 +96,7 @@ class ShadowMaps:
         buffer.addRenderTexture(
             texture, core.GraphicsOutput.RTMBindOrCopy, core.GraphicsOutput.RTPDepth
         )
-        lens = flat_lens(width_m, width_m, _DEPTH_M)
+        lens = flat_lens(width_m, width_m, SHADOWS.depth_m)
         node = self._camera(buffer, lens, np.zeros(3), _DOWN)
         node.node().setCameraMask(mask)
         buffer.setActive(False)
@@ -139,16 +130,16 @@ class ShadowMaps:
         return node
 
     def _canopy(self) -> Floats:
-        """Return the height of what stands on the ground, blurred; far below where nothing is."""
-        size = round(2.0 * _CANOPY_M / _CANOPY_TEXEL_M)
+        """Return the blurred height of objects; far below zero where nothing stands."""
+        size = round(2.0 * SHADOWS.canopy_m / SHADOWS.canopy_texel_m)
         buffer = self._buffer('canopy', size, size)
         texture = core.Texture('canopy depth')
         plane = core.GraphicsOutput.RTPColor
         buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
         buffer.setClearActive(plane, True)
         buffer.setClearValue(plane, core.LVecBase4f(0.0))
-        lens = flat_lens(2.0 * _CANOPY_M, 2.0 * _CANOPY_M, 2.0 * _ABOVE_M)
-        node = self._camera(buffer, lens, np.array([0.0, 0.0, _ABOVE_M]), _DOWN)
+        lens = flat_lens(2.0 * SHADOWS.canopy_m, 2.0 * SHADOWS.canopy_m, 2.0 * SHADOWS.above_m)
+        node = self._camera(buffer, lens, np.array([0.0, 0.0, SHADOWS.above_m]), _DOWN)
         self._pipe.engine.renderFrame()
         raw = np.frombuffer(memoryview(texture.getRamImage()).cast('B'), np.float32)
         depth = raw.reshape(size, size).copy()
@@ -157,17 +148,17 @@ class ShadowMaps:
         return _blurred(depth)
 
     def _sunlit(self) -> Any:
-        """Return how much sun and sky each place of the inner ground gets, drawn once."""
+        """Return a texture with the shares of sun and sky that reach the inner ground."""
         west, south, width, height = self._graph.inner_area
-        size = round(width / _SUNLIT_TEXEL_M), round(height / _SUNLIT_TEXEL_M)
+        size = round(width / SHADOWS.sunlit_texel_m), round(height / SHADOWS.sunlit_texel_m)
         buffer = self._buffer('sunlit', *size)
         texture = core.Texture('sunlit')
         texture.setMinfilter(core.SamplerState.FTLinearMipmapNearest)
         texture.setMagfilter(core.SamplerState.FTLinear)
         plane = core.GraphicsOutput.RTPColor
         buffer.addRenderTexture(texture, core.GraphicsOutput.RTMBindOrCopy, plane)
-        lens = flat_lens(width, height, 2.0 * _ABOVE_M)
-        above = np.array([west + 0.5 * width, south + 0.5 * height, _ABOVE_M])
+        lens = flat_lens(width, height, 2.0 * SHADOWS.above_m)
+        above = np.array([west + 0.5 * width, south + 0.5 * height, SHADOWS.above_m])
         node = self._camera(buffer, lens, above, _DOWN, 'sunlit')
         self._pipe.engine.renderFrame()
         self._pipe.engine.removeWindow(buffer)
@@ -179,18 +170,21 @@ class ShadowMaps:
         texture = height_texture('canopy', heights)
         self._textures.append(texture)
         self._graph.root.setShaderInput('canopy', texture)
-        area = core.LVecBase4f(-_CANOPY_M, -_CANOPY_M, 0.5 / _CANOPY_M, 0.5 / _CANOPY_M)
+        area = core.LVecBase4f(
+            -SHADOWS.canopy_m, -SHADOWS.canopy_m, 0.5 / SHADOWS.canopy_m, 0.5 / SHADOWS.canopy_m
+        )
         self._graph.root.setShaderInput('canopy_area', area)
 
 
 def _blurred(depth: Floats) -> Floats:
-    """Return heights that say how much sky is hidden at a place: mean over its neighbourhood."""
+    """Return the mean height of objects around each place, from the depth seen from above."""
     is_bare = depth <= 0.0
-    height = np.where(is_bare, 0.0, _ABOVE_M - depth).astype(np.float32)
+    height = np.where(is_bare, 0.0, SHADOWS.above_m - depth).astype(np.float32)
     cover = (~is_bare).astype(np.float32)
-    sigma = _BLUR_M / _CANOPY_TEXEL_M
+    sigma = SHADOWS.canopy_blur_m / SHADOWS.canopy_texel_m
     weight = cv2.GaussianBlur(cover, (0, 0), sigma)
     mean = cv2.GaussianBlur(height * cover, (0, 0), sigma) / np.maximum(weight, 1e-3)
-    # Sparse cover hides little, and none where the blur ends, which would show as an edge.
+    # Sparse cover hides little of the sky. Cover falls to none where the blur ends, so that no
+    # edge shows there.
     sunk = 5.0 * (1.0 - weight) + 18.0 * np.maximum(0.0, 1.0 - weight / 0.3)
     return np.asarray(np.where(weight > 0.02, mean - sunk, -1e3), np.float32)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene graph for a pipe without shaders: each piece twice, once to be seen, once to be known.
+"""A scene graph for a pipe without shaders: each piece is there twice, for image and for labels.
 
-To be known, each triangle of the scene is drawn in the colour of its number, which tells exactly
-what a pixel shows.
+For the labels each triangle is drawn in a colour that encodes its number.
 """
 
 from dataclasses import dataclass, replace
@@ -23,14 +22,14 @@ from rocsafe_scene.parts.thinning import LEAFY, coarser
 from rocsafe_scene.scene.environment import GROUND_NUMBER, Environment, Piece, SceneObject
 from rocsafe_scene.scene.sunlight import Lighting
 
-# Bits of the cameras: one for the picture, one for both kinds of numbers.
+# Camera mask bits: one for the image, one for the numbers.
 LOOK, KNOW = (core.BitMask32.bit(number) for number in range(2))
 _INNER_CELLS, _OUTER_CELLS, _FAR_CELLS = 32, 24, 20
 _LARGEST_PX = 4096
-# To how far plants and other things are drawn in full, and all at all, metres; beyond, things have
-# a corner in cubes of so many, if they have more triangles than a few.
+# Distances, metres, up to which plants and other objects are drawn in full, and at all. Simpler
+# meshes keep one corner in each cube of this size, if they have more triangles than this.
 _LEAVES_M, _FINE_M, _BEYOND_M, _CELL_M, _FEW = 90.0, 60.0, 9000.0, 0.16, 60
-# Brightness of what the sky alone lights, what the sun adds, and what clouds add to the sky.
+# Brightness of surfaces lit by the sky alone, what the sun adds, and what clouds add to the sky.
 _SKY_LIGHT, _SUN_LIGHT, _OVERCAST_LIGHT = 0.55, 0.6, 0.3
 
 
@@ -39,14 +38,18 @@ _MOST_TRIANGLES = 2**24 - 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triangles:
-    """All triangles that pixels can show, by their numbers; 0 is the sky.
+    """All triangles of a scene by number; 0 is the sky.
 
     Attributes
     ----------
-    corners : in the frame of what they belong to, metres, (n, 3, 3).
-    owners : to what each belongs, (n,).
-    numbers, kinds : instance and class of the owners; kind -1 is the ground, whose map says it.
-    turns, places : of the owners' frames in east, north, up, (k, 3, 3) and (k, 3).
+    corners : (n, 3, 3)
+        Corners in the frame of the owner, metres.
+    owners : (n,)
+        Index of the owner of each triangle.
+    numbers, kinds
+        Instance and class of each owner; class -1 is the ground, whose map has the classes.
+    turns, places
+        Rotation (k, 3, 3) and place (k, 3) of each owner in east, north, up.
     """
 
     corners: NDArray[np.float32]
@@ -64,12 +67,14 @@ class Triangles:
 
 
 class SoftwareSceneGraph:
-    """All that is drawn, under one root.
+    """Everything that is drawn, under one root node.
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
+    environment
+        Scene to draw.
+    lighting
+        Light of the scene.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting) -> None:
@@ -103,7 +108,7 @@ class SoftwareSceneGraph:
         )
 
     def move(self, time_s: float) -> None:
-        """Put what moves where it is at a time."""
+        """Move objects to their places at a time, seconds after the start."""
         for owner, thing, node in self._moving:
             assert thing.path is not None  # noqa: S101 - only such are kept
             place, yaw = thing.path.shift_at(time_s)
@@ -112,7 +117,7 @@ class SoftwareSceneGraph:
             self.triangles.places[owner] = place
 
     def _lit(self, mesh: Mesh, turn: Floats, *, is_foliage: bool = False) -> Mesh:
-        """Return a mesh whose colours are as the sun and the sky light it, turned by `turn`."""
+        """Return a mesh with the colours it has in the light when it is turned by `turn`."""
         facing = unit(mesh.normals @ turn.T) @ self._sun
         share = 0.4 + 0.3 * np.abs(facing) if is_foliage else np.maximum(facing, 0.0)
         level = self._sky_light + self._sun_light * share
@@ -167,7 +172,7 @@ class SoftwareSceneGraph:
             self._know(step, placed.points[placed.triangles], owner)
 
     def _steps(self, thing: SceneObject, piece: Piece) -> list[Mesh]:
-        """Return the mesh of a piece for near by, and a simpler one for the distance."""
+        """Return the mesh of a piece, and a simpler one for larger distances."""
         key = id(piece.mesh)
         if key not in self._meshes:
             mesh = piece.mesh
@@ -212,14 +217,14 @@ def _numbered_node(corners: Floats, numbers: NDArray[Any]) -> Any:
 
 
 def _with_places(mesh: Mesh, ground: GroundMap) -> Mesh:
-    """Return a piece of ground with its place in the ground's picture as texture coordinates."""
+    """Return a piece of ground with texture coordinates in the ground map."""
     width, height = ground.size_m
     places = (mesh.points[:, :2] - [ground.west_m, ground.south_m]) / [width, height]
     return replace(mesh, places=places)
 
 
 def _ground_texture(ground: GroundMap) -> Any:
-    """Return the picture of the ground in a size the pipe can take."""
+    """Return the ground map as a texture of a size that the pipe can take."""
     rows, columns = ground.colours.shape[:2]
     size = tuple(min(_LARGEST_PX, 1 << (side - 1).bit_length()) for side in (columns, rows))
     image = cv2.resize(ground.colours, size, interpolation=cv2.INTER_AREA)

@@ -20,9 +20,9 @@ from rocsafe_scene.ground.ground_patch import GroundBounds, Patch
 from rocsafe_scene.painting.canvas import Image
 
 FOLDER = Path(__file__).parent / 'photographs'
-# The scene without anything: meadow everywhere.
+# Name of the scene without objects: meadow everywhere.
 NO_SCENE = 'none'
-# Scenes of which this package has a photograph, and the one without.
+# Names of the scenes with a photograph in this package, and of the empty one.
 SCENE_NAMES = (*sorted(path.stem for path in FOLDER.glob('*.jpg')), NO_SCENE)
 # Width over which a photograph fades into what lies around it, metres.
 FADING_M = 8.0
@@ -34,8 +34,8 @@ class GroundPhotograph:
 
     Parameters
     ----------
-    image : (rows, columns, 3)
-        Blue, green, red; north at the top. The mission origin is its centre.
+    image
+        (rows, columns, 3) Blue, green, red; north at the top. The mission origin is its centre.
     texel_m
         Width of a pixel on the ground, metres.
     """
@@ -66,7 +66,7 @@ class GroundPhotograph:
     def patch(self, bounds: GroundBounds, resolution_m: float) -> Patch:
         """Return the part of the photograph that shows all of `bounds`, which it must cover.
 
-        Its pixels are at most `resolution_m` wide, as far as the photograph goes.
+        Its pixels are at most `resolution_m` wide, or those of the photograph.
         """
         image, matrix = self._level(resolution_m)
         corners = np.array(
@@ -101,7 +101,7 @@ class GroundPhotograph:
         )
 
     def _level(self, resolution_m: float) -> tuple[Image, FloatArray]:
-        """Return the smallest copy whose pixels are fine enough, and ground -> its pixels."""
+        """Return the smallest copy that is fine enough, and the matrix ground -> pixel."""
         number = max(0, int(np.floor(np.log2(resolution_m / self.texel_m))))
         while len(self._levels) <= number and min(self._levels[-1].shape[:2]) > 1:
             rows, columns = self._levels[-1].shape[:2]

@@ -61,7 +61,7 @@ def photographed(
     light, place = description.light, description.place
     direction = sun_direction(light.time, place.latitude_deg, place.longitude_deg)
     clear = replace(lighting(direction, light.weather), haze_per_m=0.0)
-    image = _image(Renderer(environment, clear, light.weather), options)
+    image = photograph_of(Renderer(environment, clear, light.weather), options)
     photograph = GroundPhotograph(image, options.texel_m)
     return photograph, boxes_of(environment.objects, photograph.half_m)
 
@@ -80,7 +80,8 @@ def _painted_as_fine(environment: Environment, options: PhotographOptions) -> En
     return replace(environment, inner=inner, outer=outer)
 
 
-def _image(renderer: Renderer, options: PhotographOptions) -> Image:
+def photograph_of(renderer: Renderer, options: PhotographOptions) -> Image:
+    """Return the ground about the origin from straight above, north at the top."""
     side_px = options.oversampling * _TILE_PX
     width_m = _TILE_PX * options.texel_m
     eye = renderer.camera(PinholeCamera(1.0, side_px, side_px))

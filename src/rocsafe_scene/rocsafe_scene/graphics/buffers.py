@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the renderers share: one thread, and pictures drawn to memory."""
+"""Off-screen buffers, and the check that one thread uses them."""
 
 import threading
 from typing import Any
@@ -14,13 +14,13 @@ from rocsafe_scene.graphics.pipe import Pipe
 
 
 class OneThread:
-    """The thread that made it: Panda3D's objects are not to be used from another."""
+    """Remembers the thread that made it: objects of Panda3D must not be used from another."""
 
     def __init__(self) -> None:
         self._thread = threading.get_ident()
 
     def require(self) -> None:
-        """Raise EngineError if this is another thread."""
+        """Raise EngineError if the caller runs in another thread."""
         if threading.get_ident() != self._thread:
             raise EngineError(
                 'the engine was asked from another thread than the one it started in'
@@ -28,11 +28,12 @@ class OneThread:
 
 
 def make_buffer(pipe: Pipe, lens: PinholeCamera, name: str, aux_count: int = 0) -> Any:
-    """Return a buffer of a camera's size with depth, colour and `aux_count` further targets.
+    """Return a buffer of a camera's image size: depth, colour and `aux_count` more planes.
 
     Raises
     ------
-    EngineError: if the pipe refuses it.
+    EngineError
+        If the pipe refuses it.
     """
     properties = core.FrameBufferProperties()
     properties.setRgbaBits(8, 8, 8, 8)
@@ -52,11 +53,12 @@ def make_buffer(pipe: Pipe, lens: PinholeCamera, name: str, aux_count: int = 0) 
 
 
 def pixels_of(texture: Any, lens: PinholeCamera) -> NDArray[np.uint8]:
-    """Return what a target holds: blue, green, red, alpha; the lowest row first.
+    """Return the pixels of a texture: blue, green, red, alpha; the lowest row first.
 
     Raises
     ------
-    EngineError: if nothing was drawn.
+    EngineError
+        If nothing was drawn.
     """
     data = texture.getRamImage()
     if not data:

@@ -9,15 +9,15 @@ from panda3d import core
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.mesh.mesh import Floats
 
-# Metres; nearer and farther than these nothing is drawn.
+# Nothing nearer or farther than these is drawn, metres.
 NEAR_M, FAR_M = 0.4, 9000.0
 
 
 def pinhole_lens(camera: PinholeCamera) -> Any:
     """Return a lens with the exact intrinsics of `camera`.
 
-    The film is measured in tangents; integer pixel coordinates are pixel centres, so the image
-    spans -0.5 to size - 0.5.
+    Film sizes are tangents. Integer pixel coordinates are pixel centres, so the image spans -0.5
+    to size - 0.5.
     """
     matrix = camera.matrix
     width, height = camera.image_width_px, camera.image_height_px
@@ -32,7 +32,7 @@ def pinhole_lens(camera: PinholeCamera) -> Any:
 
 
 def flat_lens(width_m: float, height_m: float, depth_m: float) -> Any:
-    """Return a lens without perspective."""
+    """Return a lens without perspective (parallel projection)."""
     lens = core.OrthographicLens()
     lens.setFilmSize(width_m, height_m)
     lens.setNearFar(0.0, depth_m)

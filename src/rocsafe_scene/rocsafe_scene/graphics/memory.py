@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Memory that is no longer needed, given back to the machine."""
+"""Return of unused memory to the operating system."""
 
 import ctypes
 import mmap
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 
 def return_freed_memory() -> None:
-    """Give back what was freed in many small parts, which the C library otherwise keeps."""
+    """Return freed memory to the operating system; the C library keeps small freed blocks."""
     free = getattr(ctypes.CDLL(None), 'malloc_trim', None)
     if free is not None:
         free(0)
 
 
 def drop_mapped_pages(values: NDArray[Any]) -> None:
-    """Drop what of `values` was read from a file they are mapped from; it can be read again."""
+    """Drop the pages of a memory-mapped array from memory; they are read again when needed."""
     file = getattr(values, '_mmap', None) if isinstance(values, np.memmap) else None
     if isinstance(file, mmap.mmap):
         file.madvise(mmap.MADV_DONTNEED)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Finding something to draw with: EGL, on a GPU or on Mesa's llvmpipe; else Panda3D's own."""
+"""Choice of a renderer: EGL, on a GPU or with Mesa's llvmpipe; else Panda3D's software pipe."""
 
 import logging
 import os
@@ -24,8 +24,8 @@ texture-minfilter linear_mipmap_linear
 garbage-collect-states 0
 """
 EGL_PACKAGES = 'libegl1 libgl1 libgl1-mesa-dri'
-# Of the environment: `software` draws with Panda3D's own pipe though there is EGL; a number picks
-# one of several graphics devices, in EGL's order.
+# Environment variables: the value `software` chooses Panda3D's software pipe even where EGL
+# exists; a number chooses one of several graphics devices, in EGL's order.
 CHOICE, DEVICE = 'ROCSAFE_RENDERER', 'ROCSAFE_EGL_DEVICE'
 SOFTWARE = 'software'
 _SOFTWARE_SETTINGS = 'textures-power-2 down\nmax-texture-dimension 4096\n'
@@ -33,13 +33,16 @@ _SOFTWARE_SETTINGS = 'textures-power-2 down\nmax-texture-dimension 4096\n'
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pipe:
-    """A way to draw.
+    """An opened graphics pipe.
 
     Attributes
     ----------
-    engine, host : Panda3D's engine, and the small buffer whose context all others share.
-    renderer : what draws, in its own words.
-    is_degraded : no shaders: neither shadows nor water, haze or grass.
+    engine, host
+        Panda3D's engine, and a small buffer whose graphics context all others share.
+    renderer
+        Name of the renderer, as it reports it.
+    is_degraded
+        Whether it has no shaders: then there are no shadows, water, haze and grass.
     """
 
     engine: Any
@@ -50,13 +53,14 @@ class Pipe:
 
 @lru_cache(maxsize=1)
 def open_pipe() -> Pipe:
-    """Return the EGL pipe of this machine, or Panda3D's software pipe; one for all of the process.
+    """Return the EGL pipe of this machine, or Panda3D's software pipe; one for the process.
 
-    The thread that first asks must do all drawing.
+    The thread of the first call must do all drawing.
 
     Raises
     ------
-    EngineError: if there is neither, with what to install.
+    EngineError
+        If there is neither; the text says what to install.
     """
     core.loadPrcFileData('rocsafe', _SETTINGS)
     engine = core.GraphicsEngine.getGlobalPtr()
@@ -70,7 +74,7 @@ def open_pipe() -> Pipe:
 def _egl_host(engine: Any) -> Any:
     device = os.environ.get(DEVICE, '')
     if device.isdigit():
-        # Without it EGL's default display is taken: a GPU's where one has a driver.
+        # Without a choice EGL takes its default display: a GPU that has a driver.
         core.loadPrcFileData('rocsafe device', f'egl-device-index {device}')
     elif device:
         raise EngineError(f'{DEVICE} is {device!r}: must be the number of a device, from 0')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What one exposure gives."""
+"""The result of drawing a scene once."""
 
 from dataclasses import dataclass
 
@@ -9,15 +9,20 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rendering:
-    """Pictures of the same moment, aligned to the pixel; row 0 at the top.
+    """Image, depth and labels of one pose, aligned to the pixel; row 0 at the top.
 
     Attributes
     ----------
-    image : blue, green, red, (height, width, 3).
-    depth_m : planar, along the view; infinite where the sky is, (height, width).
-    numbers : instance, 0 for the sky, (height, width).
-    classes : class number, (height, width).
-    normals : of the surfaces in east, north, up, bytes 0 to 255 for -1 to 1, (height, width, 3).
+    image : (height, width, 3)
+        Blue, green, red.
+    depth_m : (height, width)
+        Distance along the optical axis, metres; infinite where the sky is.
+    numbers : (height, width)
+        Instance numbers, 0 for the sky.
+    classes : (height, width)
+        Class numbers.
+    normals : (height, width, 3)
+        Surface normals in east, north, up; bytes 0 to 255 stand for -1 to 1.
     """
 
     image: NDArray[np.uint8]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes, grids and pictures handed to Panda3D."""
+"""Upload of meshes, grids and images to Panda3D."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,7 +14,7 @@ from rocsafe_scene.mesh.mesh import Floats, Mesh
 _ROW = np.dtype(
     [('point', '<f4', 3), ('normal', 'i1', 4), ('colour', 'u1', 4), ('place', '<f4', 2)]
 )
-# The last number of 16 bits means no corner.
+# The largest number of 16 bits is reserved: it means no corner.
 _MOST_16_BIT = 65535
 
 
@@ -73,7 +73,7 @@ def _is_in(places: Floats, hole: HeightGrid) -> Floats:
 
 def _cells(points: Floats, normals: Floats, corner: Floats, columns: int) -> Mesh:
     a, b, c, d = corner, corner + 1, corner + columns + 1, corner + columns
-    # Cut from south-west to north-east, as `HeightGrid.height_at` reads them.
+    # Cells are cut from south-west to north-east, as in `HeightGrid.height_at`.
     triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     used, inverse = np.unique(triangles, return_inverse=True)
     return Mesh(
@@ -92,7 +92,7 @@ def colour_texture(name: str, image: NDArray[np.uint8], *, is_tile: bool = False
     layout = core.Texture.FRgb if channels == 3 else core.Texture.FRgba
     texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, layout)
     _fill(texture, image)
-    # Half the cost of blending between two sizes on a processor, and hardly seen.
+    # Costs half of trilinear filtering on a processor; the difference is hardly visible.
     texture.setMinfilter(core.SamplerState.FTLinearMipmapNearest)
     texture.setMagfilter(core.SamplerState.FTLinear)
     _wrap(texture, core.SamplerState.WMRepeat if is_tile else core.SamplerState.WMMirror)
@@ -111,7 +111,7 @@ def class_texture(name: str, classes: NDArray[np.uint8]) -> Any:
 
 
 def _of_bytes(name: str, values: NDArray[np.uint8], smaller: Any, larger: Any) -> Any:
-    """Return a texture of single bytes, filtered so where it is drawn smaller and larger."""
+    """Return a texture of single bytes with these filters for minification and magnification."""
     texture = core.Texture(name)
     rows, columns = values.shape
     texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, core.Texture.FRed)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The kinds of ground that a scene file can name: what each paints, labels and builds."""
+"""Kinds of ground that a scene file can name: their marks, classes and earthworks."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -29,7 +29,7 @@ _WET_RIM = Paint((96, 92, 52), 90, 0.5, 0.35)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stencil:
-    """Where the ground is of a class: outlines (k, 2), east and north."""
+    """Outlines (k, 2), metres east and north, within which the ground has a class."""
 
     label: str
     outlines: Sequence[Floats]
@@ -37,7 +37,7 @@ class Stencil:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroundWork:
-    """What one entry of a scene's ground comes to."""
+    """Marks, classes and earthworks of one entry of a scene's ground."""
 
     marks: tuple[Mark, ...] = ()
     stencils: tuple[Stencil, ...] = ()
@@ -168,12 +168,12 @@ def spill(line: Floats, seed: int, width_m: float = 1.6) -> GroundWork:
         *(polygon(np.asarray(p.exterior.coords), _WET_RIM) for p in shapely.get_parts(rim)),
         *(polygon(flow, _SHEEN) for flow in flows),
     ]
-    # Opaque in the labels, with a thin edge of wetness left to the ground around.
+    # The labels end where the liquid does; the wet rim counts as the ground around.
     return GroundWork(marks=tuple(marks), stencils=(Stencil('spill', flows),))
 
 
 def _stream(rng: np.random.Generator, course: Floats, width_m: float) -> shapely.Polygon:
-    """Return what ran along `course`: each bank has its own bays, and it thins out."""
+    """Return the outline of a stream of liquid along `course`, which gets thinner."""
     along = np.linspace(0.0, 1.0, len(course))
     bays = np.linspace(0.0, 1.0, max(4, len(course) // 5))
     fade = np.interp(along, [0.0, 0.1, 0.6, 1.0], [0.75, 0.5, 0.33, 0.12])
@@ -187,7 +187,7 @@ def _stream(rng: np.random.Generator, course: Floats, width_m: float) -> shapely
 
 
 def _pools(rng: np.random.Generator, course: Floats, width_m: float) -> list[shapely.Polygon]:
-    """Return where it stood: once below its start, and here and there on its way."""
+    """Return pools: one at the start of `course`, and a few on its way."""
     places = np.concatenate([[0.03], np.sort(rng.uniform(0.1, 0.9, 3))])
     pools = []
     for place, size in zip(places, (1.9, *rng.uniform(0.8, 1.3, 3)), strict=True):
@@ -207,7 +207,7 @@ def _shrunk(outline: Floats) -> Floats:
 
 
 GroundMaker = Callable[..., GroundWork]
-# By kind: its function, and which of outline and line it takes.
+# By kind: its function, and whether that takes an outline or a line.
 GROUND_KINDS: Mapping[str, tuple[GroundMaker, str]] = {
     'ploughed_field': (ploughed_field, 'outline'),
     'meadow': (meadow, 'outline'),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ground's colours and classes, painted once, tile by tile."""
+"""Maps of the ground's colours and classes, painted tile by tile."""
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -23,20 +23,24 @@ _LABEL_STEP = 2
 _TILE_PX = 512
 _PAD_PX = 8
 _WORKERS = 2
-# Mixes blue, green, red of the paint into the colours that the engine lights.
+# Matrix from painted blue, green, red to the colours that the engine lights.
 _NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GroundMap:
-    """A square-texelled picture of the ground; row 0 lies in the south.
+    """Colours and classes of the ground in square texels; row 0 lies in the south.
 
     Attributes
     ----------
-    west_m, south_m : its outer corner.
-    texel_m : width of a texel of `colours`.
-    colours : blue, green, red, (rows, columns, 3).
-    classes : class numbers, (rows / 4, columns / 4).
+    west_m, south_m
+        South-west corner of the map, metres.
+    texel_m
+        Width of a texel of `colours`, metres.
+    colours : (rows, columns, 3)
+        Blue, green, red.
+    classes : (rows / 4, columns / 4)
+        Class numbers.
     """
 
     west_m: float
@@ -47,7 +51,7 @@ class GroundMap:
 
     @property
     def size_m(self) -> tuple[float, float]:
-        """Width and height."""
+        """Width and height, metres."""
         rows, columns = self.colours.shape[:2]
         return columns * self.texel_m, rows * self.texel_m
 
@@ -73,7 +77,7 @@ def outer_map(works: Sequence[GroundWork], seed: int) -> GroundMap:
 def painted_map(
     works: Sequence[GroundWork], seed: int, octave: int, half_m: tuple[float, float]
 ) -> GroundMap:
-    """Return a map about the origin; its half extents are whole numbers of label texels."""
+    """Return a map about the origin. Half extents must be whole numbers of label texels."""
     texel = 2.0**octave / CM_PER_M
     columns, rows = (round(2.0 * half / texel) for half in half_m)
     layer = Layer(mark for work in works for mark in work.marks)
@@ -102,14 +106,14 @@ def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> Image:
 
 
 def natural(painted: Image) -> Image:
-    """Return painted colours less saturated and a little warmer: the engine adds the light."""
+    """Return painted colours less saturated and warmer, as the engine lights them."""
     return np.asarray(cv2.transform(painted, _NATURAL))
 
 
 def _classes(
     works: Sequence[GroundWork], shape: tuple[int, int], texel: float, half_m: tuple[float, float]
 ) -> Image:
-    """Return the class numbers of label texels, later entries over earlier ones."""
+    """Return the class numbers of label texels; later entries cover earlier ones."""
     step = 2**_LABEL_STEP
     found = np.full((shape[0] // step, shape[1] // step), class_number('grass'), np.uint8)
     for work in works:

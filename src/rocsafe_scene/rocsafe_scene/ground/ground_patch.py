@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of the ground, in metres about the mission origin."""
+"""Images of parts of the ground, placed in metres about the mission origin."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.painting.canvas import Image
 
-# More than this is asked for only by a camera that looks at the horizon.
+# Only a camera that looks at the horizon would need more.
 LARGEST_PATCH_PX = 200_000_000
 
 
@@ -34,13 +34,15 @@ class GroundBounds:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patch:
-    """A picture of a piece of ground.
+    """An image of a part of the ground.
 
     Attributes
     ----------
-    image : blue, green, red; shape (rows, columns, 3).
-    pixel_from_ground : homography (3, 3) from (east, north, 1) to (column, row, 1); integer
-        coordinates are pixel centres.
+    image : (rows, columns, 3)
+        Blue, green, red.
+    pixel_from_ground
+        Homography (3, 3) from (east, north, 1) to (column, row, 1); integer coordinates are pixel
+        centres.
     """
 
     image: Image
@@ -48,14 +50,15 @@ class Patch:
 
 
 class Ground(Protocol):
-    """Where pictures of the ground come from."""
+    """A source of images of the ground."""
 
     def patch(self, bounds: GroundBounds, resolution_m: float) -> Patch:
-        """Return a picture of all of `bounds` with texels of at most `resolution_m`.
+        """Return an image of all of `bounds` with texels of at most `resolution_m`.
 
         Raises
         ------
-        GroundError: if the picture cannot be had.
+        GroundError
+            If there is no such image.
         """
         ...
 
@@ -69,7 +72,7 @@ def require_patch_size(columns: int, rows: int) -> None:
 
 
 def south_up_homography(west_m: float, south_m: float, pixel_m: float) -> FloatArray:
-    """Return ground -> pixel where columns run east and rows run north from an outer corner."""
+    """Return the matrix ground -> pixel if columns run east and rows run north from a corner."""
     per_m = 1.0 / pixel_m
     return np.array(
         [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A piece of ground being painted: anti-aliased marks over turf, and the grain over all."""
+"""A part of the ground while it is painted: anti-aliased marks over turf, with grain."""
 
 import cv2
 import numpy as np
@@ -12,9 +12,9 @@ Image = NDArray[np.uint8]
 
 # Fixed-point bits of OpenCV's drawing coordinates.
 _SHIFT = 6
-# Marks smaller than this part of a texel are not worth painting.
+# Marks smaller than this share of a texel are left out.
 _SMALLEST_TEXELS = 0.4
-# Relative swing of brightness at full grain.
+# Relative change of brightness at full grain.
 _STRONGEST_GRAIN = 0.52
 
 
@@ -116,7 +116,7 @@ class Canvas:
     ) -> None:
         """Move a part of the canvas towards `value`; `mask` and `opacity` say how far.
 
-        A crisp mask is used without its grey edge, which is several times faster.
+        A crisp mask is used without its grey edge, which is several times as fast.
         """
         x, y, width, height = cv2.boundingRect(mask)
         if not width:

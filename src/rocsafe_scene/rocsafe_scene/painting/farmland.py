@@ -74,7 +74,7 @@ def yard(outline: Coordinates, colour: Colour) -> tuple[Mark, ...]:
 
 
 def _grouped(outlines: list[Points], size: int, paint: Paint) -> list[Mark]:
-    """Return polygons painted `size` at a time: fewer strokes of the brush than one by one."""
+    """Return polygons in shapes of `size` each, which are faster to paint than single ones."""
     groups = [tuple(outlines[at : at + size]) for at in range(0, len(outlines), size)]
     return [Shape(group, paint) for group in groups]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Marks that make up the painted scene: polygons, discs and strokes, in metres east and north."""
+"""Marks painted on the ground: polygons, discs and strokes, in metres east and north."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,14 +14,18 @@ Coordinates = Sequence[Sequence[float]] | NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Paint:
-    """How a surface looks.
+    """Colour and texture of a mark.
 
     Attributes
     ----------
-    colour : red, green, blue, 0 to 255.
-    grain : strength of the centimetre texture on it, 0 to 255.
-    opacity : 1 hides what lies below, 0 would be invisible.
-    softness_m : width over which its edges fade out; only if it is translucent.
+    colour
+        Red, green, blue, 0 to 255.
+    grain
+        Strength of the centimetre texture on it, 0 to 255.
+    opacity
+        1 hides what lies below, 0 is invisible.
+    softness_m
+        Width over which the edges of a translucent mark fade out, metres.
     """
 
     colour: Colour
@@ -40,13 +44,16 @@ Bounds = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """Polygons filled with one paint, as one: where they overlap they do not add up.
+    """Polygons filled together with one paint: overlaps are painted once.
 
     Attributes
     ----------
-    outlines : corners (n, 2) of each polygon.
-    paint : of all.
-    is_faded : the polygons lie one inside the other, and opacity grows from each to the next.
+    outlines
+        Corners (n, 2) of each polygon.
+    paint
+        Paint of all polygons.
+    is_faded
+        Whether opacity grows from each polygon to the next, which must lie inside it.
     """
 
     outlines: tuple[Points, ...]
@@ -70,9 +77,11 @@ class Dots:
 
     Attributes
     ----------
-    centres : metres, shape (n, 2).
-    radii_m : shape (n,).
-    values : red, green, blue and grain of each, shape (n, 4), 0 to 255.
+    centres : (n, 2)
+        Centres, metres.
+    radii_m : (n,)
+    values
+        Red, green, blue and grain of each, shape (n, 4), 0 to 255.
     """
 
     centres: Points

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Noise that is a function of place alone: the same in every process, and nowhere repeated.
+"""Noise that depends on seed and place only: equal in every process, and without repetition.
 
-The world is covered by lattices of spacing 2^k cm, one for each octave k. A lattice point's value
-is a hash of (seed, octave, column, row). A field is synthesised from coarse to fine: each octave's
-values are added to the coarser sum, doubled in resolution. Every step is local and in step with
-the lattice, so that tiles computed one by one fit without a seam.
+There is a lattice of spacing 2^k cm for each octave k. The value of a lattice point is a hash of
+(seed, octave, column, row). A field is computed from coarse to fine: the sum of the coarser
+octaves is doubled in resolution, and the values of the octave are added. Every step is local and
+aligned with the lattice, so that separately computed tiles fit without a seam.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ Field = NDArray[np.float32]
 CM_PER_M = 100.0
 # Cubic interpolation reads two neighbours to each side.
 _MARGIN = 2
-# Smooth fields are computed this many octaves too coarse and enlarged in one step.
+# Smooth fields are computed this many octaves coarser and enlarged in one step.
 _LARGEST_ZOOM_LOG2 = 3
 
 
@@ -66,11 +66,15 @@ def fractal(seed: int, amplitudes: Mapping[int, float], octave: int, window: Win
 
     Parameters
     ----------
-    seed : of the world.
-    amplitudes : of each octave, spacing 2^k cm; those finer than `octave` are left out: seen from
-        far they average to nothing.
-    octave : of the lattice that is asked for.
-    window : of that lattice.
+    seed
+        Seed of the noise.
+    amplitudes
+        Amplitude of each octave k, spacing 2^k cm. Octaves finer than `octave` are left out: they
+        average to zero.
+    octave
+        Octave of the lattice to sample at.
+    window
+        Window of that lattice.
     """
     coarsest = max(amplitudes)
     if octave > coarsest:
@@ -95,7 +99,7 @@ def fractal_at(seed: int, amplitudes: Mapping[int, float], octave: int, window: 
 
 
 def zoomed(coarse: Field, parent: Window, factor: int, window: Window) -> Field:
-    """Return values of a lattice in `window` from those of `factor` times its spacing."""
+    """Return a lattice in `window`, interpolated from one of `factor` times its spacing."""
     rows, columns = coarse.shape
     fine = cv2.resize(coarse, (factor * columns, factor * rows), interpolation=cv2.INTER_CUBIC)
     x, y = window.x0 - factor * parent.x0, window.y0 - factor * parent.y0

@@ -14,7 +14,7 @@ from rocsafe_scene.painting.marks import (
 
 
 def generator(seed: int, *parts: int) -> np.random.Generator:
-    """Return the generator that belongs to a seed and numbers."""
+    """Return the generator of a seed and further numbers."""
     return np.random.default_rng([seed, *parts])
 
 

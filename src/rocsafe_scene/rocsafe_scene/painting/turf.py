@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The meadow below everything: its colours, tufts and centimetre detail."""
+"""The meadow below all marks: its colours, tufts and centimetre detail."""
 
 import cv2
 import numpy as np

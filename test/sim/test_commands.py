@@ -14,10 +14,10 @@ from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehic
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import Outcome
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
-ORDERS = ('hold', 'resume', 'return_home', 'land')
+COMMANDS = ('hold', 'resume', 'return_home', 'land')
 # seconds after take-off at which the flight of ROUTE is in each mode
 TIMES_S = {Mode.TAKING_OFF: 5.0, Mode.FLYING: 36.0, Mode.RETURNING: 70.0, Mode.LANDING: 90.0}
 # full acceleration takes 2 s to let go of, on the way to 8 m/s; then 8 m/s take 4 s and 2 s
@@ -49,14 +49,14 @@ class Ceiling:
         return 'ceiling' if place_enu[2] > 20.0 else ''
 
 
-def vehicle_in(mode: Mode) -> Vehicle:
+def vehicle_in(mode: Mode) -> SimulatedVehicle:
     """Return a vehicle that is in `mode`."""
     delay_s = 60.0 if mode is Mode.WAITING else 0.0
     vehicle = vehicle_on(replace(ROUTE, delay_s=delay_s))
     if mode is Mode.DISARMED:
-        vehicle = Vehicle(AIRFRAME, HOME)
+        vehicle = SimulatedVehicle(AIRFRAME, HOME)
     if mode in (Mode.FALLING, Mode.CRASHED):
-        vehicle = Vehicle(AIRFRAME, HOME, Ceiling())
+        vehicle = SimulatedVehicle(AIRFRAME, HOME, Ceiling())
         vehicle.step(START_NS)
         vehicle.fly_route(ROUTE)
         next(seen for seen in steps(vehicle, 0.1) if seen.mode is mode)
@@ -72,15 +72,15 @@ def vehicle_in(mode: Mode) -> Vehicle:
 
 
 @pytest.mark.parametrize('mode', list(Mode))
-@pytest.mark.parametrize('order', ORDERS)
-def test_orders_are_obeyed_or_refused_with_the_mode(mode: Mode, order: str) -> None:
-    """Each order is legal in the modes of the table; else the refusal says what the mode is."""
+@pytest.mark.parametrize('command', COMMANDS)
+def test_commands_are_obeyed_or_refused_with_the_mode(mode: Mode, command: str) -> None:
+    """Each command is legal in the modes of the table; else the refusal says what the mode is."""
     vehicle = vehicle_in(mode)
-    if order in OBEYED[mode]:
-        getattr(vehicle, order)()
+    if command in OBEYED[mode]:
+        getattr(vehicle, command)()
     else:
         with pytest.raises(CommandRefusedError, match=mode.value):
-            getattr(vehicle, order)()
+            getattr(vehicle, command)()
 
 
 @settings(max_examples=15, deadline=None)
@@ -101,7 +101,7 @@ def test_hold_stops_and_resume_visits_the_rest(held_s: float, for_s: float) -> N
     assert [s.viewpoint_id for s in shots] == [w.viewpoint_id for w in ROUTE.waypoints]
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.COMPLETED
+    assert summary.outcome is FlightOutcome.COMPLETED
 
 
 def test_return_home_ends_at_home() -> None:
@@ -113,7 +113,7 @@ def test_return_home_ends_at_home() -> None:
     assert last.pose.position_enu == HOME
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.RETURNED_EARLY
+    assert summary.outcome is FlightOutcome.RETURNED_EARLY
     assert 0 < summary.viewpoints_visited < len(ROUTE.waypoints)
 
 
@@ -127,7 +127,7 @@ def test_land_comes_down_where_it_can_stop() -> None:
     assert math.dist(before.position_enu[:2], last.position_enu[:2]) <= LONGEST_STOP_M
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.RETURNED_EARLY
+    assert summary.outcome is FlightOutcome.RETURNED_EARLY
 
 
 def test_same_route_joins() -> None:
@@ -163,7 +163,7 @@ def test_cancelled_flight_holds_and_goes_on_when_sent_again() -> None:
     summary = vehicle.summary()
     assert vehicle.mode is Mode.HOLDING
     assert summary is not None
-    assert summary.outcome is Outcome.CANCELLED
+    assert summary.outcome is FlightOutcome.CANCELLED
     with pytest.raises(CommandRefusedError, match='cancelled'):
         vehicle.resume()
     vehicle.fly_route(ROUTE)
@@ -183,7 +183,7 @@ def test_cancelled_flight_can_give_way_to_another_route() -> None:
 
 def test_route_from_elsewhere_is_refused() -> None:
     """A route that ends at another vehicle's home is a mistake."""
-    vehicle = Vehicle(AIRFRAME, HOME)
+    vehicle = SimulatedVehicle(AIRFRAME, HOME)
     with pytest.raises(CommandRefusedError, match=r'50\.0 m from home'):
         vehicle.fly_route(replace(ROUTE, home_enu=(10.0, 25.0, 0.0)))
 
@@ -193,7 +193,7 @@ def test_route_from_elsewhere_is_refused() -> None:
 def test_lands_with_its_reserve(endurance_s: float, reserve: float, step_s: float) -> None:
     """However small the battery: refused, or landed at home with at least the reserve."""
     airframe = replace(AIRFRAME, endurance_s=endurance_s, reserve_fraction=reserve)
-    vehicle = Vehicle(airframe, HOME)
+    vehicle = SimulatedVehicle(airframe, HOME)
     vehicle.step(START_NS)
     try:
         vehicle.fly_route(ROUTE)
@@ -206,7 +206,7 @@ def test_lands_with_its_reserve(endurance_s: float, reserve: float, step_s: floa
     summary = vehicle.summary()
     assert summary is not None
     is_whole = summary.viewpoints_visited == len(ROUTE.waypoints)
-    assert summary.outcome is (Outcome.COMPLETED if is_whole else Outcome.BATTERY_LOW)
+    assert summary.outcome is (FlightOutcome.COMPLETED if is_whole else FlightOutcome.BATTERY_LOW)
 
 
 def test_low_battery_is_not_called_too_early() -> None:
@@ -227,11 +227,11 @@ def test_held_vehicle_returns_before_its_battery_is_empty() -> None:
     assert last.battery_fraction >= AIRFRAME.reserve_fraction
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.BATTERY_LOW
+    assert summary.outcome is FlightOutcome.BATTERY_LOW
 
 
 def test_distance_is_that_of_the_route() -> None:
-    """Flown without orders, the distance is home, viewpoints, home."""
+    """Flown without commands, the distance is home, viewpoints, home."""
     vehicle = vehicle_on()
     stops = [HOME, *(w.position_enu for w in ROUTE.waypoints), HOME]
     expected = sum(math.dist(a[:2], b[:2]) for a, b in pairwise(stops))
@@ -272,7 +272,7 @@ def test_giving_up_a_route_goes_around_exclusions(why: str) -> None:
         west = replace(BEHIND_WALL[0], position_enu=(-20.0, 40.0, 32.0))
         vehicle.fly_route(replace(WALLED, plan_id='plan-2', waypoints=(west,), homeward_enu=()))
     else:
-        assert vehicle.flight.ending is Outcome.BATTERY_LOW
+        assert vehicle.flight.ending is FlightOutcome.BATTERY_LOW
     assert flown[-1][0] > 12.0
     flown += [seen.pose.position_enu[:2] for seen in steps(vehicle, 0.1)]
     assert flown[-1] == HOME[:2]
