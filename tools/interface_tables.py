@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the tables of the README that are made from the code: topics, services and actions.
+"""Write the tables of `docs/interfaces.md` from the code: topics, services and actions.
 
 Run by ``make docs``, in the environment of the built workspace. A table stands between the lines
 ``<!-- NAME: made by make docs -->`` and ``<!-- end of NAME -->``.
@@ -11,20 +11,21 @@ from pathlib import Path
 
 from rocsafe_ros.topics import CALLS, TOPICS, CallSpec, Scope, TopicSpec
 
-README = Path(__file__).resolve().parents[1] / 'README.md'
+DOCUMENT = Path(__file__).resolve().parents[1] / 'docs/interfaces.md'
 
 
 def with_tables(text: str) -> str:
-    """Return `text` with every table replaced by what the code says now.
+    """Return `text` with every table made anew.
 
     Raises
     ------
-    ValueError: if a table has no place in the text.
+    ValueError
+        If a table has no place in the text.
     """
     for name, table in tables().items():
         head, end = f'<!-- {name}: made by make docs -->\n', f'<!-- end of {name} -->'
         if text.count(head) != 1 or text.count(end) != 1:
-            raise ValueError(f'{README.name} must have one place for table {name!r}')
+            raise ValueError(f'{DOCUMENT.name} must have one place for table {name!r}')
         before, rest = text.split(head)
         text = before + head + table + end + rest.split(end)[1]
     return text
@@ -78,8 +79,8 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 
 def main() -> int:
-    """Rewrite the README."""
-    README.write_text(with_tables(README.read_text()))
+    """Rewrite the document."""
+    DOCUMENT.write_text(with_tables(DOCUMENT.read_text()))
     return 0
 
 
