@@ -7,7 +7,7 @@ a finished adjustment, tie photographs, draw released tiles, start an adjustment
 
 from collections import deque
 from collections.abc import Callable, Collection
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 from rocsafe_geo.arrays import FloatArray
@@ -102,6 +102,11 @@ class LiveMap:
     def is_busy(self) -> bool:
         """Whether a photograph waits to be tied or an adjustment is under way."""
         return bool(self._to_tie) or self._pending is not None
+
+    def wait(self, at_most_s: float) -> None:
+        """Wait for the adjustment that is under way, if there is one."""
+        if self._pending is not None:
+            wait([self._pending], at_most_s)
 
     def finish(self) -> None:
         """Wait for the adjustment that is under way, and forget it."""

@@ -2,7 +2,6 @@
 """The growing map in a thread of its own: it is refined, drawn and written beside the node."""
 
 import dataclasses
-import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -153,7 +152,8 @@ class MapWorker:
             self._notice(str(error))
             has_worked = False
         if has_worked or self._live.is_busy:
-            time.sleep(0.0 if has_worked else PAUSE_S)
+            if not has_worked:
+                self._live.wait(PAUSE_S)
             self._again()
         else:
             self._is_refining = False
