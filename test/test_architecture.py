@@ -34,7 +34,7 @@ ROSDEP_KEYS = {
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
     'jinja2': 'python3-jinja2',
-    'markupsafe': 'python3-jinja2',
+    'markupsafe': 'python3-jinja2',  # which depends on it
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
     'numba': 'python3-numba',

@@ -22,6 +22,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'cv2': ('opencv-python-headless', (4, 6)),
     'jinja2': ('Jinja2', (3, 1)),
+    'markupsafe': ('MarkupSafe', (2, 1)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
     'numba': ('numba', (0, 58)),
