@@ -93,7 +93,6 @@ EXEMPT_CLOCKS = {
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
     # a command: tells how long each stage took
     'rocsafe_mapping.command_line.map_command': {'time.perf_counter'},
-    'rocsafe_planner.planning_job': {'time.monotonic'},  # tells how long a thread has worked
     'rocsafe_planner.solver.search.outcome': {
         'time.monotonic'
     },  # default of an option: budget of time

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The planner as a ROS node: `ros2 run rocsafe_planner planner`."""
 
+from collections.abc import Callable
 from functools import partial
 
 from rclpy.action import ActionServer, CancelResponse
@@ -26,10 +27,10 @@ from rocsafe_planner.export.plan_files import write_plan
 from rocsafe_planner.export.plan_reading import exported_plan
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan.plan import SurveyPlan as PlanValue
-from rocsafe_planner.planning import Progress, plan_survey
-from rocsafe_planner.planning_job import PlanningJob
+from rocsafe_planner.planning import UNKNOWN, Figures, plan_survey
 from rocsafe_planner.replanning import remaining_request
 from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
@@ -37,10 +38,10 @@ from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
 # How often a running job is looked at, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1
 
-Job = PlanningJob[SurveyPlan]
+Job = BackgroundJob[SurveyPlan, Figures]
 
 
-def _load_solver(_on_progress: Progress) -> None:
+def _load_solver(_report: Callable[[None], bool]) -> None:
     from rocsafe_planner.solver.precompile import load_kernels
 
     load_kernels()
@@ -62,7 +63,7 @@ class PlannerNode(Node):
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         # While the other nodes start: the first goal need not wait for it.
-        self._loading = PlanningJob(_load_solver)
+        self._loading = BackgroundJob(_load_solver, 'loading', None)
         self._server = ActionServer(
             self,
             PlanSurvey,
@@ -113,7 +114,7 @@ class PlannerNode(Node):
 
     async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
         """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
-        job = Job(partial(self._plan, request))
+        job = Job(partial(self._plan, request), 'planning', UNKNOWN)
         done = Future()
         timer = self.create_timer(
             WATCH_PERIOD_S, partial(self._watch, job, goal, done), clock=self._wall_clock
@@ -122,8 +123,12 @@ class PlannerNode(Node):
         self.destroy_timer(timer)
         return job.result()
 
-    def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
+    def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
         """Plan and export; runs in the job's thread."""
+
+        def on_progress(makespan_s: float, lower_bound_s: float) -> bool:
+            return report((makespan_s, lower_bound_s))
+
         plan = plan_survey(request, on_progress)
         self._plans[plan.plan_id] = plan
         is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
@@ -137,10 +142,7 @@ class PlannerNode(Node):
             return
         if goal.is_cancel_requested or goal is not self._newest:
             job.cancel()
-        progress = job.progress
-        goal.publish_feedback(
-            feedback(progress.elapsed_s, progress.makespan_s, progress.lower_bound_s)
-        )
+        goal.publish_feedback(feedback(job.elapsed_s, *job.progress))
         if job.is_done:
             done.set_result(None)
 

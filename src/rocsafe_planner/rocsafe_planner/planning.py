@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
 
+Figures = tuple[float, float]
+"""Best makespan and lower bound so far, seconds, NaN while unknown."""
+UNKNOWN: Figures = (math.nan, math.nan)
+
 Progress = Callable[[float, float], bool]
 """Told the best makespan and lower bound so far, in seconds, NaN while unknown; False stops.
 
