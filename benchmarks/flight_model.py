@@ -19,10 +19,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_planner.plan.vehicle import Vehicle as PlannedVehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.route import Route, Waypoint
 from rocsafe_sim.vehicle.vehicle import Vehicle
@@ -35,6 +36,8 @@ STEP_NS = NS_PER_S // 5
 RECORDED_CURRENT_A = {'5 m/s': 28.0, '10 m/s': 28.7, 'wind 8 m/s from north': 29.4}
 # Plan and flight are the same function of time; a flight is timed in whole nanoseconds.
 AGREEMENT_S = 0.001
+# Of the vehicle of ArduCopter's simulator, from its current in hover and its battery of 12.6 V.
+RECORDED_HOVER_POWER_W = 350.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,7 +92,11 @@ def _row(survey: Recorded) -> Row:
 def _flown(survey: Recorded) -> tuple[float, float, float]:
     """Return survey time, whole time and mean current of a simulated flight."""
     airframe = Airframe(
-        performance=survey.performance(), hover_s=0.0, endurance_s=3600.0, reserve_fraction=0.1
+        performance=survey.performance(),
+        hover_s=0.0,
+        endurance_s=3600.0,
+        reserve_fraction=0.1,
+        hover_power_w=RECORDED_HOVER_POWER_W,
     )
     vehicle = Vehicle(airframe, HOME)
     vehicle.step(NS_PER_S)
@@ -104,7 +111,7 @@ def _flown(survey: Recorded) -> tuple[float, float, float]:
         shots_ns += [shot.time_ns for shot in seen.shots]
         if 2 <= len(shots_ns) < len(waypoints):
             powers.append(seen.power_w)
-    current_a = float(np.mean(powers)) / airframe.voltage_v
+    current_a = float(np.mean(powers)) / VOLTAGE_V
     return (shots_ns[-1] - shots_ns[1]) / NS_PER_S, summary.duration_s, current_a
 
 

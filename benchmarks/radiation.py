@@ -68,18 +68,21 @@ def node(_: int) -> Iterator[Row]:
 
 def _started_field(folder: Path, names: list[str]) -> 'subprocess.Popen[bytes]':
     """Start the field with five sources in air, a counting detector and an uneven background."""
-    count = 5
+    sources = [
+        {'name': f's{number}', 'position': [53.28 + 2e-4 * number, -9.06], 'sigma_usvps': 2.57}
+        for number in range(5)
+    ]
+    settings = {
+        'sources': sources,
+        'ground_altitude_m': 66.0,
+        'background': {'dose_rate_usvh': 0.06, 'variation': 0.2},
+    }
+    (folder / 'settings.yaml').write_text(yaml.safe_dump(settings), encoding='utf-8')
     parameters = {
         'model': 'air',
         'vehicles': names,
-        'source_names': [f's{number}' for number in range(count)],
-        'source_latitudes_deg': [53.28 + 2e-4 * number for number in range(count)],
-        'source_longitudes_deg': [-9.06] * count,
-        'source_altitudes_m': [66.0] * count,
-        'source_sigmas_usvps': [2.57] * count,
+        'field_file': str(folder / 'settings.yaml'),
         'detector': 'csi_33cm3',
-        'background_usvh': 0.06,
-        'background_variation': 0.2,
         'lock_step': False,
     }
     path = folder / 'field.yaml'

@@ -5,7 +5,7 @@ NAME = 'rocsafe_dataset'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Labelled pictures of ROCSAFE scenes for training.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_geo'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Positions, frames, areas, motion and camera geometry for ROCSAFE.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_mavlink'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Real autopilots behind the interface of a ROCSAFE vehicle.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,13 +5,13 @@ NAME = 'rocsafe_orchestrator'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Processes, mission phases, recording and report of ROCSAFE.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed'], NAME + '.report': ['*.html', '*.css', '*.js']},
+    package_data={NAME: ['py.typed'], NAME + '.report': ['templates/*.html']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),

@@ -5,7 +5,7 @@ NAME = 'rocsafe_planner'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Survey planning for ROCSAFE: coverage, assignment, routing, bounds.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
@@ -21,8 +21,6 @@ setup(
     entry_points={
         'console_scripts': [
             'planner = rocsafe_planner.planner_node:main',
-            'plan_file = rocsafe_planner.command_line.plan_command:main',
-            'replan_file = rocsafe_planner.command_line.replan_command:main',
         ],
     },
 )

@@ -5,7 +5,7 @@ NAME = 'rocsafe_radiation'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='Gamma dose-rate field and detectors of ROCSAFE.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_ros'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='What every ROCSAFE node shares: parameters, topics, conversions, life cycle.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_ros2cli'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='A small ros2 command for machines whose ROS 2 brings none.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_scenario'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='The scenario of a mission: its schema, checks and defaults.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

@@ -5,7 +5,7 @@ NAME = 'rocsafe_scene'
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version='0.2.0',
     description='What there is to see, and how a camera sees it: scenes, game engine, optics.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',

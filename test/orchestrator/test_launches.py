@@ -7,9 +7,12 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 import yaml
+from test.planner.terrains import write_terrain
 
+from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.conversions import unseen_viewpoint
@@ -19,21 +22,24 @@ from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
 from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
-from rocsafe_orchestrator.processes.terrain_parameters import SCENE_HEIGHTS, ground_options
+from rocsafe_orchestrator.processes.scene_export import export_scenes
+from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
-from rocsafe_orchestrator.report.sections import what_is_simulated
+from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES
+from rocsafe_radiation.detection.survey_field import SurveyField
+from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
-from rocsafe_radiation.field_parameters.provider import provider_of
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
+from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
-from rocsafe_sim.options import FleetOptions, RavOptions, WorldOptions
+from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
     'planner': PlannerOptions,
@@ -79,12 +85,21 @@ def test_every_parameter_is_an_option_of_its_node(
     changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
 ) -> None:
     """No node refuses what it is started with: names, types and ranges fit its options."""
-    for spec in process_table(read_scenario(small(changes)), run):
+    scenario = read_scenario(small(changes))
+    for spec in process_table(scenario, run):
+        path = run.parameters_of(spec.name)
+        write_parameters(path, spec.node, spec.parameters)
+        written = yaml.safe_load(path.read_text())[spec.node]['ros__parameters']
         values = {
             key: tuple(value) if isinstance(value, list) else value
-            for key, value in spec.parameters.items()
+            for key, value in written.items()
         }
-        OPTIONS[spec.executable](**values)
+        options = OPTIONS[spec.executable](**values)
+        if isinstance(options, VehicleOptions):
+            assert options.cameras()[0].image_height_px == scenario.camera.image_height_px
+            assert options.airframe().performance.autopilot == ARDUCOPTER
+        if isinstance(options, FleetOptions):
+            assert [vehicle.name for vehicle in options.vehicles()] == ['rav1', 'rav2']
 
 
 def test_vehicles_are_processes_of_their_own_or_one(
@@ -119,7 +134,9 @@ def test_source_stands_on_the_ground_above_the_ellipsoid(
     changes = {'origin.ground_altitude_m': 66.0, 'radiation.sources[0].height_m': 1.5}
     table = process_table(read_scenario(small(changes)), run)
     field = next(spec for spec in table if spec.name == 'radiation_field')
-    assert field.parameters['source_altitudes_m'] == [67.5]
+    settings = field.parameters['field_file']
+    assert settings['ground_altitude_m'] == 66.0
+    assert settings['sources'][0]['height_m'] == 1.5
 
 
 def test_command_starts_the_executable_in_its_namespace(
@@ -158,7 +175,7 @@ def test_empty_lists_are_not_written(
     table = process_table(read_scenario(small({'radiation': {}})), run)
     workspace(table)
     launches(table, run)
-    assert 'source_names' not in (run.parameters / 'radiation_field.yaml').read_text()
+    assert '[]' not in (run.parameters / 'radiation_field.yaml').read_text()
 
 
 def test_nested_settings_are_written_to_a_file_of_their_own(tmp_path: Path) -> None:
@@ -212,7 +229,18 @@ def test_scenarios_know_the_nuclides_and_detectors_of_the_field() -> None:
     assert set(get_args(Material)) == set(materials()) - {AIR}
 
 
-def test_a_scenario_of_shapes_and_shields_makes_a_field(small: Callable[..., Path]) -> None:
+def field_of(scenario: Scenario, run: RunDirectory) -> SurveyField:
+    """Return the field as its node makes it from the parameter file."""
+    path = run.parameters_of('radiation_field')
+    write_parameters(path, '/radiation_field', field_parameters(scenario, run))
+    given = yaml.safe_load(path.read_text())['/radiation_field']['ros__parameters']
+    values = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
+    return survey_field(FieldOptions(**values))
+
+
+def test_a_scenario_of_shapes_and_shields_makes_a_field(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
     """A line, an area and a moving source behind a wagon, as the field node takes them."""
     corners = [[53.2805, -9.061], [53.2806, -9.061], [53.2806, -9.0611]]
     stops = [{'time_s': 0.0, 'position': corners[0]}, {'time_s': 30.0, 'position': corners[1]}]
@@ -233,10 +261,7 @@ def test_a_scenario_of_shapes_and_shields_makes_a_field(small: Callable[..., Pat
         'radiation.shields': [wagon],
         'radiation.background': {'dose_rate_usvh': 0.08, 'variation': 0.2, 'cosmic': False},
     }
-    scenario = read_scenario(small(changes))
-    given = field_parameters(scenario)
-    lists = {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
-    survey = FieldOptions(**lists).survey_field()
+    survey = field_of(read_scenario(small(changes)), run)
     parts = [len(source.places()) for source in survey.field.sources]
     assert parts[0] > 10
     assert parts[1] > 10
@@ -247,35 +272,78 @@ def test_a_scenario_of_shapes_and_shields_makes_a_field(small: Callable[..., Pat
 
 
 def test_the_ground_of_a_scenario_reaches_field_localizer_and_command(
-    small: Callable[..., Path], run: RunDirectory
+    small: Callable[..., Path], run: RunDirectory, tmp_path: Path
 ) -> None:
     """The truth is the scene's ground, what is known the elevation model; else level ground."""
     level = read_scenario(small())
-    assert 'terrain_file' not in field_parameters(level)
-    assert ground_options(level) == (f'--ground={level.origin.ground_altitude_m}',)
-    survey = level.survey.model_copy(update={'terrain_file': '/dem.tif'})
+    assert 'terrain_file' not in field_parameters(level, run)['field_file']
+    assert ground_options(level, run) == (f'--ground={level.origin.ground_altitude_m}',)
+    dem = str(write_terrain(tmp_path / 'dem.tif', np.full((300, 300), 1000.0, np.float32)))
+    survey = level.survey.model_copy(update={'terrain_file': dem})
     camera = level.camera.model_copy(update={'backend': 'engine', 'scene_file': '/hill.yaml'})
     followed = level.model_copy(update={'survey': survey})
     in_scene = level.model_copy(update={'camera': camera})
     both = followed.model_copy(update={'camera': camera})
+    hill = str(run.solids_of('/hill.yaml'))
     for scenario, truth, known in (
-        (followed, '/dem.tif', '/dem.tif'),
-        (in_scene, '/hill.yaml', '/hill.yaml'),
-        (both, '/hill.yaml', '/dem.tif'),
-    ):
-        field, localizer = field_parameters(scenario), localizer_parameters(scenario, run)
+        (followed, dem, dem), (in_scene, hill, hill), (both, hill, dem),
+    ):  # fmt: skip
+        field = field_parameters(scenario, run)['field_file']
+        localizer = localizer_parameters(scenario, run)
         assert (field['terrain_file'], localizer['terrain_file']) == (truth, known)
-        assert f'--terrain={known}' in ground_options(scenario)
+        assert f'--terrain={known}' in ground_options(scenario, run)
         for given in (field, localizer):
-            is_scene = given['terrain_file'] == '/hill.yaml'
-            assert given['terrain_provider'] == (SCENE_HEIGHTS if is_scene else '')
-            homes = [vehicle.home[0] for vehicle in scenario.vehicles]
-            origin = [scenario.origin_position().latitude_deg]
-            assert given['terrain_latitudes_deg'] == (origin if is_scene else homes)
-    assert callable(provider_of('terrain_provider', SCENE_HEIGHTS))
+            shift_m = level.origin.ground_altitude_m - 1000.0
+            expected = shift_m if given['terrain_file'] == dem else 0.0
+            assert given.get('terrain_shift_m', 0.0) == pytest.approx(expected)
 
 
-def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Path]) -> None:
+def test_a_terrain_that_misses_a_home_is_a_matter_of_setup(
+    small: Callable[..., Path], run: RunDirectory, tmp_path: Path
+) -> None:
+    """In one line, before anything starts."""
+    level = read_scenario(small())
+    dem = write_terrain(tmp_path / 'dem.tif', np.full((3, 3), 1.0, np.float32))
+    survey = level.survey.model_copy(update={'terrain_file': str(dem)})
+    with pytest.raises(SetupError, match=r'survey\.terrain_file: the terrain has no height at'):
+        field_parameters(level.model_copy(update={'survey': survey}), run)
+
+
+def test_scenes_are_exported_once_for_all_nodes(
+    small: Callable[..., Path], run: RunDirectory, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """By the command, about the origin and with the seed of the mission; it may refuse."""
+    program = tmp_path / 'scene'
+    program.write_text(
+        '#!/bin/sh\ncase $2 in /gone*)\n'
+        'echo "rocsafe: gone.yaml: no such file" >&2; exit 2;; esac\n'
+        f'echo "$@" >> {tmp_path}/calls\ntouch "${{3#--out=}}"\n'
+    )
+    program.chmod(0o755)
+    monkeypatch.setattr(
+        'rocsafe_orchestrator.processes.scene_export.find_executable', lambda *_: program
+    )
+    level = read_scenario(small())
+    export_scenes(level, run)
+    radiation = level.radiation.model_copy(update={'scene_file': '/hill.yaml'})
+    camera = level.camera.model_copy(update={'backend': 'engine', 'scene_file': '/hill.yaml'})
+    scenario = level.model_copy(update={'radiation': radiation, 'camera': camera})
+    export_scenes(scenario, run)
+    export_scenes(scenario, run)
+    origin = scenario.origin_position()
+    (call,) = (tmp_path / 'calls').read_text().splitlines()
+    assert call == (
+        f'solids /hill.yaml --out={run.solids_of("/hill.yaml")} --origin={origin.latitude_deg!r},'
+        f'{origin.longitude_deg!r},{origin.altitude_m!r} --seed={scenario.seed}'
+    )
+    gone = radiation.model_copy(update={'scene_file': '/gone.yaml'})
+    with pytest.raises(SetupError, match=r'^/gone\.yaml: gone\.yaml: no such file$'):
+        export_scenes(level.model_copy(update={'radiation': gone}), run)
+
+
+def test_an_activity_decays_to_the_start_of_the_mission(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
     """Iridium of 2025-03-19 has halved on 2025-06-01, 73.8 days later."""
     source = {
         'name': 'ir',
@@ -285,13 +353,7 @@ def test_an_activity_decays_to_the_start_of_the_mission(small: Callable[..., Pat
         'activity_date': datetime(2025, 3, 19, 14, tzinfo=timezone.utc),
     }
     scenario = read_scenario(small({'radiation.sources': [source]}))
-    options = FieldOptions(
-        **{
-            key: tuple(value) if isinstance(value, list) else value
-            for key, value in field_parameters(scenario).items()
-        }
-    )
-    (built,) = options.survey_field().field.sources
+    (built,) = field_of(scenario, run).field.sources
     assert built.sigma_usvps == pytest.approx(nuclide('Ir-192').sigma_usvps(50.0), rel=0.001)
 
 
@@ -306,7 +368,7 @@ def test_a_real_drone_may_bring_its_own_detector(
         'vehicles[1].drone': {'system': 2},
     }
     scenario = read_scenario(small(links))
-    parameters = field_parameters(scenario)
+    parameters = field_parameters(scenario, run)
     assert parameters['vehicles'] == parameters['vehicles_at_their_fix'] == ['rav2']
     (field,) = (spec for spec in process_table(scenario, run) if spec.name == 'radiation_field')
     assert {endpoint.vehicle for endpoint in field.readiness} == {'rav2'}

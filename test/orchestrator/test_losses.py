@@ -4,7 +4,7 @@
 import pytest
 
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Crew, Situation
@@ -28,7 +28,7 @@ class Airborne:
     """A mission with three vehicles in the air, and a clock of its own."""
 
     def __init__(self, *, replans: bool = True) -> None:
-        self.mission = Mission(CREW, OrchestratorOptions(), replans=replans)
+        self.mission = Mission(CREW, Deadlines(), replans=replans)
         self.now_s = 100.0
         self.advance()
         self.mission.planned(NAMES)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import pytest
 
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Crew, Situation
@@ -27,8 +27,8 @@ ALL_READY = Situation(ready=PROCESSES)
 class Rehearsal:
     """A mission with a clock of its own."""
 
-    def __init__(self, options: OrchestratorOptions | None = None, extra_rounds: int = 0) -> None:
-        self.mission = Mission(CREW, options or OrchestratorOptions(), extra_rounds=extra_rounds)
+    def __init__(self, deadlines: Deadlines | None = None, extra_rounds: int = 0) -> None:
+        self.mission = Mission(CREW, deadlines or Deadlines(), extra_rounds=extra_rounds)
         self.now_s = 100.0
 
     def is_in(self, phase: Phase) -> bool:
@@ -331,7 +331,7 @@ def test_answers_nobody_waits_for_change_nothing() -> None:
 def test_deadlines_have_limits(value: float) -> None:
     """A deadline of no time, or of no end, is refused."""
     with pytest.raises(ValueError, match='stall_timeout_s'):
-        OrchestratorOptions(stall_timeout_s=value)
+        Deadlines(stall_timeout_s=value)
 
 
 def landed(extra_rounds: int = 1) -> Rehearsal:
@@ -390,8 +390,7 @@ def test_a_further_round_that_cannot_be_planned_is_no_failure() -> None:
 
 def test_a_localizer_that_never_answers_does_not_hold_the_mission_up() -> None:
     """What was flown is handed over."""
-    options = OrchestratorOptions(plan_timeout_s=5.0)
-    rehearsal = Rehearsal(options, extra_rounds=1).to_airborne()
+    rehearsal = Rehearsal(Deadlines(plan_s=5.0), extra_rounds=1).to_airborne()
     for vehicle in ('rav1', 'rav2'):
         rehearsal.mission.flown(vehicle, 3)
     rehearsal.advance(0.1)

@@ -33,7 +33,7 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
@@ -137,7 +137,7 @@ class Stage:
         self.node = OrchestratorNode(self.scenario, self.monitor, 'run', context=ros.context)
         self.mission = Mission(
             crew_of(self.scenario, self.table),
-            OrchestratorOptions(repeat_s=REPEAT_S),
+            Deadlines(repeat_s=REPEAT_S),
             extra_rounds=extra_rounds,
         )
         self._skipped_s = 0.0

@@ -2,8 +2,10 @@
 """The node answers each fix once, in order, with the dose rate at the true position."""
 
 import math
+from pathlib import Path
 
 import pytest
+import yaml
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
@@ -18,6 +20,7 @@ from rocsafe_interfaces.srv import QueryRadiationField
 from rocsafe_radiation.field_node import FieldNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0
 STEP_NS = 200_000_000
@@ -28,17 +31,19 @@ RATE_ABOVE_USVH = 9.03515625
 RATE_TOLERANCE = 3e-10
 
 
-def parameters(**changes):
-    """Return the parameters of a node with one source at the wreck."""
-    values = {
-        'vehicles': ['rav1'],
-        'source_names': ['wreck'],
-        'source_latitudes_deg': [WRECK.latitude_deg],
-        'source_longitudes_deg': [WRECK.longitude_deg],
-        'source_altitudes_m': [WRECK.altitude_m],
-        'source_sigmas_usvps': [2.57],
-        **changes,
-    }
+@pytest.fixture
+def field_file(tmp_path):
+    """Return a settings file of one source at the wreck."""
+    file = tmp_path / 'field.yaml'
+    place = [WRECK.latitude_deg, WRECK.longitude_deg]
+    source = {'name': 'wreck', 'position': place, 'sigma_usvps': 2.57}
+    content = {'sources': [source], 'ground_altitude_m': WRECK.altitude_m}
+    file.write_text(yaml.safe_dump(content))
+    return str(file)
+
+
+def parameters(**values):
+    """Return the parameters of a node."""
     return [Parameter(name, value=value) for name, value in values.items()]
 
 
@@ -57,9 +62,10 @@ def fix_at(number, position=ABOVE, status=NavSatStatus.STATUS_FIX):
 class Bench:
     """A field node and the other end of its topics."""
 
-    def __init__(self, ros, **changes):
+    def __init__(self, ros, **values):
         self.ros = ros
-        self.node = FieldNode(context=ros.context, parameter_overrides=parameters(**changes))
+        given = parameters(vehicles=['rav1'], **values)
+        self.node = FieldNode(context=ros.context, parameter_overrides=given)
         self.drone = Node('drone', context=ros.context)
         self.readings = []
         self.reports = []
@@ -103,9 +109,9 @@ class Bench:
 
 
 @pytest.fixture
-def bench(ros):
+def bench(ros, field_file):
     """A field node that reads at the true position."""
-    bench = Bench(ros)
+    bench = Bench(ros, field_file=field_file)
     yield bench
     bench.close()
 
@@ -146,9 +152,9 @@ def test_without_a_fix_the_reading_goes_on_and_its_position_is_nan(bench):
     assert math.isnan(reading.position.latitude)
 
 
-def test_at_the_fix_there_is_no_reading_without_a_fix(ros):
+def test_at_the_fix_there_is_no_reading_without_a_fix(ros, field_file):
     """`position_source` fix: nothing is made up."""
-    bench = Bench(ros, position_source='fix')
+    bench = Bench(ros, field_file=field_file, position_source='fix')
     bench.fix.publish(fix_at(1, status=NavSatStatus.STATUS_NO_FIX))
     bench.fix.publish(fix_at(2))
     bench.wait(1)
@@ -186,3 +192,29 @@ def test_it_reports_each_step_and_is_always_idle(ros, bench):
     ros.spin_until(lambda: len(bench.reports) > 0, DEADLINE_S)
     assert bench.reports[0].participant == 'radiation_field'
     assert bench.reports[0].is_idle
+
+
+@pytest.mark.parametrize(
+    ('values', 'words'),
+    [
+        ({'source_names': ['wreck']}, 'parameter source_names is now in the file of field_file'),
+        ({'background_usvh': 0.1}, 'parameter background_usvh is now in the file of field_file'),
+        ({'field_file': '/none.yaml'}, '/none.yaml: no such file'),
+    ],
+)
+def test_what_is_gone_or_not_there_is_refused_in_one_line(ros, values, words):
+    """Naming what took its place."""
+    with pytest.raises(ParameterError, match=words) as caught:
+        FieldNode(context=ros.context, parameter_overrides=parameters(**values))
+    assert '\n' not in str(caught.value)
+
+
+def test_the_example_of_the_manual_is_a_field(ros, tmp_path):
+    """The settings file of docs/radiation.md, as it stands there."""
+    manual = (Path(__file__).parents[2] / 'docs' / 'radiation.md').read_text()
+    example = manual.partition('```yaml\n# my.yaml\n')[2].partition('```')[0]
+    file = tmp_path / 'my.yaml'
+    file.write_text(example)
+    given = parameters(field_file=str(file), model='shielded')
+    node = FieldNode(context=ros.context, parameter_overrides=given)
+    node.destroy_node()

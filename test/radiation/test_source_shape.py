@@ -8,7 +8,6 @@ import pytest
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import RadiationField
 from rocsafe_radiation.physics.source import RadiationSource
 from rocsafe_radiation.physics.source_shape import AreaShape, LineShape, TrackShape
@@ -97,61 +96,3 @@ def test_a_wrong_shape_is_refused(make, message):
     """Saying what is wrong."""
     with pytest.raises(ValueError, match=message):
         make()
-
-
-MIXED = {
-    'model': 'shielded',
-    'source_names': ('a', 'b'),
-    'source_latitudes_deg': (53.28, 53.28),
-    'source_longitudes_deg': (-9.06, -9.06),
-    'source_altitudes_m': (60.0, 60.0),
-    'source_sigmas_usvps': (1.0, 2.0),
-    'source_shapes': ('point', 'track'),
-    'source_corner_counts': (0, 2),
-    'corner_latitudes_deg': (53.28, 53.281),
-    'corner_longitudes_deg': (-9.06, -9.06),
-    'corner_altitudes_m': (60.0, 60.0),
-    'corner_times_s': (0.0, 60.0),
-    'box_materials': ('iron',),
-    'box_latitudes_deg': (53.28,),
-    'box_longitudes_deg': (-9.06,),
-    'box_altitudes_m': (61.0,),
-    'box_lengths_m': (20.0,),
-    'box_widths_m': (10.0,),
-    'box_heights_m': (0.02,),
-}
-
-
-def test_options_describe_several_shapes_behind_a_box():
-    """The plate of iron over both takes its share from the one that stays, not from the other."""
-    field = FieldOptions(**MIXED).survey_field().field
-    bare = (
-        FieldOptions(**{k: v for k, v in MIXED.items() if not k.startswith('box')})
-        .survey_field()
-        .field
-    )
-    place = (53.28, -9.06, 90.0)
-    begun, over = (f.source_dose_rates_usvh(*place, 0.0)[:, 0] for f in (field, bare))
-    assert begun == pytest.approx(0.58 * over, rel=0.1)
-    left, free = (f.source_dose_rates_usvh(*place, 60.0)[:, 0] for f in (field, bare))
-    assert left[0] == begun[0]
-    assert left[1] == pytest.approx(free[1], rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ('change', 'message'),
-    [
-        ({'source_shapes': ('point', 'cube')}, "source b: shape = 'cube' must be one of: point"),
-        ({'source_corner_counts': (0, 3)}, 'source_corner_counts add up to 3, but there are 2'),
-        ({'corner_times_s': ()}, 'corner_times_s must be given with a track'),
-        ({'corner_altitudes_m': (1.0,)}, 'corner_altitudes_m has 1 values, but corner_latitudes'),
-        ({'box_materials': ('butter',)}, "box 0: material = 'butter' must be one of: air"),
-        ({'box_walls_m': (5.0,)}, 'box 0: wall_m = 5.0'),
-        ({'box_heights_m': (0.0,)}, 'box 0: size_m'),
-        ({'box_latitudes_deg': (95.0,)}, 'box 0: latitude_deg'),
-    ],
-)
-def test_a_wrong_description_is_named(change, message):
-    """With its source or box, its value and the limit."""
-    with pytest.raises(ValueError, match=message):
-        FieldOptions(**{**MIXED, **change})

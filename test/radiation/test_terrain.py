@@ -7,15 +7,17 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 from test.planner.terrains import CENTRE, write_terrain
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.solids.ground_heights import read_heights, shift_to_m
 from rocsafe_radiation.belief.belief_search import believe
 from rocsafe_radiation.command_line.localize_command import main
 from rocsafe_radiation.decision.waypoint_choice import candidate_places
+from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
-from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
 from rocsafe_radiation.localization.localize import LocalizationOptions, localize
@@ -184,19 +186,14 @@ def file(tmp_path):
     return str(write_terrain(tmp_path / 'dem.tif', heights.astype('float32')))
 
 
-def terrain(file, **changes):
-    """Return the options of a terrain that agrees with the altitude of the origin."""
-    given = {
-        'terrain_latitudes_deg': (ORIGIN.latitude_deg,),
-        'terrain_longitudes_deg': (ORIGIN.longitude_deg,),
-        'terrain_altitudes_m': (ORIGIN.altitude_m,),
-    }
-    return {'terrain_file': file, **given, **changes}
+def shifted(file, known=(ORIGIN,)):
+    """Return the heights of a file, shifted to agree with places of known altitude."""
+    return read_heights(file, shift_to_m(read_heights(file), known))
 
 
 def test_a_file_is_shifted_to_known_ground(file):
     """In the frame of the mission, with gaps filled from beside."""
-    heights = TerrainOptions(**terrain(file)).heights()
+    heights = shifted(file)
     places = np.array([[0.0, 0.0], [200.0, 50.0]])
     ground = ground_over(heights, LocalFrame(ORIGIN), places)
     assert ground.ups_at(places) == pytest.approx([0.0, 50.0], abs=0.3)
@@ -207,7 +204,7 @@ def test_a_file_is_shifted_to_known_ground(file):
 
 def test_ground_beyond_the_file_is_level_and_that_nowhere_is_refused(file):
     """A place outside of the raster has the height of its rim; far away there is none."""
-    heights = TerrainOptions(**terrain(file)).heights()
+    heights = shifted(file)
     rim = ground_over(heights, LocalFrame(ORIGIN), np.array([[580.0, 0.0], [640.0, 0.0]]))
     assert rim.ups_at(np.array([[740.0, 0.0]]))[0] == pytest.approx(150.0, abs=2.0)
     with pytest.raises(GroundError, match='the terrain has no height about'):
@@ -215,44 +212,46 @@ def test_ground_beyond_the_file_is_level_and_that_nowhere_is_refused(file):
 
 
 @pytest.mark.parametrize(
-    ('change', 'message'),
+    ('name', 'known', 'message'),
     [
-        ({'terrain_file': '/none.tif'}, 'terrain /none.tif: no such file'),
-        ({'terrain_altitudes_m': ()}, 'terrain_altitudes_m has 0 values'),
-        ({'terrain_latitudes_deg': (10.0,)}, 'has no height at 10.000000'),
-        ({'terrain_provider': 'nothing'}, "terrain_provider = 'nothing' must be a module"),
-        ({'terrain_provider': 'json:loads'}, 'terrain_file = '),
+        ('/none.tif', (), 'terrain /none.tif: no such file'),
+        ('/none.npz', (), 'solids /none.npz: no such file'),
+        ('', (GeoPosition(10.0, 0.0, 0.0),), 'has no height at 10.000000, 0.000000'),
     ],
 )
-def test_a_wrong_terrain_is_refused_in_one_line(file, change, message):
+def test_a_wrong_terrain_is_refused_in_one_line(file, name, known, message):
     """With what is wrong."""
     with pytest.raises(ValueError, match=message) as caught:
-        TerrainOptions(**terrain(file, **change)).heights()
+        shifted(name or file, known)
     assert '\n' not in str(caught.value)
 
 
-def test_the_field_lifts_its_sources_to_the_ground(file):
+def test_the_field_lifts_its_sources_to_the_ground(file, tmp_path):
     """Given 1 m above level ground, a source is 1 m above the real one; so are boxes."""
     place = offset(ORIGIN, 200.0, 0.0)
-    options = FieldOptions(
-        source_names=('wreck',),
-        source_latitudes_deg=(place.latitude_deg,),
-        source_longitudes_deg=(place.longitude_deg,),
-        source_altitudes_m=(67.0,),
-        source_sigmas_usvps=(2.57,),
-        ground_altitude_m=66.0,
-        background_usvh=0.06,
-        **terrain(file),
-    )
-    field = options.survey_field()
-    (source,) = field.field.sources
+    spot = [place.latitude_deg, place.longitude_deg]
+    box = {'length_m': 4.0, 'width_m': 4.0, 'height_m': 2.0}
+    content = {
+        'sources': [{'name': 'wreck', 'position': spot, 'height_m': 1.0, 'sigma_usvps': 2.57}],
+        'shields': [{'material': 'lead', 'position': spot, 'base_height_m': 3.0, **box}],
+        'ground_altitude_m': 66.0,
+        'terrain_file': file,
+        'terrain_shift_m': shift_to_m(read_heights(file), (ORIGIN,)),
+        'background': {'dose_rate_usvh': 0.06},
+    }
+    settings = tmp_path / 'field.yaml'
+    settings.write_text(yaml.safe_dump(content))
+    survey = survey_field(FieldOptions(field_file=str(settings), model='shielded'))
+    (source,) = survey.field.sources
     assert source.position.altitude_m == pytest.approx(67.0 + 50.0, abs=0.3)
-    assert field.background.ground is options.heights()
+    assert survey.field.shielding.frame.origin.altitude_m == pytest.approx(69.0 + 50.0, abs=0.3)
+    ground = survey.background.ground.altitudes_m([place.latitude_deg], [place.longitude_deg])
+    assert ground[0] == pytest.approx(66.0 + 50.0, abs=0.3)
 
 
 def test_readings_of_a_flight_are_over_the_ground(file):
     """The log of the localizer attaches the ground around all readings so far."""
-    log = ReadingLog(ORIGIN, heights=TerrainOptions(**terrain(file)).heights())
+    log = ReadingLog(ORIGIN, heights=shifted(file))
     for number, east in enumerate((0.0, 100.0, 280.0)):
         place = offset(ORIGIN, east, 0.0, RISE * east + HEIGHT_M)
         log.add(

@@ -6,6 +6,7 @@ import threading
 
 import numpy as np
 import pytest
+from test.scene.ray_scene import RayScene
 from test.scene.scenes import PLANT, THINGS, small_environment
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
@@ -13,7 +14,6 @@ from rocsafe_scene.errors import EngineError
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import GROUND_NUMBER
 from rocsafe_scene.scene.sunlight import lighting, sun_direction
-from rocsafe_scene.solids.rays import RayScene
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_scene.engine.lens import looking

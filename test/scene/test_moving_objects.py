@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from test.scene.scenes import small_environment
 from test.sim.flights import ROUTE, START_NS
+from test.sim.vehicle_files import cameras_file
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.options import RavOptions
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
@@ -24,14 +26,17 @@ PATH = (
 VAN = {'name': 'van', 'make': 'ambulance', 'at': (0.0, 0.0), 'path': PATH}
 
 
-def pictures_of_a_flight(monkeypatch):
+SMALL = {'image_width_px': 160, 'image_height_px': 120}
+
+
+def pictures_of_a_flight(monkeypatch, tmp_path):
     """Return the scene and all pictures of a flight over it."""
     environment = small_environment(VAN, relief_m=0.0)
     monkeypatch.setattr(engine_camera, 'read_scene', lambda _path: environment.description)
     monkeypatch.setattr(engine_camera, 'build', lambda *_arguments: environment)
     options = RavOptions(
         camera_backend='engine', scene_file='a scene', scene_start_s=START_NS / 1e9,
-        image_width_px=160, image_height_px=120, camera_oversampling=1,
+        cameras_file=cameras_file(tmp_path, {**SMALL, 'oversampling': 1}),
         origin_latitude_deg=53.28, tilt_std_deg=0.0,
     )  # fmt: skip
     home = options.frame().position_of(ROUTE.home_enu)
@@ -46,16 +51,16 @@ def pictures_of_a_flight(monkeypatch):
     return environment, pictures
 
 
-def test_photographs_show_moving_things_where_they_are(drawing, monkeypatch):
+def test_photographs_show_moving_things_where_they_are(drawing, monkeypatch, tmp_path):
     """The centroid of the van's pixels is the place of its path at the time of each exposure."""
-    environment, pictures = pictures_of_a_flight(monkeypatch)
+    environment, pictures = pictures_of_a_flight(monkeypatch, tmp_path)
     assert len(pictures) == len(ROUTE.waypoints)
     van, seen = environment.objects[0], []
     for picture in pictures:
         place, _ = van.path.shift_at((picture.time_ns - START_NS) / 1e9)
         rows, columns = np.nonzero(picture.truth.numbers == van.number)
         if len(rows):
-            lens = RavOptions(image_width_px=160, image_height_px=120).rig()[0].lens
+            lens = CameraSettings(**SMALL).lens
             depth = picture.truth.depth_m[rows, columns]
             pixels = np.stack([columns, rows, np.ones(len(rows))]) * depth
             world = picture.rotation_enu_from_optical @ np.linalg.solve(lens.matrix, pixels)

@@ -6,10 +6,10 @@ import os
 import numpy as np
 import pytest
 from test.scene.drawn_frames import FIELDS, LENS, drawn, poses, scene
+from test.scene.ray_scene import RayScene
 
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import GROUND_NUMBER
-from rocsafe_scene.solids.rays import RayScene
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 GPU = 'ROCSAFE_TEST_EGL_DEVICE'

@@ -43,15 +43,17 @@ def world(ros: Any) -> Iterator[Any]:
 
 
 @pytest.fixture
-def rav(ros: Any) -> Iterator[Any]:
+def rav(ros: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     """Return a function that starts a vehicle."""
-    from test.sim.node_stand import COMMON, FRAME, HOME_ENU, parameters
+    from test.sim.node_stand import FRAME, HOME_ENU, common, parameters
 
     from rocsafe_sim.rav_node import RavNode
 
     started = []
 
-    def start(name: str = 'rav1', **values: Any) -> RavNode:
+    def start(
+        name: str = 'rav1', cameras: tuple[dict[str, Any], ...] = (), **values: Any
+    ) -> RavNode:
         home = FRAME.position_of(HOME_ENU)
         node = RavNode(
             context=ros.context,
@@ -60,7 +62,7 @@ def rav(ros: Any) -> Iterator[Any]:
                 **{
                     'home_latitude_deg': home.latitude_deg,
                     'home_longitude_deg': home.longitude_deg,
-                    **COMMON,
+                    **common(tmp_path_factory.mktemp('files'), *cameras),
                     **values,
                 }
             ),

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """World and vehicles as nodes, and an operator who listens to them, for tests."""
 
+from pathlib import Path
 from typing import Any
 
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
+from test.sim.vehicle_files import autopilot_file, cameras_file
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
@@ -18,24 +20,31 @@ ORIGIN = GeoPosition(53.28, -9.06, 60.0)
 FRAME = LocalFrame(ORIGIN)
 START_S = 1_700_000_000.0
 HOME_ENU = (-20.0, 5.0, 0.0)
-COMMON = {
-    'origin_latitude_deg': ORIGIN.latitude_deg,
-    'origin_longitude_deg': ORIGIN.longitude_deg,
-    'origin_altitude_m': ORIGIN.altitude_m,
-    'image_width_px': 64,
-    'image_height_px': 48,
-    'hover_s': 0.5,
-    'climb_rate_mps': 5.0,
-    # brisk, to be over soon
+SMALL = {'image_width_px': 64, 'image_height_px': 48}
+# Fast, so that flights are short.
+BRISK = {
     'jerk_mps3': 20.0,
     'vertical_acceleration_mps2': 5.0,
     'vertical_jerk_mps3': 20.0,
     'landing_height_m': 0.0,
     'landing_speed_mps': 5.0,
     'home_wait_s': 0.0,
-    'descent_rate_mps': 5.0,
 }
 DEADLINE_S = 60.0
+
+
+def common(folder: Path, *cameras: dict[str, Any]) -> dict[str, Any]:
+    """Return parameters of small, fast vehicles, whose files are written to `folder`."""
+    return {
+        'origin_latitude_deg': ORIGIN.latitude_deg,
+        'origin_longitude_deg': ORIGIN.longitude_deg,
+        'origin_altitude_m': ORIGIN.altitude_m,
+        'cameras_file': cameras_file(folder, *(cameras or (SMALL,))),
+        'autopilot_file': autopilot_file(folder, **BRISK),
+        'hover_s': 0.5,
+        'climb_rate_mps': 5.0,
+        'descent_rate_mps': 5.0,
+    }
 
 
 def parameters(**values: Any) -> list[Parameter]:

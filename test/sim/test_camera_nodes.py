@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from std_srvs.srv import SetBool
-from test.sim.node_stand import DEADLINE_S, Operator, route
+from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
@@ -24,11 +24,12 @@ from rocsafe_sim.rav.assembly import SharedParts
 DEPTH = np.array([[31.5, np.inf, 2.25], [30.25, 2.0, 40.5]], np.float32)
 NUMBERS = np.array([[2, 0, 70_000], [65_535, 3, 1]], np.uint32)
 TABLE = '[{"number": 0, "name": "sky", "class": "sky", "colour": [135, 190, 235]}]'
-FRONT = '{name: front, pitch_deg: -60, image_width_px: 48, image_height_px: 32}'
-TURNED = (
-    '{name: turned, image_width_px: 48, image_height_px: 32, horizontal_fov_deg: 40, gimbal: true,'
-    ' gimbal_rate_dps: 30, gimbal_highest_deg: -50}'
-)
+TINY = {'image_width_px': 48, 'image_height_px': 32}
+FRONT = {'name': 'front', 'pitch_deg': -60, **TINY}
+TURNED = {
+    'name': 'turned', 'horizontal_fov_deg': 40, 'gimbal': True, 'gimbal_rate_dps': 30,
+    'gimbal_highest_deg': -50, **TINY,
+}  # fmt: skip
 
 
 def of(camera: str, spec: topics.TopicSpec) -> topics.TopicSpec:
@@ -46,7 +47,7 @@ def test_every_camera_takes_a_picture_at_a_viewpoint(
 ) -> None:
     """Each on its own topics, at the same moment, with its own intrinsics and pose."""
     world('rav1', autostart=False)
-    vehicle = rav(cameras=['{}', FRONT])
+    vehicle = rav(cameras=(SMALL, FRONT))
     shots = operator.store_shots()
     images = operator.listen(of('front', topics.CAMERA_IMAGE))
     infos = operator.listen(of('front', topics.CAMERA_INFO))
@@ -82,7 +83,7 @@ def test_every_camera_takes_a_picture_at_a_viewpoint(
 def test_a_gimbal_obeys_and_says_where_it_points(operator: Operator, world: Any, rav: Any) -> None:
     """It turns at its rate of simulated time, stops at its limit, and a nonsense is not obeyed."""
     world('rav1', speed=5.0)
-    vehicle = rav(cameras=['{}', TURNED])
+    vehicle = rav(cameras=(SMALL, TURNED))
     states = operator.listen(of('turned', topics.GIMBAL_STATE))
     orders = topics.create_publisher(operator.node, of('turned', topics.GIMBAL_COMMAND), 'rav1')
     operator.ros.spin_until(lambda: bool(states), DEADLINE_S)
@@ -112,7 +113,7 @@ def test_a_stream_runs_at_its_rate_while_somebody_looks(
 ) -> None:
     """At multiples of its period of simulated time; nobody looking, nothing is drawn."""
     world('rav1', speed=8.0)
-    rav(stream_rate_hz=2.5)
+    rav(cameras=({**SMALL, 'stream_rate_hz': 2.5},))
     infos = operator.listen(topics.CAMERA_INFO)
     fixes = operator.listen(topics.FIX)
     operator.ros.spin_until(lambda: len(fixes) > 12, DEADLINE_S)
@@ -138,7 +139,7 @@ def test_a_stream_runs_at_its_rate_while_somebody_looks(
 def test_for_a_recorder_alone_nothing_is_streamed(ros: Any, world: Any, rav: Any) -> None:
     """It hears the pictures of viewpoints, and those that somebody else looks at."""
     world('rav1', speed=5.0)
-    rav(stream_rate_hz=5.0)
+    rav(cameras=({**SMALL, 'stream_rate_hz': 5.0},))
     recorder, viewer = Operator(ros, 'recorder'), Operator(ros, 'viewer')
     recorded = recorder.listen(topics.CAMERA_IMAGE_COMPRESSED)
     fixes = recorder.listen(topics.FIX)

@@ -11,6 +11,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from std_msgs.msg import Header
 from test.sim.flights import HOME, ROUTE, START_NS
+from test.sim.vehicle_files import cameras_file
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
@@ -20,12 +21,13 @@ from rocsafe_sim.options import RavOptions
 from rocsafe_sim.picture_conversions import info_message, pose_message
 from rocsafe_sim.rav.assembly import make_rav, make_shared
 
-SMALL = {'image_width_px': 160, 'image_height_px': 120, 'origin_latitude_deg': 53.28}
+SMALL = {'image_width_px': 160, 'image_height_px': 120}
 
 
-def flown(*cameras, spool=None, **values):
+def flown(folder, *cameras, spool=None, **values):
     """Return a vehicle after its first photograph, that photograph, and all pictures of then."""
-    options = RavOptions(cameras=cameras, **{**SMALL, **values})
+    files = cameras_file(folder, *({**SMALL, **camera} for camera in cameras or ({},)))
+    options = RavOptions(cameras_file=files, origin_latitude_deg=53.28, **values)
     home = options.frame().position_of(HOME)
     place = GeoPosition(home.latitude_deg, home.longitude_deg, 0.0)
     rav = make_rav(options, 'rav1', place, make_shared(options), spool)
@@ -38,9 +40,9 @@ def flown(*cameras, spool=None, **values):
     raise AssertionError('no photograph in five minutes')
 
 
-def test_a_plain_camera_photographs_as_a_nadir_pinhole():
+def test_a_plain_camera_photographs_as_a_nadir_pinhole(tmp_path):
     """Nothing said of lens or mount, the file is to the byte that of the ground's picture."""
-    rav, shot, (picture,) = flown()
+    rav, shot, (picture,) = flown(tmp_path)
     model = rav.parts.cameras[0].model
     assert model.optics is None
     roll, pitch = rav.parts.noise.sway_rad(0)
@@ -51,39 +53,39 @@ def test_a_plain_camera_photographs_as_a_nadir_pinhole():
     assert np.array_equal(picture.rotation_enu_from_optical, rotation)
 
 
-def test_noise_differs_by_camera_and_is_repeated_by_a_restart():
+def test_noise_differs_by_camera_and_is_repeated_by_a_restart(tmp_path):
     """Two cameras alike see the same ground with noise of their own, again and again the same."""
-    noisy = '{effects: {full_well_e: 500, read_noise_e: 5}}'
-    other = '{name: other, effects: {full_well_e: 500, read_noise_e: 5}}'
-    _, shot, (first, second) = flown(noisy, other, tilt_std_deg=0.0)
-    _, again, _ = flown(noisy, other, tilt_std_deg=0.0)
-    _, calm, _ = flown(tilt_std_deg=0.0)
+    noisy = {'effects': {'full_well_e': 500, 'read_noise_e': 5}}
+    other = {'name': 'other', **noisy}
+    _, shot, (first, second) = flown(tmp_path, noisy, other, tilt_std_deg=0.0)
+    _, again, _ = flown(tmp_path, noisy, other, tilt_std_deg=0.0)
+    _, calm, _ = flown(tmp_path, tilt_std_deg=0.0)
     assert shot.jpeg == again.jpeg != calm.jpeg
     assert not np.array_equal(first.image, second.image)
     blurs = [cv2.GaussianBlur(each.image, (0, 0), 6.0).astype(int) for each in (first, second)]
     assert np.abs(blurs[0] - blurs[1]).mean() < 3.0
 
 
-def test_the_camera_info_tells_the_distortion_of_the_picture():
+def test_the_camera_info_tells_the_distortion_of_the_picture(tmp_path):
     """Straightened by its own CameraInfo, the photograph is that of a pinhole."""
-    rav, _, (photo,) = flown('{effects: {distortion: [-0.2, 0.04, 0.002, -0.001]}}')
+    rav, _, (photo,) = flown(tmp_path, {'effects': {'distortion': [-0.2, 0.04, 0.002, -0.001]}})
     info = info_message(rav.parts.cameras[0].settings, Header())
     assert info.distortion_model == 'plumb_bob'
     assert list(info.d) == [-0.2, 0.04, 0.002, -0.001, 0.0]
     matrix = np.array(info.k).reshape(3, 3)
     straight = cv2.undistort(photo.image, matrix, np.array(info.d)).astype(int)
-    _, _, (pinhole,) = flown()
+    _, _, (pinhole,) = flown(tmp_path)
     gap = np.abs(straight - pinhole.image)[10:-10, 10:-10]
     bent = np.abs(photo.image.astype(int) - pinhole.image)[10:-10, 10:-10]
     assert gap.mean() < 0.5 * bent.mean()
 
 
-def test_in_passing_a_long_exposure_smears_along_the_way():
+def test_in_passing_a_long_exposure_smears_along_the_way(tmp_path):
     """A vehicle that does not stop blurs its photograph in the direction of its flight."""
     passing = {'hover_s': 0.0, 'cruise_speed_mps': 12.0, 'tilt_std_deg': 0.0}
-    passing |= {'image_width_px': 400, 'image_height_px': 300}
-    _, _, (sharp,) = flown(**passing)
-    rav, _, (smeared,) = flown('{effects: {shutter_s: 0.15}}', **passing)
+    large = {'image_width_px': 400, 'image_height_px': 300}
+    _, _, (sharp,) = flown(tmp_path, large, **passing)
+    rav, _, (smeared,) = flown(tmp_path, {**large, 'effects': {'shutter_s': 0.15}}, **passing)
     before, after = (rav.vehicle.pose_at(sharp.time_ns + shift) for shift in (-(10**7), 10**7))
     way = np.subtract(after.position_enu, before.position_enu)
     across_x, across_y, _ = sharp.rotation_enu_from_optical.T @ way
@@ -103,10 +105,12 @@ def test_in_passing_a_long_exposure_smears_along_the_way():
 
 def test_a_gimbal_points_on_after_a_restart(tmp_path):
     """What it was told is in the spool, and the photographs look there."""
-    turned = '{name: turned, gimbal: true, horizontal_fov_deg: 30, gimbal_highest_deg: -45}'
-    rav, _, _ = flown('{}', turned, spool=tmp_path)
+    turned = {
+        'name': 'turned', 'gimbal': True, 'horizontal_fov_deg': 30, 'gimbal_highest_deg': -45
+    }  # fmt: skip
+    rav, _, _ = flown(tmp_path, {}, turned, spool=tmp_path / 'spool')
     rav.point(rav.parts.cameras[1], Direction(pitch_rad=-1.0, yaw_rad=0.7))
-    again, _, pictures = flown('{}', turned, spool=tmp_path)
+    again, _, pictures = flown(tmp_path, {}, turned, spool=tmp_path / 'spool')
     assert again.parts.cameras[1].gimbal.order == rav.parts.cameras[1].gimbal.order
     ahead = pictures[1].rotation_enu_from_optical[:, 2]
     assert ahead[2] == pytest.approx(-math.sin(1.0), abs=1e-9)

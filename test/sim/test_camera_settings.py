@@ -1,73 +1,103 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras as a parameter describes them."""
+"""Cameras as a file describes them."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test.sim.vehicle_files import cameras_file
 
 from rocsafe_geo.pinhole import rotation_body_from_optical
+from rocsafe_geo.storage.value_file import ValueFileError, parse_values
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_sim.cameras.camera_settings import CameraSettings, cameras_of
+from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.options import RavOptions
 
-FIRST = CameraSettings(image_width_px=320, image_height_px=240, stream_rate_hz=2.0)
+REPOSITORY = Path(__file__).parents[2]
+
+
+def rig_of(text):
+    """Return the cameras of the content of a file."""
+    return parse_values(text, CameraRig, 'cameras.yaml').cameras
 
 
 def test_nothing_said_is_one_camera():
-    """The other parameters describe it."""
-    assert cameras_of((), FIRST) == (FIRST,)
-    assert RavOptions().rig() == (CameraSettings(),)
+    """Without a file a vehicle has one plain camera that looks down."""
+    assert RavOptions().cameras() == (CameraSettings(),)
 
 
-def test_what_is_left_out_is_as_of_the_first():
-    """Keys and effects are read; integers serve as floats."""
-    texts = (
-        '{gimbal: true, effects: {distortion: [-0.1, 0.02], shutter_s: 0.01}}',
-        '{name: front, pitch_deg: -30, image_width_px: 160, stream_rate_hz: 5}',
-    )
-    first, front = cameras_of(texts, FIRST)
-    assert (first.gimbal, first.image_width_px, first.name) == (True, 320, 'camera')
+def test_cameras_are_read_from_the_file(tmp_path):
+    """Keys and effects are read; integers serve as floats; what is left out has its default."""
+    path = tmp_path / 'cameras.yaml'
+    path.write_text("""
+cameras:
+  - gimbal: true
+    gimbal_highest_deg: -60
+    effects: {distortion: [-0.1, 0.02], shutter_s: 0.01}
+  - {name: front, pitch_deg: -80, image_width_px: 160, image_height_px: 90, stream_rate_hz: 5}
+""")
+    first, front = RavOptions(cameras_file=str(path)).cameras()
+    assert (first.gimbal, first.image_width_px, first.name) == (True, 640, 'camera')
     assert first.effects == Effects(distortion=(-0.1, 0.02, 0.0, 0.0, 0.0), shutter_s=0.01)
-    assert (front.name, front.pitch_deg, front.image_width_px) == ('front', -30.0, 160)
-    assert (front.image_height_px, front.stream_rate_hz, front.gimbal) == (240, 5.0, False)
+    assert (front.name, front.pitch_deg, front.image_width_px) == ('front', -80.0, 160)
+    assert (front.image_height_px, front.stream_rate_hz, front.gimbal) == (90, 5.0, False)
     assert front.effects.are_none
 
 
+def test_the_manual_s_file_is_read(tmp_path):
+    """The example of docs/cameras.md is a file of cameras over flat ground."""
+    manual = (REPOSITORY / 'docs' / 'cameras.md').read_text(encoding='utf-8')
+    text = re.search(r'```yaml\n(cameras:.*?)```', manual, re.DOTALL)[1]
+    path = tmp_path / 'cameras.yaml'
+    path.write_text(text)
+    cameras = RavOptions(cameras_file=str(path)).cameras()
+    assert [camera.name for camera in cameras] == ['camera', 'front', 'turret']
+
+
 @pytest.mark.parametrize(
-    ('texts', 'reason'),
+    ('second', 'reason'),
     [
-        (('[',), r"cameras\[0\] is '\[': must be YAML"),
-        (('5',), 'must be a mapping of keys to values'),
-        (('{}', '{}'), 'names must differ'),
-        (('{pitch_deg: -45}',), 'look straight down'),
-        (('{}', '{name: "9", pitch_deg: -45}'), r"cameras\[1\]: name is '9'"),
-        (('{}', '{name: a, pitch_deg: -91}'), 'pitch_deg is -91 deg: must be -90 to 90 deg'),
-        (('{}', '{name: a, zoom: 3}'), 'zoom is unknown: must be one of name'),
-        (('{}', '{name: a, gimbal: 1}'), 'gimbal is 1: must be bool'),
-        (('{}', '{name: a, image_width_px: 8000, image_height_px: 8000}'), '12000000 at most'),
-        (('{}', '{name: a, gimbal: true, gimbal_rate_dps: 0}'), 'must be above 0'),
-        (('{}', '{name: a, effects: 3}'), 'effects is 3: must be a mapping'),
-        (('{effects: {vignetting: 2}}',), 'vignetting is 2: must be 0 to 1'),
-        (('{effects: {read_noise_e: 2}}',), 'must be 0 without full_well_e'),
-        (('{effects: {distortion: [1, 2, 3, 4, 5, 6]}}',), 'must have 5 at most'),
+        ('5', r'cameras\[1\] = 5: must be a block of keys'),
+        ('{}', 'names must differ'),
+        ('{name: "9", pitch_deg: -45}', r"cameras\[1\]: name is '9'"),
+        (
+            '{name: a, pitch_deg: -91}',
+            'pitch_deg is -91 deg: must be -90 to 90 deg',
+        ),
+        ('{name: a, zoom: 3}', r'cameras\[1\].zoom: unknown key'),
+        ('{name: a, gimbal: 1}', r'cameras\[1\].gimbal = 1: must be true or false'),
+        ('{name: a, image_width_px: 8000, image_height_px: 8000}', '12000000 at most'),
+        ('{name: a, gimbal: true, gimbal_rate_dps: 0}', 'must be above 0'),
+        ('{name: a, effects: 3}', r'cameras\[1\].effects = 3: must be a block'),
+        ('{name: a, effects: {vignetting: 2}}', 'vignetting is 2: must be 0 to 1'),
+        ('{name: a, effects: {read_noise_e: 2}}', 'must be 0 without full_well_e'),
+        ('{name: a, effects: {distortion: [1, 2, 3, 4, 5, 6]}}', 'must have 5 at most'),
     ],
 )
-def test_what_cannot_be_is_refused(texts, reason):
-    """One line names the camera, the key, its value and the limit."""
-    with pytest.raises(ValueError, match=reason):
-        cameras_of(texts, FIRST)
+def test_what_cannot_be_is_refused(second, reason):
+    """One line names the file, the camera, the key, its value and the limit."""
+    with pytest.raises(ValueFileError, match=f'cameras.yaml: .*{reason}'):
+        rig_of(f'cameras: [{{}}, {second}]')
 
 
-def test_flat_ground_has_no_horizon_to_be_seen():
+@pytest.mark.parametrize('first', ['{name: front}', '{pitch_deg: -45}', '{yaw_deg: 90}'])
+def test_the_first_camera_is_that_of_the_survey(first):
+    """It has the name of the topics of before and looks straight down."""
+    with pytest.raises(ValueFileError, match=r'cameras\[0\]: must be called camera and look'):
+        rig_of(f'cameras: [{first}]')
+
+
+def test_flat_ground_has_no_horizon_to_be_seen(tmp_path):
     """Over the flat picture a camera must not look too far up; in a scene it may."""
-    front = ('{}', '{name: front, pitch_deg: -20}')
-    with pytest.raises(ValueError, match=r'vertical of cameras\[1\] is .*must be 0 to 70 deg'):
-        RavOptions(cameras=front)
+    front = cameras_file(tmp_path, {}, {'name': 'front', 'pitch_deg': -20})
+    with pytest.raises(ValueError, match=r'of cameras\[1\], .*must be 0 to 70 deg'):
+        RavOptions(cameras_file=front).cameras()
     scene = {'camera_backend': 'engine', 'scene_file': 'x.yaml'}
-    assert RavOptions(cameras=front, **scene).rig()[1].pitch_deg == -20.0
+    assert RavOptions(cameras_file=front, **scene).cameras()[1].pitch_deg == -20.0
 
 
 @given(st.floats(-90.0, 90.0), st.floats(20.0, 120.0))

@@ -16,14 +16,15 @@ from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from std_srvs.srv import SetBool, Trigger
 from test.sim.node_stand import (
-    COMMON,
     DEADLINE_S,
     FRAME,
     HOME_ENU,
     Operator,
+    common,
     parameters,
     route,
 )  # fmt: skip
+from test.sim.vehicle_files import fleet_file
 
 from rocsafe_geo.storage import shot_store
 from rocsafe_interfaces.action import FlyRoute
@@ -217,7 +218,9 @@ def test_restarted_vehicle_continues(
     assert [path.name for path in tmp_path.iterdir()] == ['journal.json']
 
 
-def test_fleet_flies_many_in_one_process(ros: Any, operator: Operator, world: Any) -> None:
+def test_fleet_flies_many_in_one_process(
+    ros: Any, operator: Operator, world: Any, tmp_path: Path
+) -> None:
     """Vehicles of a fleet have namespaces of their own and one participant."""
     world('fleet', autostart=False)
     home = FRAME.position_of(HOME_ENU)
@@ -225,10 +228,10 @@ def test_fleet_flies_many_in_one_process(ros: Any, operator: Operator, world: An
         context=ros.context,
         parameter_overrides=parameters(
             **{
-                **COMMON,
-                'vehicles': ['a', 'b', 'c'],
-                'home_latitudes_deg': [home.latitude_deg] * 3,
-                'home_longitudes_deg': [home.longitude_deg] * 3,
+                **common(tmp_path),
+                'fleet_file': fleet_file(
+                    tmp_path, dict.fromkeys('abc', (home.latitude_deg, home.longitude_deg))
+                ),
             }
         ),
     )
@@ -278,7 +281,11 @@ def test_world_shows_its_scene(operator: Operator, world: Any) -> None:
         ({'scene': 'mars'}, "scene is 'mars'"),
         ({'cruise_speed_mps': -1.0}, 'cruise_speed_mps'),
         ({'ground': '/nowhere/photo.tif'}, '/nowhere/photo.tif'),
-        ({'camera_horizontal_fov_deg': 149.0}, 'must be 0 to 70 deg'),
+        ({'cameras': ({'horizontal_fov_deg': 149.0},)}, 'must be 0 to 70 deg'),
+        ({'cameras': ({'horizontal_fov_deg': 4.0},)}, r'cameras\[0\]: horizontal_fov_deg is 4'),
+        ({'autopilot_file': '/nowhere.yaml'}, '/nowhere.yaml'),
+        ({'image_width_px': 64}, 'image_width_px is now image_width_px of a camera in the file'),
+        ({'jerk_mps3': 5.0}, 'jerk_mps3 is now jerk_mps3 in the file that autopilot_file names'),
     ],
 )
 def test_wrong_parameters_are_refused(rav: Any, values: dict[str, Any], reason: str) -> None:

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test.scene.ray_scene import RayScene
 from test.scene.scenes import PLANT, THINGS, small_environment
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps
 
-from rocsafe_scene.solids.rays import RayScene
 from rocsafe_scene.solids.scene_surroundings import SceneSurroundings
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.fall import GRAVITY_MPS2
@@ -179,13 +179,13 @@ def test_a_scene_is_met_as_its_rays_find_it():
     rays, surroundings = RayScene(environment), SceneSurroundings(environment)
     rng = np.random.default_rng(8)
     places = np.column_stack([rng.uniform(-13.0, 13.0, (150, 2)), np.zeros(150)])
-    grounds = -rays.height_above_ground(places)
+    grounds = environment.terrain.height_at(places[:, :2])
     places[:, 2] = grounds + rng.uniform(0.6, 5.0, 150)
     found = set()
     for place, ground in zip(places, grounds, strict=True):
         assert surroundings.ground_up_m(*place[:2].tolist()) == pytest.approx(ground)
         thing = surroundings.touched(tuple(place.tolist()), 0.5)
-        assert thing == rays.collision(place, 0.5)
+        assert thing == rays.touched(place, 0.5)
         found.add(thing)
     assert len(found) >= 4
     assert surroundings.touched((0.0, 0.0, 200.0), 0.5) == ''

@@ -21,6 +21,7 @@ from workspace.ros import SystemRos
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'cv2': ('opencv-python-headless', (4, 6)),
+    'jinja2': ('Jinja2', (3, 1)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
     'numba': ('numba', (0, 58)),

@@ -15,7 +15,7 @@ Angle = TypeVar('Angle', float, FloatArray)
 
 def wrap_rad(angle_rad: Angle) -> Angle:
     """Return the same direction within (-pi, pi]."""
-    # The second modulo turns a remainder that was rounded up to a full turn into zero.
+    # The second modulo turns a remainder that rounding made a full turn into zero.
     return math.pi - (math.pi - angle_rad) % math.tau % math.tau
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shortest way around zones, from anywhere to one place.
+"""Shortest paths around zones to one place.
 
-A shortest path among polygons bends at their corners only (Lozano-Perez and Wesley, 1979). Zones
-are widened by a clearance; the corners to bend at lie a little further out, so that no rounding
-makes a path touch the zone that it follows.
+A shortest path among polygons bends only at their corners (Lozano-Perez and Wesley, 1979). Zones
+are widened by a clearance. The corners at which paths bend lie 1 mm further out, so that rounding
+does not make a path touch the zone.
 """
 
 from collections.abc import Sequence
@@ -17,18 +17,22 @@ Place = tuple[float, float]
 Ring = tuple[Place, ...]
 
 _MARGIN_M = 1e-3
-# Who stands at the clearance, or passes it in another frame, is this near to it: still outside.
+# A vehicle at the clearance may be this far inside it after a change of frame; it is still
+# outside.
 _SLACK_M = 0.02
 
 
 class WaysAround:
-    """Shortest ways to `goal`; places are (east, north) in metres.
+    """Shortest paths to `goal`; places are (east, north) in metres.
 
     Parameters
     ----------
-    zones : outlines that are not to be crossed.
-    clearance_m : distance to keep from them.
-    goal : where all ways end.
+    zones
+        Outlines of the zones, which no path may cross.
+    clearance_m
+        Distance to keep from the zones, metres.
+    goal
+        End of all paths.
     """
 
     def __init__(self, zones: Sequence[Ring], clearance_m: float, goal: Place) -> None:
@@ -42,10 +46,10 @@ class WaysAround:
         self._left_m, self._next = self._ways()
 
     def bends(self, place: Place) -> list[Place]:
-        """Return where the way from `place` bends.
+        """Return the bends of the path from `place`.
 
-        From inside a zone or its clearance it leads out at the nearest point first. If the zones
-        shut off the goal, the way is straight: there is no other.
+        From inside a zone or its clearance the path first leads out at the nearest point. If the
+        zones enclose the goal, the path is straight, as no other exists.
         """
         if not shapely.intersects_xy(self._closed, *place):
             return self._bends_outside(place)
@@ -68,7 +72,7 @@ class WaysAround:
         return [(east, north) for east, north in self._corners[path].tolist()]
 
     def _ways(self) -> tuple[FloatArray, list[int]]:
-        """Return the way left from each corner, and its next corner (Dijkstra, 1959)."""
+        """Return the distance left from each corner, and its next corner (Dijkstra, 1959)."""
         steps = _distances(self._corners, self._corners)
         steps[~self._sees(self._corners, self._corners)] = np.inf
         goal = np.array([self._goal])
@@ -87,7 +91,7 @@ class WaysAround:
         return left, following
 
     def _sees(self, a: FloatArray, b: FloatArray) -> BoolArray:
-        """Return which straight lines from a (n, 2) to b (k, 2) keep clear, shape (n, k)."""
+        """Return which straight lines from a (n, 2) to b (k, 2) cross no zone, shape (n, k)."""
         ends = np.broadcast_arrays(a[:, None, :], b[None, :, :])
         lines = shapely.linestrings(np.stack(ends, axis=2))
         clear: BoolArray = ~shapely.intersects(self._closed, lines)

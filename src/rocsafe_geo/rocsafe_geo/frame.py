@@ -71,7 +71,7 @@ class LocalFrame:
 
 @lru_cache(maxsize=64)
 def _topocentric(origin: GeoPosition) -> Transformer:
-    """Return PROJ's WGS84 -> local frame; cached, as its set-up costs a millisecond."""
+    """Return the transformation from WGS84; cached, as its set-up takes a millisecond."""
     place = f'+lat_0={origin.latitude_deg!r} +lon_0={origin.longitude_deg!r}'
     return Transformer.from_pipeline(
         '+proj=pipeline +step +proj=cart +ellps=WGS84 '

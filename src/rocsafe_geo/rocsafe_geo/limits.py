@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Refusals in one wording: the thing, its value, its limit."""
+"""Checks of values that raise ValueError with name, value and limit in one wording."""
 
 import math
 

@@ -102,12 +102,13 @@ def rotation_body_from_optical(
     Parameters
     ----------
     pitch_rad
-        Of the view above the horizon of a level vehicle: -pi/2 looks straight down.
+        Angle of the view above the horizon of a level vehicle: -pi/2 is straight down.
     yaw_rad
-        Of the view from the nose, anticlockwise. Straight down it turns the image.
+        Angle of the view from the nose, anticlockwise. With a view straight down it turns the
+        image.
     """
     cy, sy = math.cos(yaw_rad), math.sin(yaw_rad)
-    # straight down the sum is exactly 0, and with it the rotation exactly that of a nadir camera
+    # Straight down the sum is exactly 0, so that the rotation is exactly that of a nadir camera.
     raised = pitch_rad + 0.5 * math.pi
     cr, sr = math.cos(raised), math.sin(raised)
     about_up = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
@@ -131,11 +132,11 @@ def ground_homography(
     camera
         The camera.
     position_enu
-        Of the camera's centre, metres, shape (3,).
+        Place of the camera's centre, metres, shape (3,).
     rotation_enu_from_optical
-        Shape (3, 3).
+        Rotation from the optical frame to ENU, shape (3, 3).
     ground_up_m
-        Of the level ground, in the same frame.
+        Height of the level ground in the same frame, metres.
 
     Raises
     ------
@@ -188,7 +189,10 @@ def ground_corners(
 def rotation_of_quaternion(quaternion_xyzw: ArrayLike) -> FloatArray:
     """Return the rotation matrix (3, 3) of a quaternion (x, y, z, w), normalised first.
 
-    Raises ValueError if its length is zero or not finite.
+    Raises
+    ------
+    ValueError
+        If its length is zero or not finite.
     """
     q = np.asarray(quaternion_xyzw, float)
     length = require_positive('quaternion length', float(np.linalg.norm(q)))

@@ -45,7 +45,7 @@ class GeoPosition:
 
 
 def distance_m(a: GeoPosition, b: GeoPosition) -> float:
-    """Return the geodesic distance along the ellipsoid (Karney 2013); altitudes are not read."""
+    """Return the geodesic distance along the ellipsoid (Karney 2013); altitudes do not count."""
     _, _, distance = _WGS84.inv(a.longitude_deg, a.latitude_deg, b.longitude_deg, b.latitude_deg)
     return float(distance)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one door to PROJ: columns in, columns out."""
+"""Coordinate transformations by PROJ, on columns of coordinates."""
 
 import numpy as np
 from numpy.typing import ArrayLike

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The orchestrator's ROS side: requests to the nodes, and what they say."""
 
+import dataclasses
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -17,7 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
@@ -43,7 +44,8 @@ class OrchestratorNode(Node):
         self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
     ) -> None:
         super().__init__(NAME, **node_options)
-        self.options = declare_options(self, OrchestratorOptions)
+        options = declare_options(self, OrchestratorOptions)
+        self.deadlines = Deadlines(**dataclasses.asdict(options))
         self._scenario = scenario
         self._monitor = monitor
         self._mission_id = mission_id

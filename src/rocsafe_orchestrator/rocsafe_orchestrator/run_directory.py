@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from zlib import crc32
 
 from rocsafe_orchestrator.errors import SetupError
 
@@ -82,6 +83,10 @@ class RunDirectory:
     def log_of(self, process: str) -> Path:
         """Return the log file of `process`."""
         return self.logs / f'{process}.log'
+
+    def solids_of(self, scene: str) -> Path:
+        """Return the file of the solid things and the ground of the scene file `scene`."""
+        return self.parameters / f'{Path(scene).stem}-{crc32(scene.encode()):08x}.npz'
 
     def parameters_of(self, process: str) -> Path:
         """Return the parameter file of `process`."""

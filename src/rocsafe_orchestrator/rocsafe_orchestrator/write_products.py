@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.products.readings_table import write_readings
 from rocsafe_orchestrator.products.run_reading import read_run
@@ -48,7 +49,10 @@ def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
     if record.log is None or not record.log.readings or record.scenario is None:
         return record
     try:
-        options = (*ground_options(record.scenario), *record.scenario.radiation.localize_options)
+        # Runs of earlier versions have no such files.
+        export_scenes(record.scenario, run)
+        ground = ground_options(record.scenario, run)
+        options = (*ground, *record.scenario.radiation.localize_options)
         estimates = estimate_sources(run.readings, options)
     except OrchestratorError as error:
         line = f'no estimate of sources: {error}'

@@ -3,16 +3,19 @@
 
 from collections.abc import Callable
 from functools import partial
+from threading import Event
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.time import Time
 
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
 from rocsafe_interfaces.msg import SurveyPlan
+from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.conversions import (
     feedback,
     message_of_plan,
@@ -24,13 +27,13 @@ from rocsafe_planner.conversions import (
 )
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.export.plan_files import write_plan
-from rocsafe_planner.export.plan_reading import exported_plan
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan.plan import SurveyPlan as PlanValue
-from rocsafe_planner.planning import UNKNOWN, Figures, plan_survey
+from rocsafe_planner.plan.plan_reading import exported_plan
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.planning import UNKNOWN, Figures, Progress
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_planner.site.request import SurveyRequest
-from rocsafe_ros.background_job import BackgroundJob
+from rocsafe_ros.background_job import start_job
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
@@ -38,13 +41,28 @@ from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
 # How often a running job is looked at, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1
 
-Job = BackgroundJob[SurveyPlan, Figures]
 
-
-def _load_solver(_report: Callable[[None], bool]) -> None:
+def _load_solver() -> None:
     from rocsafe_planner.solver.precompile import load_kernels
 
     load_kernels()
+
+
+class _Planning:
+    """The planning of one goal in its thread: its future plan, newest figures, and a stop."""
+
+    def __init__(self, plan: Callable[[Progress], SurveyPlan]) -> None:
+        self.figures: Figures = UNKNOWN
+        self._is_stopped = Event()
+        self.plan = start_job(partial(plan, self._report), 'planning')
+
+    def stop(self) -> None:
+        """Ask it to end at its next report."""
+        self._is_stopped.set()
+
+    def _report(self, makespan_s: float, lower_bound_s: float) -> bool:
+        self.figures = (makespan_s, lower_bound_s)
+        return not self._is_stopped.is_set()
 
 
 class PlannerNode(Node):
@@ -63,7 +81,7 @@ class PlannerNode(Node):
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         # While the other nodes start: the first goal need not wait for it.
-        self._loading = BackgroundJob(_load_solver, 'loading', None)
+        start_job(_load_solver, 'loading')
         self._server = ActionServer(
             self,
             PlanSurvey,
@@ -114,36 +132,41 @@ class PlannerNode(Node):
 
     async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
         """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
-        job = Job(partial(self._plan, request), 'planning', UNKNOWN)
+        planning = _Planning(partial(self._plan, request))
+        started = self._wall_clock.now()
         done = Future()
         timer = self.create_timer(
-            WATCH_PERIOD_S, partial(self._watch, job, goal, done), clock=self._wall_clock
+            WATCH_PERIOD_S,
+            partial(self._watch, planning, started, goal, done),
+            clock=self._wall_clock,
         )
         await done
         self.destroy_timer(timer)
-        return job.result()
+        return planning.plan.result()
 
-    def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
-        """Plan and export; runs in the job's thread."""
-
-        def on_progress(makespan_s: float, lower_bound_s: float) -> bool:
-            return report((makespan_s, lower_bound_s))
-
-        plan = plan_survey(request, on_progress)
+    def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
+        """Plan, check and export; runs in the thread of `_Planning`."""
+        plan = checked_plan(request, on_progress)
         self._plans[plan.plan_id] = plan
         is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
         if self._options.export_directory and is_wanted:
-            write_plan(plan, self._options.export_folder(plan.plan_id, bool(request.viewpoints)))
+            folder = self._options.export_folder(
+                plan.plan_id, bool(request.continuation.viewpoints)
+            )
+            write_plan(plan, folder)
         return message_of_plan(plan)
 
-    def _watch(self, job: Job, goal: ServerGoalHandle, done: Future) -> None:
-        """Report a job's progress; wake its goal when it is done."""
+    def _watch(
+        self, planning: _Planning, started: Time, goal: ServerGoalHandle, done: Future
+    ) -> None:
+        """Report the progress of a goal; wake the goal when its planning has ended."""
         if done.done():
             return
         if goal.is_cancel_requested or goal is not self._newest:
-            job.cancel()
-        goal.publish_feedback(feedback(job.elapsed_s, *job.progress))
-        if job.is_done:
+            planning.stop()
+        elapsed_s = 1e-9 * (self._wall_clock.now() - started).nanoseconds
+        goal.publish_feedback(feedback(elapsed_s, *planning.figures))
+        if planning.plan.done():
             done.set_result(None)
 
     def _refuse(

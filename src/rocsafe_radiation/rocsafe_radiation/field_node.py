@@ -20,12 +20,13 @@ from rocsafe_radiation.detection.counting import WindowCounter
 from rocsafe_radiation.detection.pairing import StampPairing
 from rocsafe_radiation.detection.survey_field import SurveyField
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
+from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import require_point
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lockstep import Participant
-from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
 
@@ -119,7 +120,10 @@ class FieldNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('radiation_field', **node_options)
         options = declare_options(self, FieldOptions)
-        self._field = options.survey_field()
+        try:
+            self._field = survey_field(options)
+        except ValueError as error:
+            raise ParameterError(str(error)) from error
         self._start_ns = options.start_time_ns
         self._detectors = [
             Detector(self, vehicle, options, self._field) for vehicle in options.vehicles

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``localizer``: sources and doses from all readings so far, while the vehicles fly."""
 
+from concurrent.futures import Future
 from functools import partial
 from typing import Any
 
@@ -18,15 +19,15 @@ from rocsafe_radiation.assessment_conversions import (
 )
 from rocsafe_radiation.decision.assessment_steps import Inquiry
 from rocsafe_radiation.localization.localize import TooFewReadingsError
-from rocsafe_radiation.localization_job import LocalizationJob
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Picture, picture_of, suggested_waypoints
 from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
+from rocsafe_ros.background_job import start_job
 from rocsafe_ros.conversions import area_of_region
-from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
 # How often a running fit is looked at, on the wall clock: simulated time may stand still.
@@ -48,10 +49,13 @@ class LocalizerNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('localizer', **node_options)
         self._options = declare_options(self, LocalizerOptions)
-        self._log = self._options.log()
+        try:
+            self._log = self._options.log()
+        except ValueError as error:
+            raise ParameterError(f'{self.get_name()}: {error}') from error
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
-        self._job: LocalizationJob | None = None
+        self._job: Future[Picture] | None = None
         self._picture: Picture | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._inquiry = Inquiry()
@@ -94,7 +98,7 @@ class LocalizerNode(Node):
         self._region = region
 
     def _on_watch(self) -> None:
-        if self._job is not None and self._job.is_done:
+        if self._job is not None and self._job.done():
             self._evaluated = self._fitted
             self._publish(self._job)
             self._job = None
@@ -112,11 +116,11 @@ class LocalizerNode(Node):
             self.get_logger().error(f'nothing localized: {error}', once=True)
             return
         self._fitted = len(self._log)
-        options = self._options.picture(self._log)
+        options = self._options.picture(self._log.models)
         work = partial(picture_of, survey, options, self._log.vehicles)
-        self._job = LocalizationJob(work)
+        self._job = start_job(work, 'localizing')
 
-    def _publish(self, job: LocalizationJob) -> None:
+    def _publish(self, job: 'Future[Picture]') -> None:
         try:
             self._picture = picture = job.result()
         except TooFewReadingsError:

@@ -2,16 +2,18 @@
 """Options of the node ``localizer``."""
 
 import math
+from collections.abc import Set
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.solids.ground_heights import read_heights
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_DOSE_RATES_USVH,
     DEFAULT_DOSES_USV,
     AlarmLevels,
 )
-from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
 from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
 from rocsafe_radiation.localization.source_count import LARGEST_ORDER
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
@@ -26,8 +28,16 @@ MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LocalizerOptions(TerrainOptions):
+class LocalizerOptions:
     """Options of the localizer."""
+
+    MOVED_PARAMETERS: ClassVar = {
+        'terrain_provider': 'terrain_file',
+        'terrain_seed': 'terrain_file',
+        'terrain_latitudes_deg': 'terrain_shift_m',
+        'terrain_longitudes_deg': 'terrain_shift_m',
+        'terrain_altitudes_m': 'terrain_shift_m',
+    }
 
     vehicles: tuple[str, ...] = field(
         default=(), metadata={'doc': 'namespaces of the vehicles that carry a detector'}
@@ -47,6 +57,20 @@ class LocalizerOptions(TerrainOptions):
     origin_altitude_m: float = field(
         default=0.0,
         metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
+    )
+    terrain_file: str = field(
+        default='',
+        metadata={
+            'doc': 'heights of the ground: GeoTIFF or file of rocsafe scene solids; empty: level'
+        },
+    )
+    terrain_shift_m: float = field(
+        default=0.0,
+        metadata={
+            'doc': 'added to these heights so that they count from the ellipsoid, metres',
+            'min': -1e4,
+            'max': 1e4,
+        },
     )
     source_height_m: float = field(
         default=0.5,
@@ -139,7 +163,7 @@ class LocalizerOptions(TerrainOptions):
         nuclide(self.nuclide)
         self.origin()
         self.levels()
-        self.picture(self.log())
+        self.picture(frozenset())
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -148,7 +172,8 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: if it is out of range.
+        ValueError
+            If it is out of range.
         """
         return GeoPosition(
             latitude_deg=self.origin_latitude_deg,
@@ -161,9 +186,12 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: in one line, if the origin or the terrain is wrong.
+        ValueError
+            In one line, if the origin or the terrain is wrong.
         """
-        return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, self.heights())
+        file = self.terrain_file
+        heights = read_heights(file, self.terrain_shift_m) if file else None
+        return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, heights)
 
     def looks_a_fit(self, look_period_s: float) -> int:
         """Return how many looks make a period."""
@@ -174,7 +202,8 @@ class LocalizerOptions(TerrainOptions):
 
         Raises
         ------
-        ValueError: naming the level that is none.
+        ValueError
+            Naming the level that is none.
         """
         return AlarmLevels(
             dose_rates_usvh=self.alarm_dose_rates_usvh,
@@ -182,10 +211,10 @@ class LocalizerOptions(TerrainOptions):
             largest_gap_s=self.largest_gap_s,
         )
 
-    def picture(self, log: ReadingLog) -> PictureOptions:
-        """Return how the picture of the readings of `log` is made."""
+    def picture(self, models: Set[str]) -> PictureOptions:
+        """Return how readings that were made by the laws `models` are assessed."""
         is_paper = self.model == PAPER_MODEL or (
-            self.model == AUTO_MODEL and log.models == {PAPER_MODEL}
+            self.model == AUTO_MODEL and models == {PAPER_MODEL}
         )
         known = LocalizationOptions(
             kernel=Kernel(is_lossy=not is_paper, nuclide=self.nuclide),

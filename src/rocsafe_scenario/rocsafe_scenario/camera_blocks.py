@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The blocks of a scenario's cameras, each with its keys, units, limits and defaults."""
 
-import json
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -71,14 +70,20 @@ class OtherCameraBlock(MountBlock):
 
 
 def camera_parameters(camera: CameraBlock, others: tuple[OtherCameraBlock, ...]) -> dict[str, Any]:
-    """Return the parameters of the cameras of a simulated vehicle."""
-    mount = set(MountBlock.model_fields)
-    first = camera.model_dump(include=mount, exclude_defaults=True)
-    further = [other.model_dump(exclude_none=True) for other in others]
-    texts = [json.dumps(each) for each in (first, *further)] if first or further else []
-    plain = camera.model_dump(exclude=mount)
-    return {**{f'{_prefix(key)}{key}': value for key, value in plain.items()}, 'cameras': texts}
+    """Return the parameters of the cameras of a simulated vehicle, see docs/cameras.md."""
+    picture = camera.model_dump(include=_OF_THE_PICTURE)
+    first = {'name': FIRST_CAMERA, **picture, **camera.model_dump(include=_OF_THE_MOUNT)}
+    further = [{**picture, **other.model_dump(exclude_none=True)} for other in others]
+    return {
+        'camera_backend': camera.backend,
+        'scene_file': camera.scene_file,
+        'ground': camera.ground,
+        'cameras_file': {'cameras': [first, *further]},
+    }
 
 
-def _prefix(key: str) -> str:
-    return 'camera_' if key in ('backend', 'horizontal_fov_deg', 'oversampling') else ''
+_OF_THE_MOUNT = set(MountBlock.model_fields)
+# What a further camera has of the survey's, unless it says otherwise.
+_OF_THE_PICTURE = {
+    'horizontal_fov_deg', 'image_width_px', 'image_height_px', 'jpeg_quality', 'oversampling'
+}  # fmt: skip

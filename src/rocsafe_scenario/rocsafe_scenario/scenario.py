@@ -110,6 +110,11 @@ class Scenario(Block):
             altitude_m=altitude,
         )
 
+    @property
+    def engine_scene(self) -> str:
+        """Path of the scene file that the game engine shows, '' if the ground is flat."""
+        return self.camera.scene_file if self.camera.backend == 'engine' else ''
+
     def ground_position(self, place: LatLon, height_m: float = 0.0) -> GeoPosition:
         """Return `place`, `height_m` above the flat ground."""
         return GeoPosition(

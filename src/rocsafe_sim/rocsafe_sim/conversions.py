@@ -9,7 +9,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Header
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.motion.battery import PowerModel
+from rocsafe_geo.motion.battery import VOLTAGE_V, PowerModel
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
@@ -106,10 +106,10 @@ def battery_message(
     capacity_ah = power.capacity_ah
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
-        voltage=power.voltage_v,
+        voltage=VOLTAGE_V,
         temperature=_UNKNOWN,
         # REP 147 and sensor_msgs: negative while it discharges
-        current=-observation.power_w / power.voltage_v,
+        current=-observation.power_w / VOLTAGE_V,
         charge=capacity_ah * observation.battery_fraction,
         capacity=capacity_ah,
         design_capacity=capacity_ah,

@@ -6,7 +6,6 @@ from typing import Any
 
 from rclpy.node import Node
 
-from rocsafe_geo.position import GeoPosition
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -21,9 +20,9 @@ from rocsafe_sim.vehicle_node import VehicleInterface
 
 
 class FleetNode(Node):
-    """Simulates all vehicles of `vehicles`, each behind a lean node in its own namespace.
+    """Simulates the vehicles of `fleet_file`, each with a small node in its own namespace.
 
-    In lock-step it is one participant, ``fleet``, idle when all vehicles are.
+    In lock-step it is one participant, ``fleet``, which is idle when all vehicles are.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -31,20 +30,21 @@ class FleetNode(Node):
         options = declare_options(self, FleetOptions)
         self._period_ns = options.fix_period_ns
         self._participant: Participant | None = None
+        ravs = _ravs(options)
         self.vehicle_nodes = [
             VehicleScopeNode(
                 'rav',
-                namespace=f'{self.get_namespace().rstrip("/")}/{name}',
+                namespace=f'{self.get_namespace().rstrip("/")}/{rav.parts.name}',
                 start_parameter_services=False,
                 enable_rosout=False,
                 use_global_arguments=False,
                 **node_options,
             )
-            for name in options.vehicles
+            for rav in ravs
         ]
         self._interfaces = [
             VehicleInterface(node, rav, options.fix_period_ns, self._on_busy)
-            for node, rav in zip(self.vehicle_nodes, _ravs(options), strict=True)
+            for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
         ]
         if options.lock_step:
             self._participant = Participant(self, self.get_name(), self._on_step)
@@ -65,15 +65,14 @@ class FleetNode(Node):
 
 def _ravs(options: FleetOptions) -> list[Rav]:
     """Return the vehicles; they share what draws, and with it the ground or the scene."""
-    homes = zip(options.home_latitudes_deg, options.home_longitudes_deg, strict=True)
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
         shared = make_shared(options)
         return [
-            make_rav(options, name, GeoPosition(*home, 0.0), shared, spool and spool / name)
-            for name, home in zip(options.vehicles, homes, strict=True)
+            make_rav(options, each.name, each.home_position, shared, spool and spool / each.name)
+            for each in options.vehicles()
         ]
-    except (SimError, ViewError, OSError) as error:
+    except (SimError, ViewError, ValueError, OSError) as error:
         raise ParameterError(f'fleet: {error}') from error
 
 

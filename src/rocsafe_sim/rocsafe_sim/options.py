@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the nodes of this package."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import ClassVar
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.scenery.catalogue import SCENES
-from rocsafe_sim.cameras.camera_settings import CameraSettings, cameras_of
+from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
@@ -15,6 +21,7 @@ from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 PROCEDURAL = 'procedural'
 FLAT, ENGINE = 'flat', 'engine'
 LARGEST_VIEW_ANGLE_DEG = 70.0
+IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,23 +61,33 @@ class WorldOptions(OriginOptions):
 class VehicleOptions(FlightOptions):
     """What all simulated vehicles have in common; see config/rocsafe.yaml."""
 
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = {
+        'cameras': 'a list in the file that cameras_file names',
+        'camera_horizontal_fov_deg': f'horizontal_fov_deg {IN_CAMERAS_FILE}',
+        'camera_oversampling': f'oversampling {IN_CAMERAS_FILE}',
+        **{
+            name: f'{name} {IN_CAMERAS_FILE}'
+            for name in ('image_width_px', 'image_height_px', 'jpeg_quality', 'stream_rate_hz')
+        },
+        **{
+            setting.name: f'{setting.name} in the file that autopilot_file names'
+            for setting in fields(Autopilot)
+        },
+        'drag_power_w_s2_per_m2': 'a constant of rocsafe_geo.motion.battery',
+        'voltage_v': 'a constant of rocsafe_geo.motion.battery',
+        'scene_cache': 'the folder rocsafe of XDG_CACHE_HOME',
+    }
+
     gps_horizontal_std_m: float = option(0.02, 'GPS error in east and in north, m', 0.0, 100.0)
     gps_vertical_std_m: float = option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
     tilt_std_deg: float = option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
     attitude_std_deg: float = option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
     fix_rate_hz: float = option(5.0, 'of fix, velocity and odom, Hz', 0.01, 1e3)
-    camera_horizontal_fov_deg: float = option(60.0, 'across the image width, deg', 5.0, 150.0)
-    image_width_px: int = option(640, 'of a photograph', 16, 8192)
-    image_height_px: int = option(480, 'of a photograph', 16, 8192)
-    jpeg_quality: int = option(90, 'of a photograph, 1 to 100', 1, 100)
     camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
     scene_file: str = option('', 'path of the scene, for the engine')
     scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
-    scene_cache: str = option('', "folder of painted ground; empty: the user's own")
-    camera_oversampling: int = option(2, 'the engine draws so many times as wide and high', 1, 4)
-    stream_rate_hz: float = option(0.0, 'of pictures for viewers while heard; 0: none', 0.0, 1e3)
-    cameras: tuple[str, ...] = option(
-        (), 'YAML of each camera; what is left out is as above; empty: one camera'
+    cameras_file: str = option(
+        '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
     ground: str = option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
     scene: str = option('none', f'painted on procedural ground: {", ".join(SCENES)}')
@@ -80,7 +97,6 @@ class VehicleOptions(FlightOptions):
 
     def __post_init__(self) -> None:
         require_positive('fix_rate_hz', self.fix_rate_hz)
-        require_between('jpeg_quality', self.jpeg_quality, 1, 100)
         for name in (
             'gps_horizontal_std_m',
             'gps_vertical_std_m',
@@ -90,8 +106,6 @@ class VehicleOptions(FlightOptions):
             require_not_negative(name, getattr(self, name))
         _require_scene(self.scene)
         self._require_backend()
-        self.airframe()
-        self._require_ground_in_view()
 
     def _require_backend(self) -> None:
         if self.camera_backend not in (FLAT, ENGINE):
@@ -103,42 +117,34 @@ class VehicleOptions(FlightOptions):
                 "scene_file is '': must be the path of a scene for camera_backend engine"
             )
 
-    def _require_ground_in_view(self) -> None:
-        """Refuse cameras that would see the horizon where there is none."""
-        for index, camera in enumerate(self.rig()):
-            if self.camera_backend == ENGINE and (index or camera.gimbal):
-                continue
-            tilt_deg = 0.0 if camera.gimbal else LARGEST_SWAY_STDS * self.tilt_std_deg
-            require_between(
-                'angle of the image corner, with tilt, from the vertical'
-                + (f' of cameras[{index}]' if index else ''),
-                camera.steepest_view_deg + tilt_deg,
-                0.0,
-                LARGEST_VIEW_ANGLE_DEG,
-                'deg',
-            )
-
     @property
     def fix_period_ns(self) -> int:
         """Simulated time between two fixes, nanoseconds."""
         return period_ns(self.fix_rate_hz)
 
-    def rig(self) -> tuple[CameraSettings, ...]:
+    def cameras(self) -> tuple[CameraSettings, ...]:
         """Return the cameras of a vehicle; the first takes the photographs of the survey.
 
         Raises
         ------
-        ValueError: if `cameras` is not as it must be.
+        ValueFileError
+            If the file cannot be read, naming each mistake.
+        ValueError
+            If a camera would see the horizon of the flat ground, which has none.
         """
-        first = CameraSettings(
-            horizontal_fov_deg=self.camera_horizontal_fov_deg,
-            image_width_px=self.image_width_px,
-            image_height_px=self.image_height_px,
-            jpeg_quality=self.jpeg_quality,
-            oversampling=self.camera_oversampling,
-            stream_rate_hz=self.stream_rate_hz,
-        )
-        return cameras_of(self.cameras, first)
+        rig = read_values(Path(self.cameras_file), CameraRig) if self.cameras_file else CameraRig()
+        for index, camera in enumerate(rig.cameras):
+            if self.camera_backend == ENGINE and (index or camera.gimbal):
+                continue
+            tilt_deg = 0.0 if camera.gimbal else LARGEST_SWAY_STDS * self.tilt_std_deg
+            require_between(
+                f'angle of the image corner of cameras[{index}], with tilt, from the vertical',
+                camera.steepest_view_deg + tilt_deg,
+                0.0,
+                LARGEST_VIEW_ANGLE_DEG,
+                'deg',
+            )
+        return rig.cameras
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,20 +156,65 @@ class RavOptions(VehicleOptions):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FleetOptions(VehicleOptions):
-    """Options of the node `fleet`: many vehicles alike; the lists run in parallel."""
+class FleetVehicle:
+    """One vehicle of a fleet.
 
-    vehicles: tuple[str, ...] = option(('rav1',), 'namespaces of the vehicles')
-    home_latitudes_deg: tuple[float, ...] = option((0.0,), 'latitudes of their homes, deg')
-    home_longitudes_deg: tuple[float, ...] = option((0.0,), 'longitudes of their homes, deg')
+    Attributes
+    ----------
+    name
+        Name, which is its namespace.
+    home
+        Latitude and longitude of its home, degrees.
+    """
+
+    name: str
+    home: tuple[float, float]
 
     def __post_init__(self) -> None:
-        VehicleOptions.__post_init__(self)
-        _require_names('vehicles', self.vehicles)
-        for name in ('home_latitudes_deg', 'home_longitudes_deg'):
-            given = len(getattr(self, name))
-            if given != len(self.vehicles):
-                raise ValueError(f'{name} has {given} values: must have {len(self.vehicles)}')
+        _ = self.home_position
+
+    @property
+    def home_position(self) -> GeoPosition:
+        """Where it stands, on the ground of the mission's origin."""
+        return GeoPosition(*self.home, 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FleetVehicles:
+    """The vehicles of the node `fleet`, as the file of its parameter `fleet_file` lists them."""
+
+    vehicles: tuple[FleetVehicle, ...]
+
+    def __post_init__(self) -> None:
+        _require_names('vehicles', tuple(vehicle.name for vehicle in self.vehicles))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FleetOptions(VehicleOptions):
+    """Options of the node `fleet`: many vehicles, alike but for names and homes."""
+
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = {
+        **VehicleOptions.MOVED_PARAMETERS,
+        'vehicles': 'a list in the file that fleet_file names',
+        'home_latitudes_deg': 'home in the file that fleet_file names',
+        'home_longitudes_deg': 'home in the file that fleet_file names',
+    }
+
+    fleet_file: str = option('', 'YAML file of the names and homes of the vehicles')
+
+    def vehicles(self) -> tuple[FleetVehicle, ...]:
+        """Return the vehicles.
+
+        Raises
+        ------
+        ValueFileError
+            If the file cannot be read, naming each mistake.
+        ValueError
+            If no file is named.
+        """
+        if not self.fleet_file:
+            raise ValueError("fleet_file is '': must be the path of a file of vehicles")
+        return read_values(Path(self.fleet_file), FleetVehicles).vehicles
 
 
 def _require_scene(scene: str) -> None:

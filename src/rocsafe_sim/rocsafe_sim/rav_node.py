@@ -53,7 +53,7 @@ def _rav(options: RavOptions, name: str) -> Rav:
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
         return make_rav(options, name, home, make_shared(options), spool)
-    except (SimError, ViewError, OSError) as error:
+    except (SimError, ViewError, ValueError, OSError) as error:
         raise ParameterError(f'{name}: {error}') from error
 
 

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from rocsafe_orchestrator.report.formats import GAP
 from rocsafe_orchestrator.report.map_facts import map_facts
+from rocsafe_view.formats import GAP
 
 QUALITY = {
     'is_georeferenced': True,

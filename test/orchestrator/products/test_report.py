@@ -217,7 +217,9 @@ def test_damaged_file_is_reported_not_fatal(flown_run, tmp_path, name):
 
 
 def test_report_is_written_from_an_installed_package():
-    """Template, style and script are package data."""
-    setup = Path(__file__).parents[3] / 'src/rocsafe_orchestrator/setup.py'
-    text = setup.read_text(encoding='utf-8')
-    assert all(f'*.{suffix}' in text for suffix in ('html', 'css', 'js'))
+    """Templates, style and script are package data."""
+    sources = Path(__file__).parents[3] / 'src'
+    report = (sources / 'rocsafe_orchestrator/setup.py').read_text(encoding='utf-8')
+    view = (sources / 'rocsafe_view/setup.py').read_text(encoding='utf-8')
+    assert 'templates/*.html' in report
+    assert all(f'*.{suffix}' in view for suffix in ('html', 'css', 'js'))

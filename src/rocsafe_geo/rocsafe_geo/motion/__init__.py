@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a multirotor with a common autopilot moves: legs, corners, routes, stops, wind, charge.
+"""Motion of a multirotor under autopilot: legs, corners, routes, stops, wind, charge.
 
-Pure functions of time, shared by the planner, which states how long a route takes, and by the
-simulated vehicle, which flies it: the two agree because they are the same. The model is that of
-ArduCopter 4, checked against its recorded flights in `benchmarks/flight_model.py`.
+All are pure functions of time. The planner states with them how long a route takes, and the
+simulated vehicle flies them, so that both agree. The model is that of ArduCopter 4, and
+`benchmarks/flight_model.py` compares it with recorded flights.
 """
 
 from rocsafe_geo.motion.leg import leg_duration_s

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of an autopilot that decide how long a flight takes.
+"""Settings of an autopilot that determine the duration of a flight.
 
-Defaults are those of ArduCopter 4, whose name is given, or were measured on its recorded flights.
+The defaults are those of ArduCopter 4 (parameter names in brackets), or were measured on its
+recorded flights.
 """
 
 from dataclasses import dataclass, fields
@@ -21,17 +22,27 @@ class Autopilot:
 
     Attributes
     ----------
-    jerk_mps3 : of horizontal motion (WPNAV_JERK).
-    smoothing_s : in which the jerk rises and falls (twice ATC_INPUT_TC).
-    vertical_acceleration_mps2, vertical_jerk_mps3 : of climb and descent (WPNAV_ACCEL_Z).
-    waypoint_radius_m : within which a corner without a stop is to be passed (WPNAV_RADIUS).
-    lean_angle_deg : largest (ANGLE_MAX); with the drag it caps the airspeed.
-    drag_per_m : drag over mass and airspeed squared; measured: 10.25 m/s at 30 degrees.
-    landing_speed_mps, landing_height_m : how slowly it lands (LAND_SPEED), from which height on
-        (LAND_ALT_LOW).
-    take_off_delay_s : from the order to the climb, while the motors speed up; measured.
-    home_wait_s : standing time above home before the descent (RTL_LOIT_TIME).
-    landed_delay_s : from touch-down until the motors stand; measured.
+    jerk_mps3
+        Jerk of horizontal motion, m/s^3 (WPNAV_JERK).
+    smoothing_s
+        Time in which the jerk rises and falls, seconds (twice ATC_INPUT_TC).
+    vertical_acceleration_mps2, vertical_jerk_mps3
+        Acceleration and jerk of climb and descent, m/s^2 and m/s^3 (WPNAV_ACCEL_Z).
+    waypoint_radius_m
+        Radius within which a corner without a stop is passed, metres (WPNAV_RADIUS).
+    lean_angle_deg
+        Largest lean angle, degrees (ANGLE_MAX). With the drag it limits the airspeed.
+    drag_per_m
+        Drag over mass and airspeed squared, 1/m. Measured: 10.25 m/s at 30 degrees.
+    landing_speed_mps, landing_height_m
+        Vertical speed near the ground, m/s (LAND_SPEED), and the height below which it applies,
+        metres (LAND_ALT_LOW).
+    take_off_delay_s
+        Time from the command to the climb, in which the motors speed up, seconds; measured.
+    home_wait_s
+        Time above home before the descent, seconds (RTL_LOIT_TIME).
+    landed_delay_s
+        Time from touch-down until the motors stand still, seconds; measured.
     """
 
     jerk_mps3: float = DEFAULT_JERK_MPS3
@@ -55,7 +66,7 @@ class Autopilot:
 
 
 ARDUCOPTER = Autopilot()
-"""ArduCopter 4 as it comes."""
+"""ArduCopter 4 with its default settings."""
 
 DIRECT = Autopilot(
     jerk_mps3=1e12,
@@ -71,4 +82,4 @@ DIRECT = Autopilot(
     home_wait_s=0.0,
     landed_delay_s=0.0,
 )
-"""An autopilot without delays, jerks or drag: legs are trapezoids of speed over time."""
+"""An autopilot without delays, jerk limits and drag: speed over time is a trapezoid."""

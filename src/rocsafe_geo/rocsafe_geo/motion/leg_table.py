@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Legs as tables of polynomials: where, how fast and how hard at any time.
+"""Tables of polynomials: distance, speed and acceleration along legs at any time.
 
-Along a leg the jerk changes evenly or not at all: fifteen pieces, each a polynomial of fourth
-degree in the time since its begin.
+Along a leg the jerk is constant or changes linearly. A leg has fifteen such pieces, each a
+polynomial of fourth degree in the time since its begin.
 """
 
 from bisect import bisect_right
@@ -15,7 +15,7 @@ from rocsafe_geo.motion.leg import Legs, as_given, limit_arrays, solve_legs
 from rocsafe_geo.motion.limits import MotionLimits
 
 PIECES = 15
-# Of each piece: jerk at its begin in parts of the leg's jerk, and its change in parts of it.
+# Jerk at the begin of each piece and its change, both as parts of the jerk of the leg.
 _JERK = (0, 1, 1, 0, 0, -1, -1, 0, 0, -1, -1, 0, 0, 1, 1)
 _RISE = (1, 0, -1, 0, -1, 0, 1, 0, -1, 0, 1, 0, 1, 0, -1)
 
@@ -28,8 +28,10 @@ class LegTable:
 
     Attributes
     ----------
-    begin_s : of each piece since the start of its leg, shape (n, 15).
-    coefficients : of each piece, ascending, shape (n, 15, 5).
+    begin_s
+        Begin of each piece since the start of its leg, seconds, shape (n, 15).
+    coefficients
+        Coefficients of each piece, ascending, shape (n, 15, 5).
     """
 
     def __init__(self, legs: Legs) -> None:
@@ -44,7 +46,7 @@ class LegTable:
         self._ends = legs.duration_s.tolist()
 
     def at(self, leg: int, elapsed_s: float) -> Along:
-        """Return the motion along one leg; before its start and after its end it stands."""
+        """Return the motion along one leg: standing before its start and after its end."""
         if elapsed_s <= 0.0:
             return 0.0, 0.0, 0.0
         if elapsed_s >= self._ends[leg]:
@@ -92,10 +94,15 @@ def leg_progress_m(
 def leg_progress_m(
     elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
 ) -> float | FloatArray:
-    """Return how far a leg has been flown `elapsed_s` seconds after its start, in metres.
+    """Return the distance flown along a leg `elapsed_s` seconds after its start, in metres.
 
-    0 before the start, exactly `distance_m` from the leg's end on. Scalars or arrays that
-    broadcast. Raises ValueError if a distance is negative or NaN.
+    It is 0 before the start and exactly `distance_m` after the end. Arguments are scalars or
+    arrays that broadcast.
+
+    Raises
+    ------
+    ValueError
+        If a distance is negative or NaN.
     """
     table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
     return as_given(table.progress_m(leg, elapsed).reshape(shape))
@@ -112,7 +119,12 @@ def leg_speed_mps(
 ) -> float | FloatArray:
     """Return the speed `elapsed_s` seconds after a leg's start, in m/s; 0 outside the leg.
 
-    Scalars or arrays that broadcast. Raises ValueError if a distance is negative or NaN.
+    Arguments are scalars or arrays that broadcast.
+
+    Raises
+    ------
+    ValueError
+        If a distance is negative or NaN.
     """
     table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
     return as_given(table.speed_mps(leg, elapsed).reshape(shape))
@@ -121,7 +133,7 @@ def leg_speed_mps(
 def _tabled(
     elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
 ) -> tuple[LegTable, IndexArray, FloatArray, tuple[int, ...]]:
-    """Return a table of the legs, and which leg and time are meant by each value."""
+    """Return a table of the legs, and the leg and the time of each value."""
     distance = np.asarray(distance_m, float)
     table = LegTable(solve_legs(distance.ravel(), limit_arrays(limits)))
     number = np.arange(distance.size).reshape(distance.shape)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What limits a motion along a line."""
+"""Limits of a motion along a line."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,14 @@ DEFAULT_SMOOTHING_S = 0.3
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """How fast a vehicle flies, how hard it speeds up and brakes, and how suddenly.
+    """Limits of speed, acceleration and jerk.
 
     Attributes
     ----------
-    cruise_speed_mps, acceleration_mps2, jerk_mps3 : limits, above zero.
-    smoothing_s : time in which the jerk rises from zero to its limit, and falls again; 0: at once.
+    cruise_speed_mps, acceleration_mps2, jerk_mps3
+        Limits in m/s, m/s^2 and m/s^3, above zero.
+    smoothing_s
+        Time in which the jerk rises from zero to its limit, and falls again, seconds; 0: at once.
     """
 
     cruise_speed_mps: float

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle does in the air that it flies in: legs, climbs and descents."""
+"""Legs, climbs and descents of a vehicle in wind."""
 
 import math
 from dataclasses import dataclass
@@ -15,22 +15,26 @@ from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Enu
 
 GRAVITY_MPS2 = 9.80665
-# Swung outwards by its own lag, a vehicle passes corners nearer than its autopilot wants to:
-# recorded at 0.6 to 0.8 of the radius.
+# A vehicle lags behind its autopilot and passes corners nearer than that aims at: recorded flights
+# passed at 0.6 to 0.8 of the radius.
 _CORNER_SHARE = 0.8
 _WINDIEST = 0.95
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Performance:
-    """Limits of a multirotor's flight, and the wind.
+    """Limits of the flight of a multirotor, and the wind.
 
     Attributes
     ----------
-    cruise_speed_mps, acceleration_mps2 : of horizontal motion over ground.
-    climb_rate_mps, descent_rate_mps : vertical speeds.
-    autopilot : its settings.
-    wind_mps : (east, north) that the air moves towards.
+    cruise_speed_mps, acceleration_mps2
+        Limits of horizontal motion over ground, m/s and m/s^2.
+    climb_rate_mps, descent_rate_mps
+        Vertical speeds, m/s.
+    autopilot
+        Settings of its autopilot.
+    wind_mps
+        Velocity (east, north) of the air, m/s.
     """
 
     cruise_speed_mps: float
@@ -53,18 +57,18 @@ class Performance:
 
     @property
     def corner_radius_m(self) -> float:
-        """Distance from a corner in the middle of the turn."""
+        """Distance from a corner in the middle of a turn, metres."""
         return _CORNER_SHARE * self.autopilot.waypoint_radius_m
 
     @property
     def airspeed_mps(self) -> float:
-        """Airspeed at which drag takes all of the largest lean angle's thrust."""
+        """Airspeed at which drag equals the thrust at the largest lean angle, m/s."""
         lean = math.tan(math.radians(self.autopilot.lean_angle_deg))
         return math.sqrt(GRAVITY_MPS2 * lean / self.autopilot.drag_per_m)
 
     @property
     def level(self) -> MotionLimits:
-        """Limits of horizontal motion where no wind holds it up."""
+        """Limits of horizontal motion without wind."""
         return self._level(min(self.cruise_speed_mps, self.airspeed_mps))
 
     @property
@@ -73,12 +77,12 @@ class Performance:
         return self._vertical(max(self.climb_rate_mps, self.descent_rate_mps))
 
     def fastest(self) -> MotionLimits:
-        """Return limits that no leg exceeds, wherever it goes."""
+        """Return limits that no leg in any direction exceeds."""
         wind = math.hypot(*self.wind_mps)
         return self._level(min(self.cruise_speed_mps, self.airspeed_mps + wind))
 
     def legs_s(self, paths: FloatArray) -> FloatArray:
-        """Return the times of legs from stop to stop; paths (..., 2) or (..., 3), metres."""
+        """Return times from standstill to standstill; paths (..., 2) or (..., 3), metres."""
         east, north = paths[..., 0], paths[..., 1]
         up = paths[..., 2] if paths.shape[-1] > 2 else np.zeros_like(east)
         if self.wind_mps == (0.0, 0.0) and not np.any(up):
@@ -113,7 +117,7 @@ class Performance:
         return [*fast, Way(end_enu=ground, limits=landing, stand_s=self.autopilot.landed_delay_s)]
 
     def ascent_s(self, height_m: float) -> float:
-        """Return the time from the order to take off until `height_m` above ground."""
+        """Return the time from the take-off command until `height_m` above ground."""
         return self._motion(self.ascent((0.0, 0.0, 0.0), height_m)).duration_s
 
     def descent_s(self, height_m: float) -> float:
@@ -141,7 +145,7 @@ class Performance:
     def _limits_along(
         self, east: FloatArray, north: FloatArray, up: FloatArray
     ) -> tuple[FloatArray, LimitArrays]:
-        """Return lengths of paths, and limits along them: neither part exceeds its own."""
+        """Return lengths of paths and limits along them, horizontal and vertical ones combined."""
         flat = np.hypot(east, north)
         length = np.hypot(flat, up)
         level = np.divide(flat, length, out=np.ones_like(length), where=length > 0.0)
@@ -160,8 +164,9 @@ class Performance:
     ) -> FloatArray:
         """Return the speed over ground along horizontal paths.
 
-        A vehicle keeps its track by crabbing: of its largest airspeed it gives the wind's cross
-        component; what is left, and the wind's component along the track, make its speed.
+        A vehicle keeps its track at a crab angle. One component of its largest airspeed
+        compensates the wind across the track. The other component, plus the wind along the track,
+        is its speed.
         """
         length = np.where(flat > 0.0, flat, 1.0)
         wind_east, wind_north = self.wind_mps
@@ -175,7 +180,7 @@ class Performance:
 def _less_of(
     level: FloatArray | float, level_part: FloatArray, rate: FloatArray | float, steep: FloatArray
 ) -> FloatArray:
-    """Return the limit along a path of which parts of the motion are level and vertical."""
+    """Return the limit along paths, given the level and the vertical part of their direction."""
     with np.errstate(divide='ignore'):
         less: FloatArray = np.minimum(level / level_part, rate / steep)
     return less

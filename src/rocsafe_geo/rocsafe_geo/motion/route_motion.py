@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flight along straight legs: when it is where."""
+"""Motion along a sequence of straight legs."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -18,14 +18,18 @@ from rocsafe_geo.motion.state import STILL, Enu, MotionState
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Way:
-    """A leg, and what is done at its end.
+    """A leg with the stand at its end.
 
     Attributes
     ----------
-    end_enu : where it ends, metres.
-    limits : along it.
-    stand_s : standing time at its end; infinity for ever.
-    is_passed : whether its end is passed without a stop, which rounds the corner.
+    end_enu
+        End of the leg, metres.
+    limits
+        Limits along the leg.
+    stand_s
+        Time at its end, seconds; may be infinite.
+    is_passed
+        Whether the vehicle passes the end without a stop, which rounds the corner.
     """
 
     end_enu: Enu
@@ -39,18 +43,23 @@ class Way:
 
 
 class RouteMotion:
-    """Legs one after the other, from standstill at `start_enu` to standstill.
+    """Motion along legs, from standstill to standstill.
 
     Parameters
     ----------
-    start_enu : metres.
-    ways : at least one; the last is not passed.
-    corner_radius_m : within which corners that are passed are rounded.
+    start_enu
+        Start of the first leg, metres.
+    ways
+        Legs, at least one; the end of the last is not passed.
+    corner_radius_m
+        Distance from a passed corner in the middle of the turn, metres.
 
     Attributes
     ----------
-    arrivals_s : when each leg's end is reached; where it is passed, the middle of the turn.
-    departures_s : when it is left.
+    arrivals_s
+        Time at which the end of each leg is reached, seconds; if passed, the middle of the turn.
+    departures_s
+        Time at which it is left, seconds.
     """
 
     def __init__(self, start_enu: Enu, ways: Sequence[Way], corner_radius_m: float) -> None:
@@ -72,12 +81,12 @@ class RouteMotion:
 
     @property
     def duration_s(self) -> float:
-        """When the last stand ends."""
+        """Time at which the last stand ends, seconds."""
         return self.departures_s[-1]
 
     @property
     def places_enu(self) -> list[Enu]:
-        """Where the legs begin and end; the motion stays within their hull."""
+        """Begins and ends of the legs; the motion stays within their convex hull."""
         return self._places
 
     @property
@@ -87,7 +96,7 @@ class RouteMotion:
 
     @property
     def knots_s(self) -> list[float]:
-        """Times between which it is a polynomial, ascending from 0."""
+        """Times between which the motion is a polynomial, ascending from 0."""
         begins = (np.array(self._begins)[:, None] + self._table.begin_s).ravel()
         return sorted({*begins.tolist(), *self._ends})
 
@@ -133,7 +142,7 @@ class RouteMotion:
         return self._table.at(leg, elapsed_s - self._begins[leg])[0]
 
     def _part(self, leg: int, elapsed_s: float) -> MotionState:
-        """Return the motion along one leg as if it were alone."""
+        """Return the motion along one leg without its neighbours."""
         if elapsed_s >= self._ends[leg]:
             return MotionState(self._places[leg + 1])
         along, speed, acceleration = self._table.at(leg, elapsed_s - self._begins[leg])
@@ -147,7 +156,7 @@ class RouteMotion:
         )
 
     def _overlaps(self, ways: Sequence[Way], radius_m: float) -> list[float]:
-        """Return for how long each leg is flown at once with the next."""
+        """Return how long each leg overlaps with the next one."""
         return [
             overlap_s(self._table, leg, directions, radius_m) if ways[leg].is_passed else 0.0
             for leg, directions in enumerate(pairwise(self._units))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How something moves at one instant."""
+"""State of a motion at one time, and what every motion has."""
 
 import math
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class MotionState:
 
     @property
     def is_still(self) -> bool:
-        """Whether nothing of it moves."""
+        """Whether velocity and acceleration are zero."""
         return self.velocity_enu == STILL and self.acceleration_enu == STILL
 
 
@@ -35,18 +35,18 @@ class Motion(Protocol):
 
     @property
     def duration_s(self) -> float:
-        """When it ends; infinity for a stand without end."""
+        """Time at which it ends, seconds; infinite for a stand without end."""
 
     @property
     def distance_m(self) -> float:
-        """Horizontal distance covered in all."""
+        """Horizontal length, metres."""
 
     @property
     def knots_s(self) -> list[float]:
-        """Times between which it is a polynomial of fourth degree, ascending from 0."""
+        """Times between which it is a polynomial of fourth degree, ascending from 0, seconds."""
 
     def state(self, elapsed_s: float) -> MotionState:
-        """Return the motion at a time; before 0 that at 0, after the end that at the end."""
+        """Return the state at a time; before 0 that at 0, after the end that at the end."""
 
     def progress_m(self, elapsed_s: float) -> float:
         """Return the horizontal distance covered until a time."""

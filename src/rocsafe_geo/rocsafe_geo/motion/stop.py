@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From any motion to standstill, as soon as the limits allow."""
+"""The stop of a vehicle from any motion, as fast as its limits allow."""
 
 import math
 from bisect import bisect_right
@@ -10,21 +10,23 @@ from rocsafe_geo.motion.state import MotionState
 
 Vector = tuple[float, ...]
 _Phase = tuple[float, Vector]
-"""How long a jerk lasts, and the jerk."""
+"""Duration of a phase, seconds, and its jerk."""
 
-# Slower than this a vehicle stands; it is what rounding leaves of a motion.
+# A vehicle slower than this stands; rounding leaves such speeds.
 _STANDING_MPS = 1e-9
 
 
 class StopMotion:
-    """A vehicle brakes, each of its horizontal and its vertical motion for itself.
+    """Braking to standstill, horizontally and vertically independent of each other.
 
-    What it accelerates across its way comes to rest first. Jerks begin and end at once.
+    An acceleration across the velocity is reduced to zero first. The jerk changes in steps.
 
     Parameters
     ----------
-    start : motion at time 0.
-    level, vertical : limits of the horizontal and the vertical motion.
+    start
+        State at time 0.
+    level, vertical
+        Limits of the horizontal and the vertical motion.
     """
 
     def __init__(self, start: MotionState, level: MotionLimits, vertical: MotionLimits) -> None:
@@ -35,17 +37,17 @@ class StopMotion:
 
     @property
     def duration_s(self) -> float:
-        """When it stands."""
+        """Time at which it stands, seconds."""
         return max(self._level.duration_s, self._vertical.duration_s)
 
     @property
     def distance_m(self) -> float:
-        """Horizontal distance from where it began to where it stands."""
+        """Horizontal distance from begin to end, metres."""
         return self.progress_m(self.duration_s)
 
     @property
     def knots_s(self) -> list[float]:
-        """Times between which it is a polynomial, ascending from 0."""
+        """Times between which the motion is a polynomial, ascending from 0."""
         return sorted({*self._level.begins, *self._vertical.begins, self.duration_s})
 
     def state(self, elapsed_s: float) -> MotionState:
@@ -57,17 +59,18 @@ class StopMotion:
         return MotionState(position, velocity, acceleration)
 
     def progress_m(self, elapsed_s: float) -> float:
-        """Return the horizontal distance from where it began."""
+        """Return the horizontal distance from the begin until a time."""
         east, north = self._level.at(elapsed_s)[0]
         return math.hypot(east - self._start[0], north - self._start[1])
 
 
 class _Braking:
-    """Phases of steady jerk, in one dimension or two.
+    """Phases of constant jerk, in one dimension or two.
 
     Attributes
     ----------
-    begins : of the phases, seconds, and `duration_s` their end.
+    begins
+        Begins of the phases, seconds.
     """
 
     def __init__(
@@ -105,14 +108,14 @@ def _after(
 
 
 def _phases(velocity: Vector, acceleration: Vector, limits: MotionLimits) -> list[_Phase]:
-    """Return the jerks that bring a motion to rest."""
+    """Return the phases that bring a motion to standstill."""
     still = tuple(0.0 for _ in velocity)
     first: list[_Phase] = []
     speed = math.hypot(*velocity)
     along = _dot(acceleration, velocity) / speed if speed > _STANDING_MPS else 0.0
     size = math.hypot(*acceleration)
     if size - abs(along) > 1e-9 * (1.0 + size):
-        # across the way: let go of all acceleration first
+        # The acceleration is not along the velocity: reduce all of it to zero first.
         rest_s = size / limits.jerk_mps3
         jerk = _scaled(acceleration, -limits.jerk_mps3 / size)
         _, velocity, _ = _after((still, velocity, acceleration), jerk, rest_s)
@@ -129,11 +132,12 @@ def _phases(velocity: Vector, acceleration: Vector, limits: MotionLimits) -> lis
 def _brake(speed: float, acceleration: float, limits: MotionLimits) -> list[tuple[float, float]]:
     """Return durations and backward jerks of a stop from a speed and an acceleration along it.
 
-    The deceleration rises to a peak, rests there if it is the largest allowed, and falls to zero
-    with the speed: v + a |a| / 2j is what must be braked from rest of acceleration.
+    The deceleration rises to a peak, stays there if that is the largest allowed, and falls to zero
+    together with the speed. Counted from zero acceleration, the speed to be braked is
+    v + a |a| / 2j.
     """
     jerk = limits.jerk_mps3
-    # a braking vehicle has at least the speed that its deceleration takes to die away
+    # A braking vehicle has at least the speed that is lost while its deceleration falls to zero.
     from_rest = max(speed + acceleration**2 / (2.0 * jerk), acceleration**2 / jerk)
     peak = min(max(limits.acceleration_mps2, -acceleration), math.sqrt(jerk * from_rest))
     rest_s = max(0.0, (from_rest - peak**2 / jerk) / peak)

@@ -26,7 +26,7 @@ MIN_AREA_M2 = 0.01
 
 @dataclass(frozen=True, slots=True)
 class SurveyArea:
-    """A polygon with holes; corners in either turning sense, altitudes not read.
+    """A polygon with holes; corners in either direction of rotation, altitudes do not count.
 
     Repeated corners and a closing copy of the first one are dropped. Edges are straight in the
     plane of a local frame.
@@ -34,9 +34,9 @@ class SurveyArea:
     Raises
     ------
     ValueError
-        If a ring has fewer than three corners, crosses itself or the antimeridian, comes nearer
-        to a pole than `MAX_LATITUDE_DEG`, is larger than `MAX_EXTENT_M` or encloses nothing; or
-        if a hole reaches outside the boundary or overlaps another one.
+        If a ring has fewer than three corners, crosses itself or the antimeridian, comes nearer to
+        a pole than `MAX_LATITUDE_DEG`, is larger than `MAX_EXTENT_M` or encloses nothing; or if a
+        hole reaches outside the boundary or overlaps another one.
     """
 
     boundary: Ring

@@ -42,7 +42,7 @@ def read_area(path: str | Path) -> SurveyArea:
 def read_areas(path: str | Path) -> tuple[SurveyArea, ...]:
     """Return all polygons of such a file, at least one and at most `MAX_AREAS`.
 
-    Those without a name are given the file's, with numbers from the second on.
+    Polygons without a name get that of the file, with a number from the second one on.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _check_reference_system(document: object) -> None:
 
 
 def _polygons_in(item: object, name: str) -> Iterator[_NamedRings]:
-    """Yield the polygons of a GeoJSON object, however it is wrapped; other geometries none."""
+    """Yield the polygons in a GeoJSON object of any type; other geometries have none."""
     if not isinstance(item, Mapping) or not isinstance(item.get('type'), str):
         raise ValueError('is not GeoJSON: an object without "type"')  # noqa: TRY004
     kind = item['type']
@@ -175,7 +175,7 @@ def _geo_position(values: Sequence[Any]) -> GeoPosition:
 
 
 def _kml_polygons(text: str) -> list[_NamedRings]:
-    # A document type is the only door to entity attacks, and KML needs none.
+    # Entity attacks need a document type, and KML has none.
     if '<!DOCTYPE' in text or '<!ENTITY' in text:
         raise ValueError('declares a document type or entities, which a KML file must not')
     try:
@@ -209,7 +209,7 @@ def _kml_rings(polygon: ElementTree.Element) -> list[Ring]:
 
 
 def _kml_ring(coordinates: str) -> Ring:
-    """Return the ring of 'longitude,latitude[,altitude] ...'; blanks about commas are forgiven."""
+    """Return the ring of 'longitude,latitude[,altitude] ...'; blanks at commas are accepted."""
     tuples = re.sub(r'\s*,\s*', ',', coordinates).split()
     for item in tuples:
         if item.count(',') not in (1, 2):

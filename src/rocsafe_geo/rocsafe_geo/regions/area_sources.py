@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Survey areas in the files of other programs: KMZ, QGroundControl plans, CSV."""
+"""Survey areas in files of other programs: KMZ, QGroundControl plans, CSV."""
 
 import csv
 import json
@@ -21,7 +21,7 @@ def kml_of_kmz(content: bytes, max_bytes: int) -> bytes:
     Raises
     ------
     ValueError
-        If it is no such archive, or its document is larger than `max_bytes`.
+        If it is not such an archive, or its document is larger than `max_bytes`.
     """
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
@@ -43,7 +43,7 @@ def plan_rings(text: str) -> list[Ring]:
     Raises
     ------
     ValueError
-        If it is no such plan.
+        If it is not such a plan.
     """
     try:
         document = json.loads(text)
@@ -59,15 +59,15 @@ def plan_rings(text: str) -> list[Ring]:
 
 
 def csv_ring(text: str) -> Ring:
-    """Return the ring of a table: one corner a line.
+    """Return the ring of a table with one corner a line.
 
-    Columns are latitude and longitude, in this order or as a header names them; commas, semicolons
-    or tabs between them; lines that begin with # are left out.
+    The columns are latitude and longitude, in this order or as a header names them, separated by
+    commas, semicolons or tabs. Lines that begin with # are ignored.
 
     Raises
     ------
     ValueError
-        Naming the line that is no corner.
+        If a line is not a corner; it names the line.
     """
     lines = [
         (number, line)

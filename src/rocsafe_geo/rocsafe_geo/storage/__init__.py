@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Photographs with their pose, and files written whole."""
+"""Photographs with their pose, files written atomically, settings read from YAML."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are either whole or absent, whenever the power goes."""
+"""Files that are complete or absent, even after a loss of power."""
 
 import os
 from pathlib import Path
@@ -8,16 +8,17 @@ PART_SUFFIX = '.part'
 
 
 def part_of(path: Path) -> Path:
-    """Return where the content of `path` is written before it is whole."""
+    """Return the path to which the content of `path` is written before it is complete."""
     return path.with_name(path.name + PART_SUFFIX)
 
 
 def write_part(path: Path, data: bytes) -> None:
-    """Write `data` beside `path`, safely on disk; `finish_part` gives it its name.
+    """Write `data` to disk beside `path`; `finish_part` gives it its name.
 
     Raises
     ------
-    OSError: if it cannot be written; nothing is left behind.
+    OSError
+        If it cannot be written; nothing is left behind.
     """
     try:
         with part_of(path).open('wb') as file:
@@ -40,11 +41,12 @@ def discard_part(path: Path) -> None:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write `data` to `path`, which at any moment holds either its old content or all of `data`.
+    """Write `data` to `path`, which always holds either its old content or all of `data`.
 
     Raises
     ------
-    OSError: if it cannot be written; `path` is then as before.
+    OSError
+        If it cannot be written; `path` is then unchanged.
     """
     write_part(path, data)
     finish_part(path)
@@ -52,7 +54,7 @@ def write_whole(path: Path, data: bytes) -> None:
 
 
 def replace_whole(path: Path, data: bytes) -> None:
-    """Write `data` to `path` as `write_whole`, but a loss of power may undo it: much faster."""
+    """Write `data` to `path` as `write_whole`, but much faster: a loss of power may undo it."""
     part_of(path).write_bytes(data)
     finish_part(path)
 
@@ -76,7 +78,8 @@ class AppendOnlyFile:
 
     Raises
     ------
-    OSError: if it cannot be opened.
+    OSError
+        If it cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:
@@ -92,8 +95,10 @@ class AppendOnlyFile:
 
         Raises
         ------
-        OSError: if it cannot be written; the file is then as before.
-        ValueError: if `line` contains a line end.
+        OSError
+            If it cannot be written; the file is then unchanged.
+        ValueError
+            If `line` contains a line end.
         """
         if b'\n' in line:
             raise ValueError('a line must not contain a line end')

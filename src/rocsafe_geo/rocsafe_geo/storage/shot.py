@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A photograph with all that is needed to place it."""
+"""A photograph with its pose."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -17,16 +17,26 @@ class Shot:
 
     Attributes
     ----------
-    vehicle : that took it.
-    sequence : of the vehicle, from 0, without gaps.
-    viewpoint_id : of the plan it was taken at.
-    time_ns : of the exposure, in the time of the mission.
-    position : measured, of the camera; altitude above the ellipsoid, NaN if not known.
-    horizontal_std_m, vertical_std_m : of it; NaN if not known.
-    height_m : measured, above the ground: of a real vehicle, above its home.
-    quaternion_xyzw : measured; rotates the optical frame into east-north-up.
-    width_px, height_px : of the image.
-    jpeg : the image file.
+    vehicle
+        Name of the vehicle that took it.
+    sequence
+        Number of the photograph of this vehicle, from 0, without gaps.
+    viewpoint_id
+        Viewpoint of the plan at which it was taken.
+    time_ns
+        Time of the exposure in mission time, nanoseconds.
+    position
+        Measured position of the camera; altitude above the ellipsoid, NaN if unknown.
+    horizontal_std_m, vertical_std_m
+        Standard deviation of the position, metres; NaN if unknown.
+    height_m
+        Measured height above the ground, metres; of a real vehicle, above its home.
+    quaternion_xyzw
+        Measured attitude; rotates the optical frame into east-north-up.
+    width_px, height_px
+        Size of the image.
+    jpeg
+        The image file.
     """
 
     vehicle: str
@@ -44,12 +54,12 @@ class Shot:
 
     @property
     def shot_id(self) -> str:
-        """Unique in a mission."""
+        """Identifier, unique in a mission."""
         return f'{self.vehicle}-{self.sequence:05d}'
 
     @property
     def sha256(self) -> str:
-        """Of the image file, 64 hexadecimal digits."""
+        """SHA-256 of the image file, 64 hexadecimal digits."""
         return sha256(self.jpeg).hexdigest()
 
 
@@ -64,7 +74,8 @@ def shot_of(record: bytes, jpeg: bytes) -> Shot:
 
     Raises
     ------
-    ValueError: if the record is damaged or belongs to another image.
+    ValueError
+        If the record is damaged or belongs to another image.
     """
     try:
         fields: dict[str, Any] = json.loads(record)

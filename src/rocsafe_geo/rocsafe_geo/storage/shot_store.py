@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Photographs that a vehicle keeps until somebody else has them safe."""
+"""Photographs that a vehicle keeps until it gets a receipt for them."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,11 +7,11 @@ from pathlib import Path
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.shot import Shot, shot_of, shot_record
 
-# An unacknowledged photograph is sent again after this much wall time,
+# A photograph without a receipt is sent again after this much wall time,
 RESEND_S = 1.0
-# but no more than so many at once, lest the receiver drowns when it comes back.
+# but no more than so many at once, to limit the load when the receiver returns.
 RESEND_BURST = 20
-# A day's photographs of a small camera.
+# The photographs of a small camera in a day.
 DEFAULT_MOST_BYTES = 8 * 2**30
 
 
@@ -22,16 +22,18 @@ class SpoolError(OSError):
 class ShotStore:
     """Photographs without a receipt, in memory and, if a folder is given, on disk.
 
-    A photograph is on disk as ``<shot_id>.jpg`` and, written after it, ``<shot_id>.json``: one
-    without the other is the trace of a kill and does not count.
+    A photograph is on disk as ``<shot_id>.jpg`` and, written after it, ``<shot_id>.json``. One
+    without the other was left by a killed process and does not count.
 
-    The spool is bounded: where a new photograph does not fit, those that were sent longest ago go,
-    for they have been handed over at least once; one that was never sent is never given up.
+    The size of the spool is limited. If a new photograph does not fit, those that were sent
+    longest ago are deleted. A photograph that was never sent is never deleted.
 
     Parameters
     ----------
-    folder: of the spool, None: memory only.
-    most_bytes: of images that are kept.
+    folder
+        Folder of the spool; None: memory only.
+    most_bytes
+        Largest size of all images, bytes.
     """
 
     def __init__(self, folder: Path | None = None, most_bytes: int = DEFAULT_MOST_BYTES) -> None:
@@ -55,12 +57,12 @@ class ShotStore:
         return max((shot.sequence for shot in self._pending.values()), default=-1)
 
     def add(self, shot: Shot) -> None:
-        """Keep `shot`: once this returns, neither a kill nor a loss of power loses it.
+        """Keep `shot`. Once this returns, it survives a kill and a loss of power.
 
         Raises
         ------
-        SpoolError: if the spool is full of photographs that were never sent, or cannot be
-            written.
+        SpoolError
+            If the spool is full of photographs that were never sent, or cannot be written.
         """
         self._make_room(len(shot.jpeg))
         if self._folder is not None:
@@ -72,9 +74,9 @@ class ShotStore:
         self._pending[shot.shot_id] = shot
 
     def take_receipt(self, shot_id: str, sha256: str) -> bool:
-        """Forget a photograph that is safe elsewhere; return whether it was the one kept here.
+        """Delete a photograph that has a receipt; return whether it was the one kept here.
 
-        A receipt for other bytes, or of a photograph that is not kept (any more), does nothing.
+        A receipt for other bytes, or for a photograph that is not kept, has no effect.
         """
         shot = self._pending.get(shot_id)
         if shot is None or shot.sha256 != sha256:

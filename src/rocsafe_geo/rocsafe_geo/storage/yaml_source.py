@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YAML read strictly: no key twice, no number taken for a text, every error with its line."""
+"""Strict YAML: repeated keys are refused, 1e-3 is a number, errors name their line."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 MAX_FILE_BYTES = 4_000_000
-# YAML 1.1 takes 1e-3 for a text; 1.2, and everybody else, for a number.
+# YAML 1.1 reads 1e-3 as a text, YAML 1.2 as a number.
 _FLOAT = re.compile(r'^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
 
 
@@ -17,7 +17,7 @@ class YamlError(ValueError):
 
 
 class _StrictLoader(yaml.SafeLoader):
-    """Builds tuples for lists, and refuses a key that is given twice."""
+    """Loader that makes tuples of lists and refuses repeated keys."""
 
     def flatten_mapping(self, node: yaml.MappingNode) -> None:
         """Refuse repeated keys before merge keys (``<<``) are resolved."""
@@ -48,7 +48,8 @@ def read_yaml(path: Path) -> Any:
 
     Raises
     ------
-    YamlError: one line with the file's name and, for a syntax error, the line's number.
+    YamlError
+        One line with the file's name and, for a syntax error, the line's number.
     """
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
@@ -66,7 +67,8 @@ def parse_yaml(text: str, name: str) -> Any:
 
     Raises
     ------
-    YamlError: as `read_yaml`.
+    YamlError
+        As `read_yaml`.
     """
     try:
         return yaml.load(text, Loader=_StrictLoader)  # noqa: S506 - derived from SafeLoader

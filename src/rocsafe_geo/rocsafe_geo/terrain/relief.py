@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ground below a survey in its local plane, and the way over it.
+"""Highest ground below a survey in its local plane, and legs that clear it.
 
-Heights are kept on a square grid, each cell with the highest ground in it and around it. For long
-legs coarser grids are used, each cell of which holds the highest of its neighbourhood: a leg that
-clears the samples clears all that lies between them.
+A square grid holds in each cell the highest ground in it and around it. Long legs use coarser
+grids, each cell of which holds the highest ground of its neighbourhood, so that a leg that clears
+the samples clears all ground between them.
 """
 
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
-# Samples along a leg, at most.
+# Largest number of samples along a leg.
 _MOST_SAMPLES = 48
-# Legs whose samples are in memory at once: in the processor's own.
+# Number of legs whose samples fit into the cache of the processor.
 _BLOCK = 2000
-# Into how many a leg is divided to see whether it is high enough, coarsely at first.
+# Pieces into which a leg is divided to check its height, coarse grids first.
 _PIECES = (1, 4)
 
 
@@ -24,13 +24,13 @@ class Relief:
     Parameters
     ----------
     corner
-        (east, north) of the grid's first cell's centre, metres.
+        Centre (east, north) of the first cell, metres.
     cell_m
-        Distance of its cells.
+        Distance between cells, metres.
     tops
         Highest ground in each cell, up in metres, shape (rows to the north, columns to the east).
     clearance_m
-        That legs keep above the ground.
+        Height that legs keep above the ground, metres.
     """
 
     def __init__(
@@ -44,9 +44,10 @@ class Relief:
     def bends(self, origins: FloatArray, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return two places (..., 3) at which each leg bends so that it clears the ground.
 
-        Both are the target where the straight line does; they are one where one is enough. Up to
-        the first it climbs as steeply as the ground asks for, from the second it sinks as steeply,
-        and in between it is level. Each leg's bends depend on that leg alone.
+        To the first bend the leg climbs as steeply as the ground requires, then it is level, and
+        from the second bend it descends as steeply as required. The bends are equal where one is
+        enough, and both are the target where the straight line clears the ground. The bends of a
+        leg depend on that leg only.
         """
         origins, targets = np.broadcast_arrays(origins, targets)
         shape = origins.shape
@@ -69,13 +70,13 @@ class Relief:
         return first.reshape(shape), second.reshape(shape)
 
     def _depths(self, distance: FloatArray) -> IndexArray:
-        """Return the grid whose samples are enough for each leg."""
+        """Return the number of the grid to use for each leg."""
         steps = np.maximum(distance / (2.0 * self._cell * _MOST_SAMPLES), 1.0)
         depths: IndexArray = np.ceil(np.log2(steps)).astype(np.intp)
         return np.clip(depths, 0, len(self._levels) - 1)
 
     def _low_legs(self, a: FloatArray, b: FloatArray) -> IndexArray:
-        """Return the numbers of the legs that no look at coarse grids proves to be high enough."""
+        """Return the numbers of the legs that the coarse grids do not prove high enough."""
         low = np.arange(len(a))
         for pieces in _PIECES:
             found = [
@@ -88,8 +89,8 @@ class Relief:
     def _is_high(self, a: FloatArray, b: FloatArray, pieces: int) -> BoolArray:
         """Return which legs are above the highest ground near each of their pieces.
 
-        A cell of grid k holds the highest ground within 2^(k + 1) cells: of the grid that reaches
-        beyond a piece and all that its samples see, one cell is enough.
+        A cell of grid k holds the highest ground within 2^(k + 1) cells. One cell is enough of the
+        grid whose cells cover the piece and the surroundings of its samples.
         """
         distance = np.hypot(*(b - a)[:, :2].T)
         seen = 2.0 ** (self._depths(distance) + 1)
@@ -125,7 +126,7 @@ class Relief:
         )
 
     def _tops(self, a: FloatArray, b: FloatArray, share: FloatArray, level: int) -> FloatArray:
-        """Return the least height to fly at, at shares of each of the ways from a to b."""
+        """Return the least height to fly at shares of the way from each a to b."""
         grid = self._levels[level]
         cells: list[IndexArray] = []
         for axis in (0, 1):
@@ -142,7 +143,7 @@ class Relief:
 
 
 def _ends(places: FloatArray) -> FloatArray:
-    """Return places as rows; what is nowhere counts as above the origin."""
+    """Return places as rows; those that are not finite count as the origin."""
     rows = places.reshape(-1, 3)
     return np.column_stack([np.nan_to_num(rows[:, :2]), rows[:, 2]])
 
@@ -154,10 +155,10 @@ def _between(a: FloatArray, b: FloatArray, share: FloatArray, up: FloatArray) ->
 
 
 def _spread(grid: FloatArray, cells: int) -> FloatArray:
-    """Return the highest of each cell, those `cells` from it in both directions, and corners.
+    """Return the highest of each cell and the eight cells `cells` away from it.
 
-    Where each cell already holds the highest within `cells` of it, that is the highest within
-    twice as many.
+    If each cell holds the highest within `cells` of it, the result is the highest within twice as
+    many.
     """
     taller = grid.copy()
     np.maximum(taller[cells:], grid[:-cells], out=taller[cells:])

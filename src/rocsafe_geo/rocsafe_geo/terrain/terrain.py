@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Heights of the ground: a raster in any coordinate system, read between its pixels."""
+"""Heights of the ground: a raster in any coordinate system, interpolated between pixels."""
 
 from dataclasses import dataclass, field
 
@@ -13,9 +13,9 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.projection import columns as as_columns
 from rocsafe_geo.terrain.relief import Relief
 
-# Cells between two places of a relief that are looked up in the coordinate system.
+# Every so many cells of a relief are transformed to the coordinate system of the raster.
 _KNOT = 16
-# Cells of a relief along its longer side, at most, and their least size.
+# Largest number of cells along the longer side of a relief, and their least size, metres.
 _MOST_CELLS = 1000
 _LEAST_CELL_M = 0.5
 
@@ -31,16 +31,16 @@ class Terrain:
     Attributes
     ----------
     heights_m
-        Of pixel centres, shape (rows, columns), NaN where unknown; above any level surface:
-        `LocalGround` shifts them so that they agree with places whose altitude is known.
+        Heights of pixel centres, shape (rows, columns), NaN where unknown. They may count from
+        any level surface: `LocalGround` shifts them to agree with known altitudes.
     to_column, to_row
-        Coefficients (x, y, 1) of column and row, 0.5 in the middle of the first pixel.
+        Coefficients (x, y, 1) of column and row; the centre of the first pixel is 0.5.
     crs
         Coordinate system of x and y, as WKT or a name that PROJ knows.
     digest
-        Names the content.
+        Hash of the content.
     name
-        Names the file in messages.
+        Name of the file, for messages.
     """
 
     heights_m: FloatArray
@@ -64,14 +64,14 @@ class Terrain:
     def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
         """Return the heights at places, linear between pixels; NaN where they are not known.
 
-        Within half a pixel of the raster's rim the height is that of the nearest pixel.
+        Within half a pixel of the edge of the raster the height is that of the nearest pixel.
         """
         return self.heights_at(self.pixels_of(latitudes_deg, longitudes_deg))
 
     def pixels_of(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
         """Return (row, column) of places, (n, 2), 0.5 in the first pixel's middle, NaN nowhere."""
         latitudes, longitudes = as_columns(latitudes_deg, longitudes_deg)
-        # Two at least: of one, pyproj makes a scalar and warns.
+        # At least two: pyproj makes a scalar of one, and warns.
         pair = (np.append(values, values[-1:]) for values in (longitudes, latitudes))
         x, y = (np.asarray(values)[:-1] for values in self._to_crs.transform(*pair))
         place = np.stack([x, y, np.ones_like(x)], -1)
@@ -116,13 +116,13 @@ class LocalGround:
     terrain, frame
         The terrain, and the frame of the result.
     homes
-        Their altitudes, where known, are those of the ground: the terrain's are shifted by the
-        mean difference, so that it does not matter above what the raster counts.
+        Places on the ground. The terrain is shifted by the mean difference to their altitudes,
+        where known, so that the reference surface of the raster does not matter.
 
     Attributes
     ----------
     shift_m
-        By which they are shifted.
+        Shift of the heights, metres.
     """
 
     def __init__(self, terrain: Terrain, frame: LocalFrame, homes: list[GeoPosition]) -> None:
@@ -153,14 +153,14 @@ class LocalGround:
         east, north = (low[i] + cell * spots[i] for i in (0, 1))
         nodes = np.stack(np.meshgrid(east, north), -1).reshape(-1, 2)
         geodetic = self._frame.to_geodetic(np.column_stack([nodes, np.zeros(len(nodes))]))
-        # Pixels between nodes lie on a line to a millionth of one: the nodes are near enough.
+        # Between nodes pixels are linear to a millionth of a pixel.
         coarse = self._terrain.pixels_of(geodetic[:, 0], geodetic[:, 1])
         pixels = _refined(coarse.reshape(len(north), len(east), 2), counts[::-1])
         tops = self._terrain.heights_at(pixels)
         self._raise(tops, low, cell, geodetic)
         if np.isnan(tops).all():
             raise self._unknown(geodetic[0])
-        # What is not known may be as high as anything that is.
+        # Unknown ground may be as high as the highest known.
         known: FloatArray = np.where(np.isnan(tops), np.nanmax(tops), tops)
         ups = known + self.shift_m - self._frame.origin.altitude_m
         return Relief(low, cell, ups, clearance_m)
@@ -207,7 +207,7 @@ def _bilinear(grid: FloatArray, row: FloatArray, column: FloatArray) -> FloatArr
 
 
 def _range(values: FloatArray, count: int) -> IndexArray:
-    """Return the pixels that values span, one more on either side."""
+    """Return the pixels that values span, and one more on either side."""
     first = int(np.clip(np.floor(values.min()) - 1, 0, count))
     last = int(np.clip(np.ceil(values.max()) + 1, 0, count))
     return np.arange(first, last)

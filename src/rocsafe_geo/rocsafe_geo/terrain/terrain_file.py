@@ -21,16 +21,16 @@ def read_terrain(path: str | Path) -> Terrain:
     Raises
     ------
     ValueError
-        In one line, if the file is not there, is no raster of heights, or is too large.
+        If the file is missing, is not a raster of heights, or is too large; one line.
     """
-    # Loaded when a terrain is asked for: the library takes a moment that few plans need.
+    # Imported on use: the import takes long, and few plans need it.
     import rasterio
     from pyproj.exceptions import ProjError
     from rasterio.errors import NotGeoreferencedWarning, RasterioError
 
     if not Path(path).is_file():
         raise ValueError(f'terrain {path}: no such file')
-    # GDAL prints what the exception says anyway.
+    # GDAL prints what the exception states, too.
     logging.getLogger('rasterio').setLevel(logging.CRITICAL)
     try:
         with warnings.catch_warnings():

@@ -55,13 +55,13 @@ class MissionRun:
     Parameters
     ----------
     parts: what the run is put together from.
-    stop_timeout_s: what a process may take to end when asked.
+    stop_s: what a process may take to end when asked.
     started_s: when the run began, by `time.monotonic`.
     """
 
-    def __init__(self, parts: Parts, stop_timeout_s: float, started_s: float) -> None:
+    def __init__(self, parts: Parts, stop_s: float, started_s: float) -> None:
         self._parts = parts
-        self._stop_timeout_s = stop_timeout_s
+        self._stop_s = stop_s
         self._started_s = started_s
         self._pace = Pace()
         self._ready: frozenset[str] = frozenset()
@@ -150,7 +150,7 @@ class MissionRun:
     def _stop(self, names: list[str]) -> None:
         interrupt = self._parts.interrupt
         self._parts.supervisor.stop(
-            names, deadline_s=self._stop_timeout_s, must_hurry=lambda: interrupt.is_urgent
+            names, deadline_s=self._stop_s, must_hurry=lambda: interrupt.is_urgent
         )
 
     def _write_outcome(self, *, is_over: bool) -> None:

@@ -16,14 +16,15 @@ from rocsafe_orchestrator.command_line.numbers import (
     vehicle_speed,
     wind,
 )
-
-_AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
-_OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
-_METHODS = (
-    'solver, boustrophedon_minmax, boustrophedon_equal, strips, christofides, '
-    'nearest_to_shortest or paper_greedy'
+from rocsafe_planner.plan.survey_options import (
+    GRIDS,
+    METHODS,
+    OBJECTIVES,
+    SEPARATIONS,
+    SPACING_RULES,
 )
 
+_AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
 # By name: what argparse is told.
 _OPTIONS: dict[str, dict[str, Any]] = {
     'out': {
@@ -48,7 +49,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'metavar': 'S',
         'help': "seconds that may be used to improve the plan (default: the scenario's, or none)",
     },
-    'method': {'default': '', 'help': f'{_METHODS} (default: solver)'},
+    'method': {
+        'default': '',
+        'help': f'{", ".join(METHODS[:-1])} or {METHODS[-1]} (default: {METHODS[0]})',
+    },
     'drones': {
         'type': count,
         'default': 3,
@@ -77,9 +81,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'metavar': 'Y',
         'help': 'of those that follow each other in the direction of flight (default: the same)',
     },
-    'spacing-rule': {'choices': ('iou', 'linear'), 'help': 'what an overlap is a fraction of'},
-    'grid': {'choices': ('axis_aligned', 'rotated', 'best'), 'help': 'its angle'},
-    'objective': {'choices': _OBJECTIVES, 'help': 'what is to be small'},
+    'spacing-rule': {'choices': tuple(SPACING_RULES), 'help': 'what an overlap is a fraction of'},
+    'grid': {'choices': GRIDS, 'help': 'its angle'},
+    'objective': {'choices': OBJECTIVES, 'help': 'what is to be small'},
     'clearance': {'type': metres, 'metavar': 'M', 'help': 'that legs keep from exclusions'},
     'wind': {
         'type': wind,
@@ -93,7 +97,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'help': 'least distance of two vehicles in the air',
     },
     'separation-by': {
-        'choices': ('delay', 'layers'),
+        'choices': SEPARATIONS,
         'help': 'how it is kept: take-offs are delayed, or vehicles fly at unlike heights',
     },
     'terrain-clearance': {

@@ -31,6 +31,7 @@ from rocsafe_orchestrator.processes.launches import (
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.process_start import begin_as_copy
 from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
@@ -100,6 +101,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
     run_info = provenance(sys.argv, started)
     write_json(directory.run_info, run_info)
     _log_to(directory)
+    export_scenes(scenario, directory)
     display = make_display(console, directory.name, is_quiet=request.is_quiet)
     flight = _Flight(
         request=request,
@@ -161,8 +163,8 @@ class _Flight:
             speed = self.scenario.clock.speed
             mission = Mission(
                 crew_of(self.scenario, self.table),
-                node.options,
-                planning_budget_s=self.scenario.survey.budget_s,
+                node.deadlines,
+                planning_budget_s=self.scenario.survey.effort.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.radiation.search.extra_rounds,
                 replans=self.scenario.replan == 'on_loss',
@@ -181,7 +183,7 @@ class _Flight:
                 run_info=self.run_info,
             )
             try:
-                run = MissionRun(parts, node.options.stop_timeout_s, self.started_s)
+                run = MissionRun(parts, node.deadlines.stop_s, self.started_s)
                 return run.fly()
             finally:
                 self.text = mission.text

@@ -9,7 +9,7 @@ mosaic and the products are made of what was recorded.
 from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
-from rocsafe_orchestrator.mission.options import OrchestratorOptions
+from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
@@ -36,7 +36,7 @@ class Mission:
     def __init__(
         self,
         crew: Crew,
-        options: OrchestratorOptions,
+        deadlines: Deadlines,
         *,
         planning_budget_s: float = 0.0,
         slowest_beat_s: float = 0.0,
@@ -48,11 +48,11 @@ class Mission:
         self.remarks: list[str] = []
         self.stalled_s = 0.0
         self._crew = crew
-        self._options = options
-        self._plan_timeout_s = options.plan_timeout_s + planning_budget_s
-        self._stall_timeout_s = options.stall_timeout_s + slowest_beat_s
+        self._deadlines = deadlines
+        self._plan_timeout_s = deadlines.plan_s + planning_budget_s
+        self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
         self._outcome = Phase.COMPLETE
-        self._requests = RequestBook(options.repeat_s)
+        self._requests = RequestBook(deadlines.repeat_s)
         self._losses = Losses(crew, self._requests, is_replaced=replans)
         self._rounds_left = extra_rounds
         self._is_extra = False
@@ -233,8 +233,8 @@ class Mission:
         if not missing:
             self._enter(Phase.PLANNING)
             self._requests.add(OrderKind.PLAN, PLANNER)
-        elif self._phase_s(now_s) > self._options.start_timeout_s:
-            limit = self._options.start_timeout_s
+        elif self._phase_s(now_s) > self._deadlines.start_timeout_s:
+            limit = self._deadlines.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
 
     def _plan(self, now_s: float, situation: Situation) -> None:
@@ -264,7 +264,7 @@ class Mission:
             return
         if all(request.status is not Status.WAITING for request in routes):
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
-        limit = self._options.accept_timeout_s
+        limit = self._deadlines.accept_s
         late = [r for r in self._requests if r.waited_s(now_s) > limit]
         if late:
             names = ', '.join(dict.fromkeys(request.server for request in late))
@@ -300,7 +300,7 @@ class Mission:
     def _collect(self, now_s: float, situation: Situation) -> None:
         settled = situation.images_stored + situation.images_rejected
         standing_s = self._progress.standing_s(settled, now_s)
-        if settled < self._shots and standing_s <= self._options.collect_timeout_s:
+        if settled < self._shots and standing_s <= self._deadlines.collect_s:
             return
         if situation.images_stored < self._shots:
             self._fault(f'only {situation.images_stored} of {self._shots} photographs are stored')
@@ -308,7 +308,7 @@ class Mission:
 
     def _map(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
-        limit = self._options.map_timeout_s
+        limit = self._deadlines.map_timeout_s
         if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
             if self._phase_s(now_s) <= limit:
                 return
@@ -317,8 +317,8 @@ class Mission:
 
     def _report(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.WRITE_PRODUCTS, REPORT)
-        options = self._options
-        limit = options.cancel_timeout_s if self._is_cancelled else options.report_timeout_s
+        deadlines = self._deadlines
+        limit = deadlines.cancel_s if self._is_cancelled else deadlines.report_s
         if not self._requests.all_done(OrderKind.WRITE_PRODUCTS):
             if self._phase_s(now_s) <= limit:
                 return

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Patience of the orchestrator: parameters of its node."""
+"""Limits of every wait of a mission, seconds of wall time."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, ClassVar
 
 
 def _seconds(default: float, doc: str) -> Any:
@@ -11,21 +12,55 @@ def _seconds(default: float, doc: str) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OrchestratorOptions:
-    """Deadlines of every wait, seconds of wall time."""
+    """Parameters of the orchestrator: the waits that depend on the machine and the survey.
+
+    Raises
+    ------
+    ValueError
+        Unless each is within 0.1 to 86400 s.
+    """
+
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ('plan_timeout_s', 'accept_timeout_s', 'repeat_s', 'collect_timeout_s',
+         'report_timeout_s', 'cancel_timeout_s', 'stop_timeout_s'),
+        'fixed, see Deadlines in rocsafe_orchestrator/mission/options.py',
+    )  # fmt: skip
 
     start_timeout_s: float = _seconds(180.0, 'all processes must be ready within, s')
-    plan_timeout_s: float = _seconds(180.0, 'a plan must come within, beyond its budget, s')
-    accept_timeout_s: float = _seconds(30.0, 'a request must be accepted within, s')
-    repeat_s: float = _seconds(2.0, 'an unanswered request is first repeated after, s')
     stall_timeout_s: float = _seconds(30.0, 'simulated time may stand still for, s')
-    collect_timeout_s: float = _seconds(30.0, 'the next photograph must be stored within, s')
     map_timeout_s: float = _seconds(300.0, 'the mosaic must be written within, s')
-    report_timeout_s: float = _seconds(300.0, 'the products must be written within, s')
-    cancel_timeout_s: float = _seconds(15.0, 'the products of a cancelled run within, s')
-    stop_timeout_s: float = _seconds(5.0, 'a process may take to end when asked, s')
 
     def __post_init__(self) -> None:
         for option in fields(self):
             value = getattr(self, option.name)
             if not 0.1 <= value <= 86_400.0:
                 raise ValueError(f'{option.name} = {value}: must be within 0.1 to 86400 s')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Deadlines(OrchestratorOptions):
+    """Limits of all waits: the parameters, and those that nobody needs to set.
+
+    Attributes
+    ----------
+    plan_s
+        A plan must come within this time, added to the budget of the planner.
+    accept_s
+        A request must be accepted within this time.
+    repeat_s
+        A request that is not accepted is first sent again after this time.
+    collect_s
+        The next photograph must be stored within this time.
+    report_s, cancel_s
+        The products of a run, and of one that was cancelled, must be written within this time.
+    stop_s
+        A process that does not end within this time after it was asked is killed.
+    """
+
+    plan_s: float = 180.0
+    accept_s: float = 30.0
+    repeat_s: float = 2.0
+    collect_s: float = 30.0
+    report_s: float = 300.0
+    cancel_s: float = 15.0
+    stop_s: float = 5.0

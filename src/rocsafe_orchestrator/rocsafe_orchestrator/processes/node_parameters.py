@@ -28,8 +28,8 @@ def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'max_viewpoints': scenario.survey.max_viewpoints,
         'export_directory': str(run.path),
     }
-    if scenario.survey.method:
-        parameters['default_method'] = scenario.survey.method
+    if scenario.survey.effort.method:
+        parameters['default_method'] = scenario.survey.effort.method
     return parameters
 
 
@@ -65,9 +65,11 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
 def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the one process of all simulated vehicles, which are alike."""
     return {
-        'vehicles': [vehicle.name for vehicle in scenario.simulated],
-        'home_latitudes_deg': [vehicle.home[0] for vehicle in scenario.simulated],
-        'home_longitudes_deg': [vehicle.home[1] for vehicle in scenario.simulated],
+        'fleet_file': {
+            'vehicles': [
+                {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
+            ]
+        },
         **_vehicle_model(scenario, scenario.simulated[0]),
         'spool_directory': str(run.spool),
     }
@@ -106,7 +108,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
-        **known_terrain_parameters(scenario),
+        **known_terrain_parameters(scenario, run),
         **_origin(scenario),
     }
 
@@ -171,10 +173,10 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     simulation = scenario.simulation.model_dump(exclude={'processes'})
     return {
         **vehicle.model_dump(exclude=own_keys),
-        **vehicle.autopilot.model_dump(),
+        'autopilot_file': vehicle.autopilot.model_dump(),
         'hover_power_w': vehicle.hover_power_w,
-        'wind_east_mps': scenario.survey.wind_mps[0],
-        'wind_north_mps': scenario.survey.wind_mps[1],
+        'wind_east_mps': scenario.survey.airspace.wind_mps[0],
+        'wind_north_mps': scenario.survey.airspace.wind_mps[1],
         **simulation,
         **camera_parameters(scenario.camera, scenario.other_cameras),
         'scene': scenario.scene,

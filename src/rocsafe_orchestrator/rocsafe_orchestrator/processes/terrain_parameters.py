@@ -3,65 +3,66 @@
 
 from typing import Any
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.solids.ground_heights import read_heights, shift_to_m
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
-# Who answers for the ground of a scene; the nodes call it by this name.
-SCENE_HEIGHTS = 'rocsafe_scene.solids.ground_heights:scene_heights'
 
 
-def true_terrain_parameters(scenario: Scenario) -> Parameters:
-    """Return those of the field: of the engine's scene, else of what the flights follow."""
-    return _of_scene(scenario) or _of_file(scenario)
+def true_terrain_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return those of the field: the ground of the engine's scene, else that of the planner.
+
+    Raises
+    ------
+    SetupError
+        If the elevation model cannot be read or has no height at a home.
+    """
+    return _of_scene(scenario, run) or _of_file(scenario)
 
 
-def known_terrain_parameters(scenario: Scenario) -> Parameters:
-    """Return those of the localizer: of what the flights follow, else of the engine's scene."""
-    return _of_file(scenario) or _of_scene(scenario)
+def known_terrain_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return those of the localizer: the ground of the planner, else that of the engine's scene.
+
+    Raises
+    ------
+    SetupError
+        As `true_terrain_parameters`.
+    """
+    return _of_file(scenario) or _of_scene(scenario, run)
 
 
-def ground_options(scenario: Scenario) -> tuple[str, ...]:
+def ground_options(scenario: Scenario, run: RunDirectory) -> tuple[str, ...]:
     """Return the options of the command `localize` that mean the same as the localizer's."""
     options = [f'--ground={scenario.origin.ground_altitude_m}']
-    known = known_terrain_parameters(scenario)
-    if known:
-        options += [
-            f'--terrain={known["terrain_file"]}',
-            f'--terrain-provider={known["terrain_provider"]}',
-            f'--terrain-seed={known["terrain_seed"]}',
-        ]
-        keys = ('latitudes_deg', 'longitudes_deg', 'altitudes_m')
-        for place in zip(*(known[f'terrain_{key}'] for key in keys), strict=True):
+    if scenario.survey.terrain_file:
+        options.append(f'--terrain={scenario.survey.terrain_file}')
+        for home in _homes(scenario):
+            place = (home.latitude_deg, home.longitude_deg, home.altitude_m)
             options += ['--terrain-at', *(f'{value:.9f}' for value in place)]
+    elif scenario.engine_scene:
+        options.append(f'--terrain={run.solids_of(scenario.engine_scene)}')
     return tuple(options)
 
 
-def _of_scene(scenario: Scenario) -> Parameters:
+def _of_scene(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the ground of the scene that vehicles fly in, none if they fly in none."""
-    camera = scenario.camera
-    if camera.backend != 'engine' or not camera.scene_file:
-        return {}
-    return _parameters(camera.scene_file, [scenario.origin_position()], SCENE_HEIGHTS, scenario)
+    scene = scenario.engine_scene
+    return {'terrain_file': str(run.solids_of(scene))} if scene else {}
 
 
 def _of_file(scenario: Scenario) -> Parameters:
-    """Return the ground of the elevation model, as the planner shifts it: to agree with homes."""
+    """Return the elevation model, shifted to agree with the homes as the planner shifts it."""
     file = scenario.survey.terrain_file
     if not file:
         return {}
-    homes = [scenario.ground_position(v.home) for v in scenario.vehicles if v.has_home]
-    return _parameters(file, homes, '', scenario)
+    try:
+        shift_m = shift_to_m(read_heights(file), _homes(scenario))
+    except ValueError as error:
+        raise SetupError(f'survey.terrain_file: {error}') from error
+    return {'terrain_file': file, 'terrain_shift_m': shift_m}
 
 
-def _parameters(
-    file: str, places: list[GeoPosition], provider: str, scenario: Scenario
-) -> Parameters:
-    return {
-        'terrain_file': file,
-        'terrain_provider': provider,
-        'terrain_seed': scenario.seed,
-        'terrain_latitudes_deg': [place.latitude_deg for place in places],
-        'terrain_longitudes_deg': [place.longitude_deg for place in places],
-        'terrain_altitudes_m': [place.altitude_m for place in places],
-    }
+def _homes(scenario: Scenario) -> list[Any]:
+    return [scenario.ground_position(v.home) for v in scenario.vehicles if v.has_home]

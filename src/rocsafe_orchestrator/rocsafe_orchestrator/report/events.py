@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What happened in a run, in the order in which it did."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -9,12 +9,9 @@ from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.separation import Span, airborne_spans_ns
 from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
-from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.charts import Flight
-from rocsafe_orchestrator.report.markup import Markup, element
+from rocsafe_view import formats
+from rocsafe_view.charts import FlightBar
 
-# A list that nobody reads to its end says less.
-_MOST_EVENTS = 60
 _MOST_NAMES = 5
 
 
@@ -35,23 +32,35 @@ def start_ns(record: RunRecord) -> int:
     return record.log.facts.start_ns if record.log else 0
 
 
-def flights(record: RunRecord, zero_ns: int) -> tuple[Flight, ...]:
+def flights(record: RunRecord, zero_ns: int) -> tuple[FlightBar, ...]:
     """Return the flight of each vehicle that took off, in the order of the vehicles."""
     samples = record.log.samples if record.log else {}
     routes = record.plan.routes if record.plan else ()
     planned = {route.vehicle: route.duration_s for route in routes}
     found = ((name, airborne_spans_ns(samples.get(name, ()))) for name in record.vehicles)
+    shots: dict[str, list[float]] = {}
+    for shot in record.photographs:
+        shots.setdefault(shot.vehicle, []).append((shot.time_ns - zero_ns) / NS_PER_S)
     return tuple(
-        _flight(name, spans, planned.get(name), zero_ns) for name, spans in found if spans
+        _flight(name, spans, planned.get(name), shots.get(name, ()), zero_ns)
+        for name, spans in found
+        if spans
     )
 
 
-def _flight(name: str, spans: tuple[Span, ...], planned_s: float | None, zero_ns: int) -> Flight:
+def _flight(
+    name: str,
+    spans: tuple[Span, ...],
+    planned_s: float | None,
+    shots_s: Iterable[float],
+    zero_ns: int,
+) -> FlightBar:
     aloft = tuple(
         ((begin - zero_ns) / NS_PER_S, (end - zero_ns) / NS_PER_S) for begin, end in spans
     )
-    return Flight(
+    return FlightBar(
         vehicle=name,
+        shots_s=tuple(shots_s),
         start_s=aloft[0][0],
         end_s=aloft[-1][1],
         planned_s=planned_s,
@@ -62,22 +71,6 @@ def _flight(name: str, spans: tuple[Span, ...], planned_s: float | None, zero_ns
 def events(record: RunRecord, summary: RunSummary, zero_ns: int) -> tuple[Event, ...]:
     """Return all events, the earliest first."""
     return tuple(sorted((*_of_flights(record, zero_ns), *_of_mission(record, summary, zero_ns))))
-
-
-def event_list(listed: tuple[Event, ...]) -> Markup:
-    """Return events as a list with times since the first take-off."""
-    shown = listed[:_MOST_EVENTS]
-    items = [
-        element(
-            'li',
-            element('time', formats.clock(max(event.time_s, 0.0))),
-            element('span', event.text),
-        )
-        for event in shown
-    ]
-    if len(listed) > len(shown):
-        items.append(element('li', f'and {len(listed) - len(shown)} more', class_='more'))
-    return element('ol', items, class_='events')
 
 
 def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything on the map in map coordinates, thinned out to what can be seen and embedded.
+"""What the map of a run shows, thinned out to what can be seen and embedded.
 
 Map coordinates are metres east and south of the mission origin: those of SVG, north up.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -15,16 +14,27 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
-    Point,
-    Rings,
     exclusion_rings,
     planned_footprints,
     points,
     region_rings,
     route_lines,
 )
+from rocsafe_view.map_view import (
+    DosePoint,
+    EstimatePoint,
+    MapView,
+    PhotoPoint,
+    ReplayTrack,
+    SourcePoint,
+)
+from rocsafe_view.palette import vehicle_colours
+from rocsafe_view.svg import Point
 
+MOSAIC = 'mosaic.tif'
 # Tracks keep what is seen at the closest zoom.
 TRACK_TOLERANCE_M = 0.1
 # All readings on the page, and all positions of the replay.
@@ -32,87 +42,16 @@ MOST_READINGS = 9000
 MOST_REPLAY_POSITIONS = 12_000
 
 
-@dataclass(frozen=True, slots=True)
-class DosePoint:
-    """The highest of some readings that follow each other; time in s since the first take-off."""
-
-    x: float
-    y: float
-    time_s: float
-    dose_rate_usvh: float
-    vehicle: str
-
-
-@dataclass(frozen=True, slots=True)
-class PhotoPoint:
-    """Where a photograph was taken, and the corners of the ground that it shows, if known."""
-
-    x: float
-    y: float
-    time_s: float
-    shot_id: str
-    vehicle: str
-    viewpoint_id: int
-    footprint: tuple[Point, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class SourcePoint:
-    """A true source of the scenario."""
-
-    x: float
-    y: float
-    name: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EstimatePoint:
-    """An estimated source with the half axes of its 95 % ellipse and the angle from east."""
-
-    x: float
-    y: float
-    half_axes_m: tuple[float, float]
-    angle_deg: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReplayTrack:
-    """Positions of a vehicle: each array has shape (n,)."""
-
-    time_s: FloatArray
-    x: FloatArray
-    y: FloatArray
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MapData:
-    """What the map shows."""
-
-    frame: LocalFrame
-    vehicles: tuple[str, ...]
-    region: Rings
-    exclusions: Rings
-    routes: Mapping[str, tuple[Point, ...]]
-    planned: Mapping[str, Rings]
-    viewpoints: Mapping[str, tuple[Point, ...]]
-    tracks: Mapping[str, tuple[Point, ...]]
-    replay: Mapping[str, ReplayTrack]
-    readings: tuple[DosePoint, ...]
-    readings_per_point: int
-    photos: tuple[PhotoPoint, ...]
-    homes: Mapping[str, Point]
-    sources: tuple[SourcePoint, ...]
-    estimates: tuple[EstimatePoint, ...]
-
-
-def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
+def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
     """Return the map of a run; `start_ns` is its time zero."""
     tracks = record.log.tracks if record.log else {}
     readings = record.log.readings if record.log else ()
     stride = max(-(-len(readings) // MOST_READINGS), 1)
-    return MapData(
-        frame=frame,
+    return MapView(
+        origin_deg=(frame.origin.latitude_deg, frame.origin.longitude_deg),
+        metres_per_degree=metres_per_degree(frame),
         vehicles=record.vehicles,
+        colours=vehicle_colours(record.vehicles),
         region=region_rings(record, frame),
         exclusions=exclusion_rings(record, frame),
         routes=route_lines(record, frame),
@@ -125,8 +64,21 @@ def map_data(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapData:
         photos=_photos(record, frame, start_ns),
         homes=_homes(record, frame),
         sources=_sources(record, frame),
-        estimates=_estimates(record, frame),
+        estimates=estimate_points(record.estimates, frame),
+        picture=ground_picture(record.path / MOSAIC, frame),
     )
+
+
+def metres_per_degree(frame: LocalFrame) -> tuple[float, float]:
+    """Return metres in a degree of latitude and of longitude at the origin."""
+    origin = frame.origin
+    step = 1e-3
+    enu = frame.to_enu(
+        np.array([origin.latitude_deg + step, origin.latitude_deg]),
+        np.array([origin.longitude_deg, origin.longitude_deg + step]),
+        np.full(2, origin.altitude_m),
+    )
+    return round(float(enu[0, 1]) / step, 3), round(float(enu[1, 0]) / step, 3)
 
 
 def _xy(frame: LocalFrame, lat: FloatArray, lon: FloatArray, alt: FloatArray) -> tuple[Point, ...]:
@@ -160,8 +112,11 @@ def _sources(record: RunRecord, frame: LocalFrame) -> tuple[SourcePoint, ...]:
     )
 
 
-def _estimates(record: RunRecord, frame: LocalFrame) -> tuple[EstimatePoint, ...]:
-    found = record.estimates.sources if record.estimates else ()
+def estimate_points(
+    estimates: SourceEstimates | None, frame: LocalFrame
+) -> tuple[EstimatePoint, ...]:
+    """Return the estimated sources in map coordinates."""
+    found = estimates.sources if estimates else ()
     places = points(frame, (source.position for source in found))
     return tuple(
         EstimatePoint(
@@ -221,7 +176,9 @@ def _replay(
             _xy(frame, track.latitude_deg[kept], track.longitude_deg[kept], track.altitude_m[kept])
         )
         times = (track.time_ns[kept] - start_ns) / NS_PER_S
-        replay[name] = ReplayTrack(time_s=times, x=places[:, 0], y=places[:, 1])
+        replay[name] = ReplayTrack(
+            time_s=times.tolist(), x=places[:, 0].tolist(), y=places[:, 1].tolist()
+        )
     return replay
 
 

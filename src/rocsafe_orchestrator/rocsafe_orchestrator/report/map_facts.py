@@ -6,11 +6,12 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.markup import Content, element
+from markupsafe import Markup
+
+from rocsafe_view import formats
 
 QUALITY, QUALITY_PAGE = Path('map/quality.json'), Path('map/quality.html')
-Facts = list[tuple[Content, Content]]
+Facts = list[tuple[str, str]]
 
 
 def map_facts(folder: Path) -> Facts:
@@ -41,7 +42,7 @@ def map_facts(folder: Path) -> Facts:
     ]  # fmt: skip
     if (folder / QUALITY_PAGE).is_file():
         page = QUALITY_PAGE.as_posix()
-        rows.append(('More', element('a', page, href=page)))
+        rows.append(('More', Markup('<a href="{0}">{0}</a>').format(page)))
     return [(name, value) for name, value in rows if value not in ('', formats.UNKNOWN)]
 
 

@@ -4,7 +4,6 @@
 import base64
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from rasterio.transform import xy
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.run_record import Photograph
+from rocsafe_view.map_view import GroundPicture
 
 MOST_MOSAIC_PX = 2000
 MOST_MOSAIC_BYTES = 1_200_000
@@ -27,27 +27,6 @@ _MOSAIC_QUALITIES = (82, 70, 55, 40)
 MOST_THUMBNAIL_BYTES = 800_000
 _THUMBNAIL_QUALITY = 55
 _SMALLER_WIDTHS_PX = (224, 160, 96)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GroundPicture:
-    """The mosaic, ready to be drawn.
-
-    Attributes
-    ----------
-    data_uri: WebP, transparent where there is no map.
-    width_px, height_px: of the picture embedded.
-    matrix: (a, b, c, d, e, f) of SVG: pixel to map coordinates, east and south of the origin, m.
-    resolution_m: side of a pixel of the file, metres.
-    crs: its reference system, for people.
-    """
-
-    data_uri: str
-    width_px: int
-    height_px: int
-    matrix: tuple[float, float, float, float, float, float]
-    resolution_m: float
-    crs: str
 
 
 def ground_picture(path: Path, frame: LocalFrame) -> GroundPicture | None:
@@ -62,7 +41,7 @@ def ground_picture(path: Path, frame: LocalFrame) -> GroundPicture | None:
             picture = _rgba(raster, width, height)
             rows, columns = (0, 0, raster.height), (0, raster.width, 0)
             places = np.column_stack(xy(raster.transform, rows, columns, offset='ul'))
-            crs, resolution = raster.crs, abs(raster.transform.a)
+            crs = raster.crs
     except (RasterioError, OSError, ValueError):
         return None
     return GroundPicture(
@@ -70,8 +49,6 @@ def ground_picture(path: Path, frame: LocalFrame) -> GroundPicture | None:
         width_px=width,
         height_px=height,
         matrix=_matrix(map_xy(places, crs, frame), width, height),
-        resolution_m=float(resolution),
-        crs=crs.to_string(),
     )
 
 

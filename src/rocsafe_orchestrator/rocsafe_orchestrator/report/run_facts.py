@@ -4,19 +4,35 @@
 import math
 from collections.abc import Iterator
 
+from markupsafe import Markup
+
 from rocsafe_orchestrator.products.run_record import Plan, RunRecord
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.products.summary import RunSummary
-from rocsafe_orchestrator.report import formats
-from rocsafe_orchestrator.report.markup import Content, element
+from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_scenario.radiation_blocks import SourceBlock
 from rocsafe_scenario.scenario import Scenario
+from rocsafe_view import formats
 
+Facts = list[tuple[str, str]]
 _S_PER_H = 3600.0
+_CODE = Markup('<code>{}</code>')
 
 
-def survey_facts(plan: Plan, summary: RunSummary) -> list[tuple[str, Content]]:
+def fact_columns(record: RunRecord, summary: RunSummary) -> dict[str, Facts]:
+    """Return all facts by the heading of their column."""
+    return {
+        'Survey': survey_facts(record.plan, summary) if record.plan else [],
+        'Radiation, as simulated': field_facts(record.scenario) if record.scenario else [],
+        'Sources, as estimated': estimate_facts(record.estimates) if record.estimates else [],
+        'Map': map_facts(record.path),
+        'Run': run_facts(record, summary),
+        'Software': list(summary.versions.items()),
+    }
+
+
+def survey_facts(plan: Plan, summary: RunSummary) -> Facts:
     """Return how the survey was planned."""
     fov = f'{math.degrees(plan.horizontal_fov_rad):.1f}°'
     image = f'{plan.image_width_px} × {plan.image_height_px} px, {fov} across'
@@ -37,11 +53,11 @@ def survey_facts(plan: Plan, summary: RunSummary) -> list[tuple[str, Content]]:
         *_flight_facts(plan),
         ('Largest hole', _hole(plan)),
         *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
-        ('Plan', element('code', plan.plan_id)),
+        ('Plan', _CODE.format(plan.plan_id)),
     ]
 
 
-def _flight_facts(plan: Plan) -> Iterator[tuple[str, Content]]:
+def _flight_facts(plan: Plan) -> Iterator[tuple[str, str]]:
     """Yield what is special of the flights: late take-offs, battery changes."""
     late = [f'{r.vehicle} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
     if late:
@@ -71,9 +87,9 @@ def _hole(plan: Plan) -> str:
     return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
 
 
-def field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
+def field_facts(scenario: Scenario) -> Facts:
     """Return the model of the radiation field and its sources."""
-    rows: list[tuple[str, Content]] = [
+    rows: Facts = [
         ('Model', scenario.radiation.model),
         ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
     ]
@@ -85,12 +101,12 @@ def field_facts(scenario: Scenario) -> list[tuple[str, Content]]:
     return rows
 
 
-def estimate_facts(found: SourceEstimates) -> list[tuple[str, Content]]:
+def estimate_facts(found: SourceEstimates) -> Facts:
     """Return the sources that the readings tell of."""
     chances = ', '.join(
         f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
     )
-    rows: list[tuple[str, Content]] = [('Probability of 0, 1, ... sources', chances)]
+    rows: Facts = [('Probability of 0, 1, ... sources', chances)]
     for number, source in enumerate(found.sources, 1):
         where = f'{place_of(source)}, within {half_axes_of(source)} (95 %)'
         rows.append((f'Source {number}', f'{where}; {dose_rate_of(source)} at 1{formats.GAP}m'))
@@ -104,7 +120,7 @@ def _strength(source: SourceBlock) -> str:
     return f'{at_one_metre} at 1{formats.GAP}m'
 
 
-def run_facts(record: RunRecord, summary: RunSummary) -> list[tuple[str, Content]]:
+def run_facts(record: RunRecord, summary: RunSummary) -> Facts:
     """Return how the run went."""
     restarts = ', '.join(
         f'{name} {count} ×' for name, count in summary.processes_restarted.items()
@@ -112,7 +128,7 @@ def run_facts(record: RunRecord, summary: RunSummary) -> list[tuple[str, Content
     command = record.info.get('command')
     line = ' '.join(map(str, command)) if isinstance(command, list) else str(command or '')
     return [
-        ('Command', element('code', line) if line else ''),
+        ('Command', _CODE.format(line) if line else ''),
         ('Readings', formats.whole(summary.reading_count)),
         ('Messages recorded', formats.whole(summary.message_count)),
         ('Real-time factor', formats.figures(summary.real_time_factor or math.nan)),

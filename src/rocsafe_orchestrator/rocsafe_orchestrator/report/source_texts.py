@@ -2,7 +2,7 @@
 """A source as estimated in words: where it is, how surely, how strong."""
 
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate
-from rocsafe_orchestrator.report import formats
+from rocsafe_view import formats
 
 
 def place_of(source: SourceEstimate) -> str:

@@ -20,8 +20,10 @@ class YesNoSensor:
 
     Attributes
     ----------
-    false_positive: probability of yes where nothing is.
-    false_negative: probability of no where something is.
+    false_positive
+        Probability of yes where nothing is.
+    false_negative
+        Probability of no where something is.
     """
 
     false_positive: float
@@ -54,8 +56,10 @@ class BeliefGrid:
 
     Parameters
     ----------
-    prior: probability of something in each cell before, shape (rows, columns).
-    agent: name of the agent, different from all others.
+    prior
+        Probability of something in each cell before, shape (rows, columns).
+    agent
+        Name of the agent, different from all others.
     """
 
     def __init__(self, prior: FloatArray, agent: str) -> None:

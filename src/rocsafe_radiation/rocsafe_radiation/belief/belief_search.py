@@ -62,14 +62,19 @@ def believe(
 
     Parameters
     ----------
-    survey: readings.
-    options: law of the dose rate and height of sources.
-    agents: who took each reading; each keeps a grid of its own, and all are merged.
-    smallest_usvh: dose rate at 1 m of the weakest source that matters.
+    survey
+        Readings.
+    options
+        Law of the dose rate and height of sources.
+    agents
+        Who took each reading; each keeps a grid of its own, and all are merged.
+    smallest_usvh
+        Dose rate at 1 m of the weakest source that matters.
 
     Raises
     ------
-    TooFewReadingsError: with too few readings.
+    TooFewReadingsError
+        With too few readings.
     """
     require_enough(survey)
     grid = _Grid.over(survey, options.source_up_m)

@@ -84,8 +84,9 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         '--terrain',
         default='',
-        metavar='TIF',
-        help='GeoTIFF of the heights of ground that is not level, for a file of degrees',
+        metavar='FILE',
+        help='heights of ground that is not level, for a file of degrees: a GeoTIFF, or what '
+        '`rocsafe scene solids` writes',
     )
     group.add_argument(
         '--terrain-at',
@@ -96,19 +97,6 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
         metavar=('LAT', 'LON', 'ALT'),
         help='a place on the ground with its altitude in the datum of the file: the heights of '
         '--terrain are shifted to agree; may be given several times (default: same datum)',
-    )
-    group.add_argument(
-        '--terrain-provider',
-        default='',
-        metavar='MODULE:FUNCTION',
-        help='who reads the file of --terrain, for instance a scene, if it is no GeoTIFF',
-    )
-    group.add_argument(
-        '--terrain-seed',
-        type=int,
-        default=0,
-        metavar='N',
-        help='seed of a scene (default: 0)',
     )
 
 

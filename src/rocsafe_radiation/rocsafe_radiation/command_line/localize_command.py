@@ -9,11 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shift_to_m
 from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.errors import RadiationError
-from rocsafe_radiation.field_parameters.terrain_options import TerrainOptions
 from rocsafe_radiation.localization.localize import Localization, LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
@@ -27,7 +28,7 @@ from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.products.dose_map import LARGEST_CELLS
 from rocsafe_radiation.products.files import write_products
 from rocsafe_radiation.products.source_document import picture_document, place_of, source_document
-from rocsafe_radiation.readings.ground import LEVEL, Ground, GroundError, ground_over
+from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
 from rocsafe_radiation.readings.readings_file import ReadingsFile, read_readings
 from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import Survey, survey_of
@@ -96,26 +97,18 @@ def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace)
 
     Raises
     ------
-    GroundError: in one line, why there is none.
+    GroundError
+        In one line, why there is none.
     """
     if readings.frame is None:
         raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
-    places = options.terrain_at
-    terrain = TerrainOptions(
-        terrain_file=options.terrain,
-        terrain_provider=options.terrain_provider,
-        terrain_seed=options.terrain_seed,
-        terrain_latitudes_deg=tuple(place[0] for place in places),
-        terrain_longitudes_deg=tuple(place[1] for place in places),
-        terrain_altitudes_m=tuple(place[2] for place in places),
-    )
     try:
-        heights = terrain.heights()
+        heights = read_heights(options.terrain)
+        known = [GeoPosition(*place) for place in options.terrain_at]
+        shifted = ShiftedHeights(heights=heights, shift_m=shift_to_m(heights, known))
     except ValueError as error:
         raise GroundError(str(error)) from error
-    if heights is None:
-        return LEVEL
-    return ground_over(heights, readings.frame, survey.positions_enu_m[:, :2])
+    return ground_over(shifted, readings.frame, survey.positions_enu_m[:, :2])
 
 
 def _require_above_ground(survey: Survey) -> None:

@@ -24,9 +24,12 @@ class Inquiry:
 
         Parameters
         ----------
-        now_ns: time of the same clock.
-        reading_count: readings that there are.
-        evaluated_count: how many of them what is known comes from.
+        now_ns
+            Time of the same clock.
+        reading_count
+            Readings that there are.
+        evaluated_count
+            How many of them what is known comes from.
         """
         if self._wanted is None:
             self._askings += 1

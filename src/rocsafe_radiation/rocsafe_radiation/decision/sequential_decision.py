@@ -39,11 +39,15 @@ class SequentialEvidence:
 
     Attributes
     ----------
-    log_ratio: a source of any strength anywhere against none.
-    log_ratio_smallest: one of the smallest strength looked for, anywhere, against none.
-    places_m: east and north of the places tried, shape (m, 2).
-    doubts: log ratio of one of the smallest strength at each: where it is highest, such a source
-        could still be, shape (m,).
+    log_ratio
+        A source of any strength anywhere against none.
+    log_ratio_smallest
+        One of the smallest strength looked for, anywhere, against none.
+    places_m
+        East and north of the places tried, shape (m, 2).
+    doubts
+        Log ratio of one of the smallest strength at each: where it is highest, such a source could
+        still be, shape (m,).
     """
 
     log_ratio: float
@@ -61,13 +65,17 @@ def sequential_evidence(
 
     Parameters
     ----------
-    survey: readings.
-    setting: law of the dose rate and height of sources; a rho above 0 weighs readings down.
-    smallest_usvh: dose rate at 1 m of the weakest source that matters.
+    survey
+        Readings.
+    setting
+        Law of the dose rate and height of sources; a rho above 0 weighs readings down.
+    smallest_usvh
+        Dose rate at 1 m of the weakest source that matters.
 
     Raises
     ------
-    ValueError: if `smallest_usvh` is not above 0.
+    ValueError
+        If `smallest_usvh` is not above 0.
     """
     if not 0.0 < smallest_usvh < math.inf:
         raise ValueError(f'smallest_usvh = {smallest_usvh} must be above 0 and finite')

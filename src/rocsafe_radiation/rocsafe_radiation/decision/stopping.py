@@ -28,10 +28,14 @@ class StoppingRule:
 
     Attributes
     ----------
-    false_alarm: probability of deciding for a source that is not there.
-    missed: probability of deciding against one that is there.
-    ellipse_95_m: longest half axis of a source's 95 % ellipse that is precise enough.
-    smallest_usvh: dose rate at 1 m of the weakest source that matters: 1 GBq of Cs-137.
+    false_alarm
+        Probability of deciding for a source that is not there.
+    missed
+        Probability of deciding against one that is there.
+    ellipse_95_m
+        Longest half axis of a source's 95 % ellipse that is precise enough.
+    smallest_usvh
+        Dose rate at 1 m of the weakest source that matters: 1 GBq of Cs-137.
     """
 
     false_alarm: float = 0.01

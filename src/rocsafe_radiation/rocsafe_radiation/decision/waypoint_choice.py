@@ -36,11 +36,16 @@ def next_waypoints(
 
     Parameters
     ----------
-    found: what is known so far; without sources there is nothing to sharpen.
-    candidates_enu_m: places that a vehicle could go to.
-    exposure: counts that a reading there has for 1 uSv/h.
-    kernel: law of the dose rate.
-    count: places wanted; a place may be worth a second visit.
+    found
+        What is known so far; without sources there is nothing to sharpen.
+    candidates_enu_m
+        Places that a vehicle could go to.
+    exposure
+        Counts that a reading there has for 1 uSv/h.
+    kernel
+        Law of the dose rate.
+    count
+        Places wanted; a place may be worth a second visit.
     """
     if not found.sources or count < 1:
         return ()

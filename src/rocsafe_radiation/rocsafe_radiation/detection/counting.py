@@ -25,9 +25,12 @@ class Sample:
 
     Attributes
     ----------
-    time_ns: of the moment.
-    place: where the detector is.
-    believed: where the vehicle believes it is; NaN: unknown.
+    time_ns
+        Of the moment.
+    place
+        Where the detector is.
+    believed
+        Where the vehicle believes it is; NaN: unknown.
     """
 
     time_ns: int

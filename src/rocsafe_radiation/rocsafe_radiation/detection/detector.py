@@ -41,12 +41,18 @@ class DetectorModel:
 
     Attributes
     ----------
-    name: of the kind.
-    sensitivity_cps_per_usvh: true counts a second for one microsievert per hour of Cs-137.
-    dead_time_s: after each count.
-    dead_time_model: whether hits within the dead time prolong it.
-    dark_rate_cps: counts a second without any radiation.
-    response: energies in keV and sensitivity relative to Cs-137, ascending.
+    name
+        Of the kind.
+    sensitivity_cps_per_usvh
+        True counts a second for one microsievert per hour of Cs-137.
+    dead_time_s
+        After each count.
+    dead_time_model
+        Whether hits within the dead time prolong it.
+    dark_rate_cps
+        Counts a second without any radiation.
+    response
+        Energies in keV and sensitivity relative to Cs-137, ascending.
     """
 
     name: str

@@ -81,10 +81,14 @@ class Dosimeter:
 
     Attributes
     ----------
-    newest: the newest reading, None before the first.
-    dose_usv: so far.
-    measured_s, unmeasured_s: time that counted, and that of gaps.
-    is_lower_limit: there was a gap, or a saturated reading.
+    newest
+        The newest reading, None before the first.
+    dose_usv
+        So far.
+    measured_s, unmeasured_s
+        Time that counted, and that of gaps.
+    is_lower_limit
+        There was a gap, or a saturated reading.
     """
 
     def __init__(self, levels: AlarmLevels) -> None:

@@ -17,7 +17,8 @@ class StampPairing(Generic[Left, Right]):
 
     Attributes
     ----------
-    lost: values given up so far.
+    lost
+        Values given up so far.
     """
 
     def __init__(self, capacity: int = DEFAULT_CAPACITY) -> None:

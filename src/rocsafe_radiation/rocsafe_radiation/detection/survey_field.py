@@ -22,9 +22,12 @@ class SurveyField:
 
     Attributes
     ----------
-    field: of the sources.
-    background: of nature, to which every detector responds as to Cs-137.
-    detector: name of a kind, or ``ideal``, which reads the dose rate itself.
+    field
+        Of the sources.
+    background
+        Of nature, to which every detector responds as to Cs-137.
+    detector
+        Name of a kind, or ``ideal``, which reads the dose rate itself.
     """
 
     field: RadiationField
@@ -57,7 +60,8 @@ class SurveyField:
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         by_source = self.field.source_dose_rates_usvh(
             latitudes_deg, longitudes_deg, altitudes_m, time_s
@@ -75,7 +79,8 @@ class SurveyField:
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         by_source = self.field.source_dose_rates_usvh(
             latitudes_deg, longitudes_deg, altitudes_m, time_s
@@ -88,8 +93,10 @@ class SurveyField:
 
         Parameters
         ----------
-        start_ns: start of the mission, nanoseconds since 1970.
-        samples: at places that are some.
+        start_ns
+            Start of the mission, nanoseconds since 1970.
+        samples
+            At places that are some.
         """
         if self.field.is_still:
             places = np.array([sample.place for sample in samples])

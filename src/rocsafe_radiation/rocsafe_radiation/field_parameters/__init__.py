@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the simulated field, and the field made from them."""
+"""Parameters and settings file of the simulated field, and the field made from them."""

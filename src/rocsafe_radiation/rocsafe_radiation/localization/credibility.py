@@ -54,8 +54,10 @@ def unevenness(best: OrderSearch, even: Sequence[OrderSearch]) -> float:
 
     Parameters
     ----------
-    best: the fit that explains the readings best.
-    even: those on even ground; 0 unless the best is none of them, and clearly better.
+    best
+        The fit that explains the readings best.
+    even
+        Those on even ground; 0 unless the best is none of them, and clearly better.
     """
     if not _is_uneven(best) or _evidence(best) < max(map(_evidence, even)) + CLEARLY_BETTER:
         return 0.0

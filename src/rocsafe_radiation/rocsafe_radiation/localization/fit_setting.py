@@ -17,17 +17,25 @@ class Setting:
 
     Attributes
     ----------
-    kernel: of all sources.
-    source_up_m, source_up_std_m: height of sources above the ground as known before; a standard
-        deviation of 0 keeps it.
-    background_std: of each c_j as known before; 0: the background is the same everywhere.
-    background_spacing_heights: of the bumps of the background, in heights above the ground.
-    rho: share of the excess by which counts scatter beyond Poisson.
-    tilt_std: of the number of the deviation of the law of the dose rate as known before; 0: it is
-        that of the kernel.
-    has_shield: something may stand on one side of the sources.
-    edge_sharpness: of what it hides; large: a step.
-    shade: probability that something shields a reading.
+    kernel
+        Of all sources.
+    source_up_m, source_up_std_m
+        Height of sources above the ground as known before; a standard deviation of 0 keeps it.
+    background_std
+        Of each c_j as known before; 0: the background is the same everywhere.
+    background_spacing_heights
+        Of the bumps of the background, in heights above the ground.
+    rho
+        Share of the excess by which counts scatter beyond Poisson.
+    tilt_std
+        Of the number of the deviation of the law of the dose rate as known before; 0: it is that
+        of the kernel.
+    has_shield
+        Something may stand on one side of the sources.
+    edge_sharpness
+        Of what it hides; large: a step.
+    shade
+        Probability that something shields a reading.
     """
 
     kernel: Kernel = field(default_factory=Kernel)

@@ -14,10 +14,13 @@ class OrderSearch:
 
     Attributes
     ----------
-    likelihood: with its setting.
-    fits: of 0, 1, 2 ... sources.
-    scores: logarithm of the evidence of each, by BIC for sources and Laplace for the background,
-        and of the prior odds.
+    likelihood
+        With its setting.
+    fits
+        Of 0, 1, 2 ... sources.
+    scores
+        Logarithm of the evidence of each, by BIC for sources and Laplace for the background, and
+        of the prior odds.
     """
 
     likelihood: Likelihood

@@ -29,10 +29,14 @@ class LawDeviation:
 
     Attributes
     ----------
-    height_m: of the readings above the sources.
-    tilt_std: standard deviation of the tilt; 0: there is none.
-    has_shield: a wall may stand beside the sources.
-    edge_sharpness: of its shadow.
+    height_m
+        Of the readings above the sources.
+    tilt_std
+        Standard deviation of the tilt; 0: there is none.
+    has_shield
+        A wall may stand beside the sources.
+    edge_sharpness
+        Of its shadow.
     """
 
     height_m: float

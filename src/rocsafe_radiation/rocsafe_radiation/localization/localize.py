@@ -37,10 +37,12 @@ class LocalizationOptions:
 
     Attributes
     ----------
-    kernel: law of the dose rate.
-    source_up_m, source_up_std_m: height of sources above the ground and its standard deviation;
-        0: exactly there.
-    largest_order: most sources looked for.
+    kernel
+        Law of the dose rate.
+    source_up_m, source_up_std_m
+        Height of sources above the ground and its standard deviation; 0: exactly there.
+    largest_order
+        Most sources looked for.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
@@ -63,10 +65,14 @@ class SourceEstimate:
 
     Attributes
     ----------
-    position_enu_m: where, shape (3,).
-    dose_rate_at_1m_usvh: strength, without air.
-    joint_covariance: of east, north, up in metres and the logarithm of the strength, (4, 4).
-    detection_llr: what the logarithm of the likelihood loses without it, all else unchanged.
+    position_enu_m
+        Where, shape (3,).
+    dose_rate_at_1m_usvh
+        Strength, without air.
+    joint_covariance
+        Of east, north, up in metres and the logarithm of the strength, (4, 4).
+    detection_llr
+        What the logarithm of the likelihood loses without it, all else unchanged.
     """
 
     position_enu_m: FloatArray
@@ -107,15 +113,24 @@ class Localization:
 
     Attributes
     ----------
-    sources: strongest evidence first.
-    order_probabilities: of 0, 1, 2 ... sources.
-    background_usvh, background_std_usvh: mean background at the readings and its uncertainty.
-    reading_count: readings used.
-    dispersion: by how many standard deviations the misfit exceeds what the model allows.
-    rho: share of the excess by which readings scatter beyond their counts.
-    is_structured: the background varies from place to place.
-    is_shielded: something beside the sources takes part of their dose rate.
-    method: name of the way it was found, one of `METHODS`.
+    sources
+        Strongest evidence first.
+    order_probabilities
+        Of 0, 1, 2 ... sources.
+    background_usvh, background_std_usvh
+        Mean background at the readings and its uncertainty.
+    reading_count
+        Readings used.
+    dispersion
+        By how many standard deviations the misfit exceeds what the model allows.
+    rho
+        Share of the excess by which readings scatter beyond their counts.
+    is_structured
+        The background varies from place to place.
+    is_shielded
+        Something beside the sources takes part of their dose rate.
+    method
+        Name of the way it was found, one of `METHODS`.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -152,7 +167,8 @@ def localize(survey: Survey, options: LocalizationOptions | None = None) -> Loca
 
     Raises
     ------
-    TooFewReadingsError: with fewer than 8 readings, or all of them at one place.
+    TooFewReadingsError
+        With fewer than 8 readings, or all of them at one place.
     """
     options = options or LocalizationOptions()
     require_enough(survey)

@@ -45,9 +45,12 @@ class WallShadow:
 
     Attributes
     ----------
-    losses: the logarithm of what is taken, shape (sources, n).
-    by_depth, by_reach, by_shape: how that grows with w, log G and c, (sources, n).
-    by_distance: with the distance, the ways east and north unchanged, 1/m, (sources, n).
+    losses
+        The logarithm of what is taken, shape (sources, n).
+    by_depth, by_reach, by_shape
+        How that grows with w, log G and c, (sources, n).
+    by_distance
+        With the distance, the ways east and north unchanged, 1/m, (sources, n).
     """
 
     def __init__(

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.readings.ground import GroundHeights
+from rocsafe_geo.solids.ground_heights import GroundHeights
 
 METRES_PER_DEGREE = 111_320.0
 # Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it
@@ -29,13 +29,20 @@ class Background:
 
     Attributes
     ----------
-    terrestrial_usvh: mean at the ground, microsievert per hour; 0: none.
-    variation: standard deviation of its logarithm.
-    length_m: over which it varies.
-    ground_altitude_m: of the ground, above the ellipsoid, where `ground` does not know better.
-    is_cosmic: cosmic rays add their part.
-    seed: of the waves.
-    ground: who knows the height of ground that is not level.
+    terrestrial_usvh
+        Mean at the ground, microsievert per hour; 0: none.
+    variation
+        Standard deviation of its logarithm.
+    length_m
+        Over which it varies.
+    ground_altitude_m
+        Of the ground, above the ellipsoid, where `ground` does not know better.
+    is_cosmic
+        Cosmic rays add their part.
+    seed
+        Of the waves.
+    ground
+        Who knows the height of ground that is not level.
     """
 
     terrestrial_usvh: float = 0.0

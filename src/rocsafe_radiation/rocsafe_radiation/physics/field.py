@@ -42,10 +42,14 @@ class RadiationField:
 
     Attributes
     ----------
-    sources: the sources; none gives a field of zeros.
-    source_radius_m: distance below which the dose rate grows no further.
-    model: one of `MODELS`.
-    shielding: of the model ``shielded``; without it that model is ``air``.
+    sources
+        The sources; none gives a field of zeros.
+    source_radius_m
+        Distance below which the dose rate grows no further.
+    model
+        One of `MODELS`.
+    shielding
+        Of the model ``shielded``; without it that model is ``air``.
     """
 
     sources: tuple[RadiationSource, ...]
@@ -96,7 +100,8 @@ class RadiationField:
 
         Raises
         ------
-        UnknownPointError: if a point is not finite or out of range, naming it.
+        UnknownPointError
+            If a point is not finite or out of range, naming it.
         """
         return self.source_dose_rates_usvh(latitudes_deg, longitudes_deg, altitudes_m, time_s).sum(
             axis=0

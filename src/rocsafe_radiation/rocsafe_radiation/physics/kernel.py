@@ -16,9 +16,12 @@ class Kernel:
 
     Attributes
     ----------
-    is_lossy: air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
-    nuclide: whose lines air attenuates.
-    source_radius_m: distance below which the dose rate grows no further.
+    is_lossy
+        Air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
+    nuclide
+        Whose lines air attenuates.
+    source_radius_m
+        Distance below which the dose rate grows no further.
     """
 
     is_lossy: bool = True

@@ -31,10 +31,14 @@ class Nuclide:
 
     Attributes
     ----------
-    name: for instance ``Cs-137``.
-    half_life_s: of the parent.
-    energies_kev: photon lines, gamma and x rays of 15 keV and more, ascending, shape (n,).
-    intensities: photons of each line a decay of the parent, shape (n,).
+    name
+        For instance ``Cs-137``.
+    half_life_s
+        Of the parent.
+    energies_kev
+        Photon lines, gamma and x rays of 15 keV and more, ascending, shape (n,).
+    intensities
+        Photons of each line a decay of the parent, shape (n,).
     """
 
     name: str
@@ -92,7 +96,8 @@ def nuclide(name: str) -> Nuclide:
 
     Raises
     ------
-    ValueError: if it is not in the table.
+    ValueError
+        If it is not in the table.
     """
     known = _tables()
     if name not in known:

@@ -30,12 +30,18 @@ class Material:
 
     Attributes
     ----------
-    name: as in the tables.
-    density_kg_m3: its density.
-    log_energies: natural logarithms of the tabulated energies in keV, shape (n,).
-    log_mass_attenuation: the same of mu/rho in m^2/kg, shape (n,).
-    buildup_log_energies: natural logarithms of energies in keV, shape (m,).
-    buildup_coefficients: b, c, a, X, d of the geometric progression, shape (m, 5).
+    name
+        As in the tables.
+    density_kg_m3
+        Its density.
+    log_energies
+        Natural logarithms of the tabulated energies in keV, shape (n,).
+    log_mass_attenuation
+        The same of mu/rho in m^2/kg, shape (n,).
+    buildup_log_energies
+        Natural logarithms of energies in keV, shape (m,).
+    buildup_coefficients
+        B, c, a, X, d of the geometric progression, shape (m, 5).
     """
 
     name: str
@@ -100,7 +106,8 @@ def material(name: str) -> Material:
 
     Raises
     ------
-    ValueError: if there is none of that name.
+    ValueError
+        If there is none of that name.
     """
     known = _tables()['materials']
     if name not in known:

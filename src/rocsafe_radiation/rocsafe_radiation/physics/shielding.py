@@ -33,11 +33,16 @@ class Box:
 
     Attributes
     ----------
-    material: name of its material.
-    centre_enu_m: its centre.
-    size_m: length, width and height, outside.
-    yaw_rad: direction of its length, anticlockwise from east.
-    wall_m: thickness of its six walls, hollow within; 0: it is solid.
+    material
+        Name of its material.
+    centre_enu_m
+        Its centre.
+    size_m
+        Length, width and height, outside.
+    yaw_rad
+        Direction of its length, anticlockwise from east.
+    wall_m
+        Thickness of its six walls, hollow within; 0: it is solid.
     """
 
     material: str

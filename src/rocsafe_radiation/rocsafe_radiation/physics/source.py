@@ -20,12 +20,17 @@ class RadiationSource:
 
     Attributes
     ----------
-    name: unique among the sources of a field.
-    position: where it is, or begins, with its altitude above the ellipsoid.
-    sigma_usvps: dose rate at 1 m without air, microsievert per second; the paper's sigma. Of a
-        source that is not a point: what it would be, were it gathered in one.
-    nuclide: what it consists of; by default Cs-137. The model ``paper`` does not ask.
-    shape: where its parts are at any time; None: all at `position`, always.
+    name
+        Unique among the sources of a field.
+    position
+        Where it is, or begins, with its altitude above the ellipsoid.
+    sigma_usvps
+        Dose rate at 1 m without air, microsievert per second; the paper's sigma. Of a source that
+        is not a point: what it would be, were it gathered in one.
+    nuclide
+        What it consists of; by default Cs-137. The model ``paper`` does not ask.
+    shape
+        Where its parts are at any time; None: all at `position`, always.
     """
 
     name: str
@@ -59,7 +64,8 @@ def decayed_sigma_usvps(name: str, nuclide_name: str, activity_gbq: float, age_s
 
     Raises
     ------
-    ValueError: naming the source, the value and the limit.
+    ValueError
+        Naming the source, the value and the limit.
     """
     if not 0.0 < activity_gbq < math.inf:
         raise ValueError(

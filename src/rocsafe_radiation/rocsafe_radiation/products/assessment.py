@@ -37,10 +37,14 @@ class PictureOptions:
 
     Attributes
     ----------
-    known: before the readings.
-    method: name of the way sources are found, one of `METHODS`.
-    rule: when it is enough.
-    levels_usvh: of cordons.
+    known
+        Before the readings.
+    method
+        Name of the way sources are found, one of `METHODS`.
+    rule
+        When it is enough.
+    levels_usvh
+        Of cordons.
     """
 
     known: LocalizationOptions = field(default_factory=LocalizationOptions)
@@ -94,14 +98,19 @@ def picture_of(
 
     Parameters
     ----------
-    survey: readings.
-    options: how.
-    agents: who took each reading, for the method ``belief-grid``.
-    largest_cells: about as many cells has the map of dose rates.
+    survey
+        Readings.
+    options
+        How.
+    agents
+        Who took each reading, for the method ``belief-grid``.
+    largest_cells
+        About as many cells has the map of dose rates.
 
     Raises
     ------
-    TooFewReadingsError: if there are too few readings.
+    TooFewReadingsError
+        If there are too few readings.
     """
     known = options.known
     found, belief = FINDERS[options.method](survey, options, agents)

@@ -43,9 +43,12 @@ class Cordon:
 
     Attributes
     ----------
-    level_usvh: microsievert per hour at 1 m.
-    confidence: ``mean``: by the estimate itself, ``upper_95``: by its upper 95 %.
-    area: where.
+    level_usvh
+        Microsievert per hour at 1 m.
+    confidence
+        ``mean``: by the estimate itself, ``upper_95``: by its upper 95 %.
+    area
+        Where.
     """
 
     level_usvh: float
@@ -71,7 +74,8 @@ def cordons(found: DoseMap, levels_usvh: Sequence[float] = DEFAULT_LEVELS_USVH) 
 
     Raises
     ------
-    ValueError: if a level is not above 0.
+    ValueError
+        If a level is not above 0.
     """
     for level in levels_usvh:
         if not 0.0 < level < math.inf:

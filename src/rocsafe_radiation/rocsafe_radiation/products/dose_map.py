@@ -30,10 +30,14 @@ class DoseMap:
 
     Attributes
     ----------
-    corner_m: east and north of the south-western node.
-    cell_m: distance of nodes.
-    mean_usvh: of the sources and the background as estimated.
-    std_usvh, upper_usvh: standard deviation and upper 95 % of what the estimate leaves open.
+    corner_m
+        East and north of the south-western node.
+    cell_m
+        Distance of nodes.
+    mean_usvh
+        Of the sources and the background as estimated.
+    std_usvh, upper_usvh
+        Standard deviation and upper 95 % of what the estimate leaves open.
     """
 
     corner_m: tuple[float, float]

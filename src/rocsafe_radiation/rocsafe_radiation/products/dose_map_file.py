@@ -32,7 +32,8 @@ def write_dose_map(path: Path, found: DoseMap, frame: LocalFrame) -> None:
 
     Raises
     ------
-    DoseMapFileError: if the file cannot be written.
+    DoseMapFileError
+        If the file cannot be written.
     """
     origin = frame.origin
     projection = CRS.from_proj4(

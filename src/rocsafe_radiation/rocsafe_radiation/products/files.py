@@ -20,7 +20,8 @@ def write_products(folder: Path, picture: Picture, frame: LocalFrame | None) -> 
 
     Raises
     ------
-    OSError, DoseMapFileError: if a file cannot be written.
+    OSError, DoseMapFileError
+        If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     _write_json(folder / 'sources.json', picture_document(picture, frame))

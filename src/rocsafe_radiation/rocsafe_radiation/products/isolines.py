@@ -20,10 +20,14 @@ def areas_above(
 
     Parameters
     ----------
-    values: at the nodes of a grid, shape (rows, columns), rows northwards, columns eastwards.
-    level: the limit.
-    corner: east and north of ``values[0, 0]``.
-    cell_m: distance of nodes.
+    values
+        At the nodes of a grid, shape (rows, columns), rows northwards, columns eastwards.
+    level
+        The limit.
+    corner
+        East and north of ``values[0, 0]``.
+    cell_m
+        Distance of nodes.
     """
     # Outside of the grid everything is very low: each area is closed, and ends at the border.
     floor = level - 1e9 * max(1.0, abs(level), float(values.max()))

@@ -29,7 +29,8 @@ class Residual:
 
     Attributes
     ----------
-    log_mean, log_std: at the nodes of a grid, shape (north, east).
+    log_mean, log_std
+        At the nodes of a grid, shape (north, east).
     """
 
     log_mean: FloatArray

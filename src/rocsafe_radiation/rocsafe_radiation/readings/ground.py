@@ -2,13 +2,12 @@
 """The ground below a survey in the frame of the mission: how high it is, how it slopes."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.errors import RadiationError
 
 # Around readings; farther away the ground goes on level.
@@ -20,14 +19,6 @@ class GroundError(RadiationError):
     """Nobody knows how high the ground is."""
 
 
-class GroundHeights(Protocol):
-    """Whoever knows how high the ground is."""
-
-    def altitudes_m(self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike) -> FloatArray:
-        """Return the altitude of the ground above the ellipsoid, (n,); NaN where unknown."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ground:
     """Heights at the nodes of a grid, linear in between, beyond its rim those of the rim.
@@ -36,9 +27,12 @@ class Ground:
 
     Attributes
     ----------
-    corner_m: east and north of the south-western node.
-    cell_m: distance of nodes.
-    ups_m: up of the mission's frame, shape (rows to the north, columns to the east).
+    corner_m
+        East and north of the south-western node.
+    cell_m
+        Distance of nodes.
+    ups_m
+        Up of the mission's frame, shape (rows to the north, columns to the east).
     """
 
     corner_m: tuple[float, float] = (0.0, 0.0)
@@ -136,7 +130,8 @@ def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: FloatArray)
 
     Raises
     ------
-    GroundError: if it is known nowhere there.
+    GroundError
+        If it is known nowhere there.
     """
     low, high = places_m.min(axis=0) - MARGIN_M, places_m.max(axis=0) + MARGIN_M
     cell = max(SMALLEST_CELL_M, float((high - low).max()) / MOST_CELLS_A_SIDE)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_radiation.readings.ground import LEVEL, GroundHeights, ground_over
+from rocsafe_geo.solids.ground_heights import GroundHeights
+from rocsafe_radiation.readings.ground import LEVEL, ground_over
 from rocsafe_radiation.readings.survey import Observation, Survey, survey_of
 
 
@@ -46,10 +47,13 @@ class ReadingLog:
 
     Parameters
     ----------
-    origin: of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
+    origin
+        Of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
         frame is about the first reading.
-    sensitivity_cps_per_usvh: of the detectors; 0: from counts and dose rate.
-    heights: who knows the height of the ground; None: it is level, at the origin's altitude.
+    sensitivity_cps_per_usvh
+        Of the detectors; 0: from counts and dose rate.
+    heights
+        Who knows the height of the ground; None: it is level, at the origin's altitude.
     """
 
     def __init__(

@@ -37,7 +37,8 @@ class ReadingSpool:
 
         Raises
         ------
-        SpoolError: if there is a file that cannot be read.
+        SpoolError
+            If there is a file that cannot be read.
         """
         if self._path is None or not self._path.exists():
             return
@@ -57,7 +58,8 @@ class ReadingSpool:
 
         Raises
         ------
-        SpoolError: if it cannot be written.
+        SpoolError
+            If it cannot be written.
         """
         if self._path is None:
             return

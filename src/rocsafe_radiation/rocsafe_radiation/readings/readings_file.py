@@ -48,14 +48,20 @@ class ReadingsFile:
 
     Attributes
     ----------
-    observations: valid readings, places in the frame below.
-    frame: of their places; None if the file itself is in metres.
-    dropped: number of rows left out, by reason.
-    backward_steps: how often the clock of a vehicle went backwards; such rows are kept.
-    models: names of field models that the rows state.
-    reference_counts: of each observation, in a window above the lines of the source; empty if
-        the file has none.
-    is_ground_guessed: the lowest altitude is taken for that of the ground.
+    observations
+        Valid readings, places in the frame below.
+    frame
+        Of their places; None if the file itself is in metres.
+    dropped
+        Number of rows left out, by reason.
+    backward_steps
+        How often the clock of a vehicle went backwards; such rows are kept.
+    models
+        Names of field models that the rows state.
+    reference_counts
+        Of each observation, in a window above the lines of the source; empty if the file has none.
+    is_ground_guessed
+        The lowest altitude is taken for that of the ground.
     """
 
     observations: tuple[Observation, ...]
@@ -93,14 +99,17 @@ def read_readings(
 
     Parameters
     ----------
-    path: the file.
-    height_m: above the ground, of all readings of a file without altitudes, metres.
-    ground_altitude_m: of the ground, in the datum of the file's altitudes; NaN: the lowest of
-        these.
+    path
+        The file.
+    height_m
+        Above the ground, of all readings of a file without altitudes, metres.
+    ground_altitude_m
+        Of the ground, in the datum of the file's altitudes; NaN: the lowest of these.
 
     Raises
     ------
-    ReadingsFileError: in one line, what is missing or double.
+    ReadingsFileError
+        In one line, what is missing or double.
     """
     try:
         with path.open(encoding='utf-8-sig', newline='') as stream:

@@ -30,7 +30,8 @@ def background_shape(
 
     Raises
     ------
-    ValueError: if nothing was counted in the window.
+    ValueError
+        If nothing was counted in the window.
     """
     if not reference_counts.sum() > 0.0:
         raise ValueError('reference_counts must hold at least one count')

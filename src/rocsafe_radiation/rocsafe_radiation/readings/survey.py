@@ -22,11 +22,16 @@ class Observation:
 
     Attributes
     ----------
-    position_enu_m: east, north, up in metres.
-    dose_rate_usvh: what it says; NaN: nothing but counts.
-    dose_rate_std_usvh: its standard deviation; 0 or NaN: unknown.
-    counts: raw counts; 0 if the detector does not count.
-    live_time_s: for which it counted; NaN if it does not count.
+    position_enu_m
+        East, north, up in metres.
+    dose_rate_usvh
+        What it says; NaN: nothing but counts.
+    dose_rate_std_usvh
+        Its standard deviation; 0 or NaN: unknown.
+    counts
+        Raw counts; 0 if the detector does not count.
+    live_time_s
+        For which it counted; NaN if it does not count.
     """
 
     position_enu_m: tuple[float, float, float]
@@ -42,13 +47,17 @@ class Survey:
 
     Attributes
     ----------
-    positions_enu_m: shape (n, 3).
-    counts: counts of each, or as many as have the same relative error, shape (n,).
-    exposures: expected counts for one microsievert per hour, shape (n,).
-    background_shape: the background at each reading relative to its mean, as known from
-        elsewhere, for instance from a window of the spectrum above the source's lines, shape
-        (n,); None: even.
-    ground: below.
+    positions_enu_m
+        Shape (n, 3).
+    counts
+        Counts of each, or as many as have the same relative error, shape (n,).
+    exposures
+        Expected counts for one microsievert per hour, shape (n,).
+    background_shape
+        The background at each reading relative to its mean, as known from elsewhere, for instance
+        from a window of the spectrum above the source's lines, shape (n,); None: even.
+    ground
+        Below.
     """
 
     positions_enu_m: FloatArray

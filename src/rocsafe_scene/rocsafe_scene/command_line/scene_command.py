@@ -5,7 +5,7 @@ import argparse
 import math
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.solids.solids_file import write_solids
 from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.height_file import write_heights
@@ -26,6 +27,9 @@ from rocsafe_scene.scene.overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.scene.placing import to_world
 from rocsafe_scene.scene.scene_file import read_scene
 from rocsafe_scene.scene.sunlight import WEATHERS
+from rocsafe_scene.solids.solids_export import solids_of
+
+Command = Callable[[argparse.Namespace], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,15 +60,22 @@ def _parser() -> argparse.ArgumentParser:
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
     heights = commands.add_parser('heights', help='its ground as a GeoTIFF, for planners')
-    heights.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
-    heights.add_argument('--out', type=Path, default=Path('heights.tif'), metavar='FILE')
-    heights.add_argument(
-        '--origin', type=_triple, metavar='LAT,LON,ALT', help="of the mission [the scene's place]"
-    )
-    heights.add_argument('--seed', type=int, help="of the mission [the scene's]")
-    heights.set_defaults(run=_heights)
+    _add_export(heights, 'heights.tif', _heights)
+    solids = commands.add_parser('solids', help='its solid things and ground, for hazard nodes')
+    _add_export(solids, 'solids.npz', _solids)
     _add_render(commands)
     return parser
+
+
+def _add_export(parser: argparse.ArgumentParser, file: str, run: Command) -> None:
+    """Add the arguments of a command that writes `file` about the origin of a mission."""
+    parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
+    parser.add_argument('--out', type=Path, default=Path(file), metavar='FILE')
+    parser.add_argument(
+        '--origin', type=_triple, metavar='LAT,LON,ALT', help="of the mission [the scene's place]"
+    )
+    parser.add_argument('--seed', type=int, help="of the mission [the scene's]")
+    parser.set_defaults(run=run)
 
 
 def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]') -> None:
@@ -135,15 +146,32 @@ def _list(arguments: argparse.Namespace) -> None:
 
 def _heights(arguments: argparse.Namespace) -> None:
     description = read_scene(arguments.scene)
+    seed, origin = _mission(arguments, description)
+    write_heights(arguments.out, terrain_of(description, seed, origin), origin)
+    sys.stdout.write(f'{arguments.out}\n')
+
+
+def _solids(arguments: argparse.Namespace) -> None:
+    description = read_scene(arguments.scene)
+    solids = solids_of(description, *_mission(arguments, description))
+    try:
+        write_solids(arguments.out, solids)
+    except OSError as error:
+        raise SceneError(f'--out = {arguments.out}: {error.strerror}') from error
+    sys.stdout.write(f'{arguments.out}\n')
+
+
+def _mission(
+    arguments: argparse.Namespace, description: SceneDescription
+) -> tuple[int, GeoPosition]:
+    """Return seed and origin of the mission: those given, else those of the scene."""
     seed = description.seed if arguments.seed is None else arguments.seed
     place = description.place
     scene = (place.latitude_deg, place.longitude_deg, place.altitude_m)
     try:
-        origin = GeoPosition(*(arguments.origin or scene))
+        return seed, GeoPosition(*(arguments.origin or scene))
     except ValueError as error:
         raise SceneError(f'--origin: {error}') from error
-    write_heights(arguments.out, terrain_of(description, seed, origin), origin)
-    sys.stdout.write(f'{arguments.out}\n')
 
 
 def _render(arguments: argparse.Namespace) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from panda3d import core
 
-from rocsafe_scene.ground.terrain import HeightGrid
+from rocsafe_geo.terrain.height_grid import HeightGrid
 from rocsafe_scene.mesh.mesh import Floats, Mesh
 
 _ROW = np.dtype(

@@ -14,8 +14,9 @@ from rocsafe_geo.storage.durable import (
     sync_directory,
     sync_file,
 )
+from rocsafe_geo.terrain.height_grid import GridFrame
 from rocsafe_scene.errors import SceneError
-from rocsafe_scene.ground.terrain import GridFrame, Terrain
+from rocsafe_scene.ground.terrain import Terrain
 
 _CELL_M = 2.56
 # Half the width: vehicles may start some way off.

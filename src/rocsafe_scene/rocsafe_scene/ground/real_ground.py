@@ -8,13 +8,14 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.terrain.height_grid import GridFrame
 from rocsafe_geo.terrain.terrain import Terrain as Heights
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_scene.errors import GroundError, SceneError
 from rocsafe_scene.ground.ground_picture import GroundMap
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
 from rocsafe_scene.ground.picture import GroundBounds
-from rocsafe_scene.ground.terrain import INNER_HALF_M, GridFrame, HeightFunction
+from rocsafe_scene.ground.terrain import INNER_HALF_M, HeightFunction
 from rocsafe_scene.mesh.mesh import Floats
 
 _TILE_PX = 1024

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_scene.ground.terrain import GridFrame, HeightFunction
+from rocsafe_geo.terrain.height_grid import GridFrame
+from rocsafe_scene.ground.terrain import HeightFunction
 from rocsafe_scene.mesh.lines import nearest_on, resampled, run_of
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scenery.noise import CM_PER_M, Window, fractal_at

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_geo.terrain.height_grid import GridFrame, HeightGrid, height_at
 from rocsafe_scene.mesh.mesh import Floats
 
 # Metres; powers of two in centimetres, which the noise's lattices stand on.
@@ -20,62 +21,7 @@ INNER_HALF_M = (143.36, 122.88)
 OUTER_HALF_M = (491.52, 491.52)
 FAR_HALF_M = (4096.0, 4096.0)
 
-HeightFunction = Callable[['GridFrame'], Floats]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GridFrame:
-    """Where the points of a grid lie: `columns` east and `rows` north from a corner."""
-
-    west_m: float
-    south_m: float
-    cell_m: float
-    columns: int
-    rows: int
-
-    def places(self) -> Floats:
-        """Return (east, north) of all points, (rows * columns, 2), row by row."""
-        east = self.west_m + self.cell_m * np.arange(self.columns)
-        north = self.south_m + self.cell_m * np.arange(self.rows)
-        grid = np.meshgrid(east, north)
-        return np.column_stack([grid[0].ravel(), grid[1].ravel()])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class HeightGrid:
-    """Heights (rows, columns) over a frame; row 0 in the south."""
-
-    frame: GridFrame
-    heights: Floats
-
-    def covers(self, places: Floats) -> Floats:
-        """Return whether each of `places` (n, 2) lies on the grid."""
-        f = self.frame
-        column = (places[:, 0] - f.west_m) / f.cell_m
-        row = (places[:, 1] - f.south_m) / f.cell_m
-        inside = (column >= 0.0) & (column <= f.columns - 1) & (row >= 0.0) & (row <= f.rows - 1)
-        return np.asarray(inside)
-
-    def height_at(self, places: Floats) -> Floats:
-        """Return the height of the triangles at `places` (n, 2), clamped to the grid."""
-        f = self.frame
-        x = np.clip((places[:, 0] - f.west_m) / f.cell_m, 0.0, f.columns - 1.0)
-        y = np.clip((places[:, 1] - f.south_m) / f.cell_m, 0.0, f.rows - 1.0)
-        column = np.minimum(x.astype(int), f.columns - 2)
-        row = np.minimum(y.astype(int), f.rows - 2)
-        u, v = x - column, y - row
-        h = self.heights
-        sw, se = h[row, column], h[row, column + 1]
-        nw, ne = h[row + 1, column], h[row + 1, column + 1]
-        below = sw + u * (se - sw) + v * (ne - se)
-        above = sw + v * (nw - sw) + u * (ne - nw)
-        return np.asarray(np.where(u >= v, below, above))
-
-    def normals(self) -> Floats:
-        """Return the smooth unit normal of each point, (rows, columns, 3)."""
-        slope_n, slope_e = np.gradient(self.heights, self.frame.cell_m)
-        normal = np.stack([-slope_e, -slope_n, np.ones_like(slope_e)], axis=-1)
-        return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+HeightFunction = Callable[[GridFrame], Floats]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,12 +39,7 @@ class Terrain:
 
     def height_at(self, places: Floats) -> Floats:
         """Return the ground's height at `places` (n, 2), by the finest grid there."""
-        found = self.far.height_at(places)
-        for grid in (self.outer, self.inner):
-            is_on = grid.covers(places)
-            if is_on.any():
-                found[is_on] = grid.height_at(places[is_on])
-        return found
+        return height_at(self.grids, places)
 
     def covers(self, places: Floats) -> Floats:
         """Return whether each of `places` (n, 2) lies on the detailed ground."""

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rays through a scene: what stands where, shields what, and how high the ground is."""
+"""The solid things of a scene: obstacles for vehicles, and values for other packages."""

@@ -1,13 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Settings of one camera of a vehicle, and how they are written in a parameter."""
+"""Settings of the cameras of a vehicle, as the file of the parameter `cameras_file` has them."""
 
-import dataclasses
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
-
-import yaml
+from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_count, require_not_negative
 from rocsafe_geo.pinhole import PinholeCamera
@@ -21,20 +16,37 @@ LARGEST_IMAGE_PX = 12_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CameraSettings:
-    """One camera of a vehicle; the first, called camera, takes the photographs of the survey.
+    """One camera of a vehicle.
 
     Attributes
     ----------
-    name : also of its topics.
-    horizontal_fov_deg, image_width_px, image_height_px, jpeg_quality, oversampling : see
-        `VehicleOptions`.
-    pitch_deg : of the view above the horizon: -90 straight down; of a gimbal at rest.
-    yaw_deg : of the view from the vehicle's nose, anticlockwise.
-    gimbal : whether it hangs in a gimbal: level however the vehicle sways, and turned by orders.
-    gimbal_rate_dps, gimbal_lowest_deg, gimbal_highest_deg : what the gimbal can do.
-    stream_rate_hz : of its stream for viewers; 0: none.
-    at_viewpoints : whether it also takes a picture at each viewpoint.
-    effects : of lens and sensor.
+    name
+        Name, also of its topics. The camera of the survey is called ``camera``.
+    horizontal_fov_deg
+        Full angle of view across the image width, degrees.
+    image_width_px, image_height_px
+        Size of a photograph, pixels.
+    jpeg_quality
+        Quality of a photograph, 1 to 100.
+    oversampling
+        The engine draws photographs so many times as wide and high, and averages.
+    pitch_deg
+        Angle of the view above the horizon, degrees: -90 is straight down. With a gimbal: until
+        it gets its first command.
+    yaw_deg
+        Angle of the view from the nose of the vehicle, anticlockwise, degrees.
+    gimbal
+        Whether it hangs in a gimbal, which keeps it level and turns it on command.
+    gimbal_rate_dps
+        Rate at which the gimbal turns, degrees a second.
+    gimbal_lowest_deg, gimbal_highest_deg
+        Limits of the pitch of the gimbal, degrees.
+    stream_rate_hz
+        Rate of the pictures for viewers, Hz of simulated time; 0: none.
+    at_viewpoints
+        Whether it takes a picture at each viewpoint, too.
+    effects
+        Effects of lens, shutter and sensor.
     """
 
     name: str = FIRST_CAMERA
@@ -115,66 +127,26 @@ class CameraSettings:
         return math.degrees(math.acos(down / math.sqrt(1.0 + right * right + up * up)))
 
 
-def cameras_of(texts: Sequence[str], first: CameraSettings) -> tuple[CameraSettings, ...]:
-    """Return the cameras that a vehicle's parameter describes.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraRig:
+    """All cameras of a vehicle.
 
-    Parameters
+    Attributes
     ----------
-    texts : a YAML mapping for each camera, e.g. ``{name: front, pitch_deg: -30}``; the first is
-        that of the survey, keys left out are those of `first`. Empty: `first` alone.
-    first : the camera that the other parameters describe.
-
-    Raises
-    ------
-    ValueError: naming the camera, the key, its value and the limit.
+    cameras
+        At least one. The first takes the photographs of the survey: it is called ``camera`` and
+        looks straight down.
     """
-    cameras = [_camera(index, text, first) for index, text in enumerate(texts)] or [first]
-    if cameras[0].name != FIRST_CAMERA or cameras[0].direction != Direction():
-        raise ValueError(
-            f'cameras[0] is {cameras[0].name!r}: must be called {FIRST_CAMERA}, and look straight '
-            'down, as surveys are planned'
-        )
-    names = [camera.name for camera in cameras]
-    if len(set(names)) < len(names):
-        raise ValueError(f'cameras are called {", ".join(names)}: names must differ')
-    return tuple(cameras)
 
+    cameras: tuple[CameraSettings, ...] = (CameraSettings(),)
 
-def _camera(index: int, text: str, first: CameraSettings) -> CameraSettings:
-    try:
-        given = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ValueError(f'cameras[{index}] is {text!r}: must be YAML') from error
-    try:
-        settings = _typed(CameraSettings, _mapping('it', given))
-        effects = _mapping('effects', settings.pop('effects', {}))
-        return replace(first, effects=Effects(**_typed(Effects, effects)), **settings)
-    except ValueError as error:
-        raise ValueError(f'cameras[{index}]: {error}') from error
-
-
-def _mapping(key: str, given: object) -> Mapping[str, Any]:
-    if isinstance(given, dict):
-        return given
-    raise ValueError(f'{key} is {given!r}: must be a mapping of keys to values')
-
-
-def _typed(settings_type: type, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `given` as keyword arguments of `settings_type`."""
-    kinds = {each.name: each.type for each in dataclasses.fields(settings_type)}
-    return {key: _value(key, value, kinds) for key, value in given.items()}
-
-
-def _value(key: str, value: Any, kinds: Mapping[str, Any]) -> Any:
-    if key not in kinds:
-        raise ValueError(f'{key} is unknown: must be one of {", ".join(kinds)}')
-    kind = kinds[key]
-    if kind is Effects:
-        return value
-    if kind == tuple[float, ...] and isinstance(value, list):
-        return tuple(value)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if not isinstance(kind, type) or type(value) is not kind:
-        raise ValueError(f'{key} is {value!r}: must be {getattr(kind, "__name__", kind)}')
-    return value
+    def __post_init__(self) -> None:
+        names = [camera.name for camera in self.cameras]
+        if len(set(names)) < len(names):
+            raise ValueError(f'cameras are called {", ".join(names)}: names must differ')
+        first = self.cameras[0] if self.cameras else None
+        if first is None or first.name != FIRST_CAMERA or first.direction != Direction():
+            raise ValueError(
+                f'cameras[0]: must be called {FIRST_CAMERA} and look straight down, as surveys '
+                'are planned'
+            )

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
-from rocsafe_geo.motion.battery import PowerModel
+from rocsafe_geo.motion.battery import HOVER_POWER_W, PowerModel
 from rocsafe_geo.motion.performance import Performance
 
 
@@ -21,16 +21,15 @@ class Airframe:
     reserve_fraction : part of a full battery with which it wants to land.
     fails_after_s : time from a flight's take-off to the failure of its battery; 0: never.
     collision_radius_m : within which nothing may stand; 0: it passes through everything.
-    hover_power_w, drag_power_w_s2_per_m2, voltage_v : of its battery, see `PowerModel`.
+    hover_power_w
+        Power in hover in still air, W.
     """
 
     performance: Performance
     hover_s: float
     endurance_s: float
     reserve_fraction: float
-    hover_power_w: float = 350.0
-    drag_power_w_s2_per_m2: float = 0.2
-    voltage_v: float = 12.6
+    hover_power_w: float = HOVER_POWER_W
     fails_after_s: float = 0.0
     collision_radius_m: float = 0.4
 
@@ -47,8 +46,6 @@ class Airframe:
         """Power in flight; at the largest airspeed a battery lasts for `endurance_s`."""
         return PowerModel(
             hover_power_w=self.hover_power_w,
-            drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
-            voltage_v=self.voltage_v,
             endurance_s=self.endurance_s,
             top_airspeed_mps=self.performance.airspeed_mps,
         )

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of how simulated vehicles fly."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from pathlib import Path
 
-from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
+from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
+from rocsafe_geo.storage.value_file import read_values
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 
@@ -28,25 +31,10 @@ class FlightOptions(OriginOptions):
     fails_after_s: float = option(
         0.0, "time from a flight's take-off to the failure of its battery, s; 0: never", 0.0, 1e6
     )
-    hover_power_w: float = option(350.0, 'of the motors in still air, W', 1.0, 1e6)
-    drag_power_w_s2_per_m2: float = option(
-        0.2, 'more power for each square of airspeed, W s^2/m^2', 0.0, 1e4
+    hover_power_w: float = option(HOVER_POWER_W, 'of the motors in still air, W', 1.0, 1e6)
+    autopilot_file: str = option(
+        '', "YAML file of the autopilot's settings, see docs/flight-model.md; empty: ArduCopter's"
     )
-    voltage_v: float = option(12.6, 'of the battery, V', 1.0, 1e4)
-    jerk_mps3: float = option(1.0, 'horizontal jerk, m/s^3', 0.01, 1e12)
-    smoothing_s: float = option(0.3, 'in which the jerk rises and falls, s', 0.0, 10.0)
-    vertical_acceleration_mps2: float = option(1.0, 'of climb and descent, m/s^2', 0.01, 1e9)
-    vertical_jerk_mps3: float = option(1.0, 'of climb and descent, m/s^3', 0.01, 1e12)
-    waypoint_radius_m: float = option(
-        2.0, 'corners without a stop are passed within, m', 0.0, 100.0
-    )
-    lean_angle_deg: float = option(30.0, 'largest; with the drag it caps the airspeed', 1.0, 80.0)
-    drag_per_m: float = option(0.054, 'drag over mass and airspeed squared, 1/m', 1e-6, 100.0)
-    landing_speed_mps: float = option(0.5, 'vertical speed near the ground, m/s', 0.01, 100.0)
-    landing_height_m: float = option(10.0, 'below which it lands that slowly, m', 0.0, 1e3)
-    take_off_delay_s: float = option(2.5, 'from the order to the climb, s', 0.0, 600.0)
-    home_wait_s: float = option(5.0, 'above home before the descent, s', 0.0, 600.0)
-    landed_delay_s: float = option(2.0, 'until the motors stand, s', 0.0, 600.0)
     wind_east_mps: float = option(0.0, 'that the air moves towards, m/s', -100.0, 100.0)
     wind_north_mps: float = option(0.0, 'that the air moves towards, m/s', -100.0, 100.0)
 
@@ -55,7 +43,8 @@ class FlightOptions(OriginOptions):
 
         Raises
         ------
-        ValueError: if they cannot, e.g. for too much wind.
+        ValueError
+            If there is too much wind, or the file of the autopilot cannot be read.
         """
         return Airframe(
             performance=self.performance(),
@@ -65,18 +54,33 @@ class FlightOptions(OriginOptions):
             fails_after_s=self.fails_after_s,
             collision_radius_m=self.collision_radius_m,
             hover_power_w=self.hover_power_w,
-            drag_power_w_s2_per_m2=self.drag_power_w_s2_per_m2,
-            voltage_v=self.voltage_v,
         )
 
     def performance(self) -> Performance:
-        """Return the limits of their flight."""
-        settings = {setting.name: getattr(self, setting.name) for setting in fields(Autopilot)}
+        """Return the limits of their flight.
+
+        Raises
+        ------
+        ValueError
+            As `airframe`.
+        """
         return Performance(
             cruise_speed_mps=self.cruise_speed_mps,
             acceleration_mps2=self.acceleration_mps2,
             climb_rate_mps=self.climb_rate_mps,
             descent_rate_mps=self.descent_rate_mps,
-            autopilot=Autopilot(**settings),
+            autopilot=self.autopilot(),
             wind_mps=(self.wind_east_mps, self.wind_north_mps),
         )
+
+    def autopilot(self) -> Autopilot:
+        """Return the settings of the autopilot.
+
+        Raises
+        ------
+        ValueFileError
+            If the file cannot be read, naming each mistake.
+        """
+        if not self.autopilot_file:
+            return ARDUCOPTER
+        return read_values(Path(self.autopilot_file), Autopilot)

@@ -43,11 +43,14 @@ class SharedParts:
 
 
 def make_shared(options: VehicleOptions) -> SharedParts:
-    """Return the cameras of `options.rig()`, and what stands in the vehicles' way.
+    """Return the cameras of the vehicles, and what they may fly into.
 
     Raises
     ------
-    ViewError: if the ground, the scene or the engine cannot be had.
+    ValueError
+        If the file of the cameras is wrong.
+    ViewError
+        If the ground, the scene or the engine cannot be had.
     """
     # Other vehicles are other processes: threads of their own would only contend.
     cv2.setNumThreads(1)
@@ -55,7 +58,7 @@ def make_shared(options: VehicleOptions) -> SharedParts:
     draws, surroundings = _engine(options) if is_engine else _flat(options)
     cameras = tuple(
         CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
-        for settings in options.rig()
+        for settings in options.cameras()
     )
     return SharedParts(cameras=cameras, surroundings=surroundings)
 
@@ -89,7 +92,7 @@ def _engine(
             seed=options.seed,
             origin=options.frame().origin,
             start_ns=round(options.scene_start_s * NS_PER_S),
-            cache=Path(options.scene_cache) if options.scene_cache else default_folder(),
+            cache=default_folder(),
         )
     )
 
@@ -122,7 +125,10 @@ def make_rav(
 
     Raises
     ------
-    JournalError, SpoolError: if `spool` holds what cannot be read.
+    JournalError, SpoolError
+        If `spool` holds what cannot be read.
+    ValueError
+        If the file of the autopilot is wrong, or there is too much wind.
     """
     frame = options.frame()
     east, north, _ = frame.enu_of(home).tolist()

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+from setuptools import find_packages, setup
+
+NAME = 'rocsafe_view'
+
+setup(
+    name=NAME,
+    version='0.2.0',
+    description='Pages of ROCSAFE: number formats, colours, map, charts, templates and style.',
+    license='Apache-2.0',
+    maintainer='ROCSAFE maintainers',
+    maintainer_email='maintainers@rocsafe.invalid',
+    packages=find_packages(),
+    package_data={NAME: ['py.typed', 'templates/*.html', 'static/*.css', 'static/*.js']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
+        ('share/' + NAME, ['package.xml']),
+    ],
+    extras_require={'test': ['pytest']},
+    zip_safe=False,
+)

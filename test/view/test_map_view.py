@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The map shows what it is given, where it is."""
+
+import dataclasses
+import html
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rocsafe_view.map_view import DosePoint, MapView, PhotoPoint, ReplayTrack, SourcePoint
+from rocsafe_view.pages import render
+from rocsafe_view.palette import DoseScale, ramp_colour
+
+SCALE = DoseScale(low_usvh=1.0, high_usvh=100.0)
+SQUARE = ((0.0, 0.0), (100.0, 0.0), (100.0, 50.0), (0.0, 50.0))
+EMPTY = MapView(
+    origin_deg=(53.28, -9.06), metres_per_degree=(111_000.0, 66_000.0), vehicles=('rav1', 'rav2'),
+    colours={'rav1': '#111111', 'rav2': '#222222'}, region=(SQUARE,), exclusions=(), routes={},
+    planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1, photos=(),
+    homes={}, sources=(), estimates=(), picture=None,
+)  # fmt: skip
+
+
+def reading(x, time_s, dose_rate_usvh, vehicle='rav1'):
+    """Return a reading on the line y = 0."""
+    return DosePoint(x, 0.0, time_s, dose_rate_usvh, vehicle)
+
+
+def with_readings(*readings):
+    """Return a map of readings."""
+    return dataclasses.replace(EMPTY, readings=readings)
+
+
+def drawn(view):
+    """Return the map as HTML."""
+    return render('map.html', map=view, scale=SCALE)
+
+
+def test_region_lies_in_view_with_a_margin():
+    """The margin is 6 % of the longer side; homes far away are seen in `all` only."""
+    view = dataclasses.replace(EMPTY, homes={'rav1': (-500.0, 0.0)})
+    assert view.boxes['region'] == pytest.approx((-6.0, -6.0, 112.0, 62.0))
+    assert view.boxes['all'][0] < -500.0
+
+
+@given(st.lists(st.tuples(st.floats(0.1, 1e4), st.floats(0.0, 5.0)), min_size=1, max_size=30))
+def test_every_reading_is_drawn_once_as_part_of_a_line(rows):
+    """Lines of one colour join at the middle between two readings, and none is lost."""
+    time_s, readings = 0.0, []
+    for index, (dose_rate, gap_s) in enumerate(rows):
+        time_s += gap_s
+        readings.append(reading(10.0 * index, time_s, dose_rate))
+    strokes = with_readings(*readings).reading_strokes(SCALE)
+    places = ' '.join(path for path, _ in strokes)
+    assert all(re.search(rf'[ML]{10 * index} 0(?!\d)', places) for index in range(len(rows)))
+    assert len({colour for _, colour in strokes}) == len(strokes)
+
+
+def test_colour_changes_half_way_and_gaps_stay_open():
+    """Readings of 1 and 100 uSv/h meet half-way; 10 s without a reading begin a new line."""
+    view = with_readings(
+        reading(0.0, 0.0, 1.0), reading(10.0, 1.0, 100.0), reading(50.0, 11.0, 100.0)
+    )
+    assert view.reading_strokes(SCALE) == [
+        ('M0 0L5 0', ramp_colour(0.0)),
+        ('M5 0L10 0M50 0h0', ramp_colour(1.0)),
+    ]
+
+
+def test_scale_is_made_of_what_was_measured_over_the_region():
+    """Readings on the way there count only if there are no others."""
+    inside, outside = reading(50.0, 0.0, 7.0), reading(900.0, 1.0, 3.0)
+    assert with_readings(inside, outside).dose_rates_over_region() == [7.0]
+    assert with_readings(outside).dose_rates_over_region() == [3.0]
+
+
+@pytest.mark.parametrize(('source_y', 'is_above'), [(20.0, True), (-20.0, False), (None, False)])
+def test_highest_reading_is_named_away_from_the_nearest_source(source_y, is_above):
+    """North of a source the name stands above, else below: south is down."""
+    sources = () if source_y is None else (SourcePoint(50.0, source_y, 'capsule'),)
+    view = dataclasses.replace(with_readings(reading(50.0, 0.0, 93.67)), sources=sources)
+    page = drawn(view)
+    y = float(re.search(r'label-middle" y="([-\d.]+)">highest 93.7', page)[1])
+    assert (y < 0.0) == is_above
+
+
+def test_names_are_escaped_everywhere():
+    """A vehicle or a source may be called anything."""
+    name = '<i>"x"'
+    view = dataclasses.replace(
+        EMPTY, vehicles=(name,), colours={name: '#123456'}, homes={name: (0.0, 0.0)},
+        tracks={name: SQUARE}, routes={name: SQUARE}, viewpoints={name: SQUARE},
+        planned={name: (SQUARE,)}, sources=(SourcePoint(0.0, 0.0, name),),
+        replay={name: ReplayTrack(time_s=(0.0, 9.6), x=(0.0, 1.0), y=(0.0, 1.0))},
+    )  # fmt: skip
+    page = drawn(view)
+    assert '<i>' not in page
+    assert page.count(html.escape(name).replace('&quot;', '&#34;')) >= 6
+    assert 'max="10"' in page
+
+
+def test_labels_are_left_out_where_there_are_too_many_vehicles():
+    """Ten names can be read, eleven cannot."""
+    for count in (10, 11):
+        names = [f'rav{number}' for number in range(count)]
+        view = dataclasses.replace(
+            EMPTY, colours=dict.fromkeys(names, '#000000'),
+            homes=dict.fromkeys(names, (0.0, 0.0)), viewpoints=dict.fromkeys(names, SQUARE),
+        )  # fmt: skip
+        page = drawn(view)
+        assert page.count('class="tag-text"') == page.count(' home<') == (10 if count == 10 else 0)
+
+
+def test_script_is_given_indices_of_vehicles():
+    """Readings and photographs name their vehicle by its place in the list."""
+    photo = PhotoPoint(1.04, 2.0, 3.0, 'rav2-00001', 'rav2', 7, ((0.0, 0.0), (1.0, 0.25)))
+    view = dataclasses.replace(with_readings(reading(1.0, 2.0, 93.67, 'rav2')), photos=(photo,))
+    data = view.script_data()
+    assert data['readings']['v'] == [1]
+    assert data['highest'] == 0
+    assert data['photos'] == {'rav2-00001': [1.0, 2.0, 3.0, 1, 7, '0.0,0.0 1.0,0.2']}
