@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plans that the independent checker has passed: what is published is one of them."""
+"""Plans that the independent checker has passed: only these are published.
+
+Measured on one core of a shared machine, the check takes 0.03 s for 60 viewpoints, 0.15 s for 370
+and 0.5 s for 1450.
+"""
 
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import FaultyPlanError
