@@ -51,8 +51,8 @@ class CycleTuning:
         Proposals a customer in all from which on cycles are drawn from the values `long_floors`
         and `long_sharper`.
     floors, long_floors
-        Worth of a unit of cost in a short route, against 1 in the longest. The smaller it is, the nearer comes the longest
-        route to its least, and the longer the others stay hot.
+        Worth of a unit of cost in a short route, against 1 in the longest. The smaller it is, the
+        nearer comes the longest route to its least, and the longer the others stay hot.
     sharper, long_sharper
         Power of two by which that width shrinks until the end of a cycle.
     widths
