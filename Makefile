@@ -26,12 +26,25 @@ mission: ## set up and fly the derailment mission
 	@sh tools/setup.sh
 	@.venv/bin/rocsafe run $(SCENARIO)
 
+# What the three tiers of tests leave out; the marks are explained in pyproject.toml.
+PYTEST = . ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
+    python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
+    -p _hypothesis_pytestplugin -n 2 --dist loadscope
+
 .PHONY: test
 test: ## set up and pass the tests
 	@sh tools/setup.sh --dev
-	@. ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
-	    python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
-	    -p _hypothesis_pytestplugin -n 2 --dist loadscope $(ARGS)
+	@$(PYTEST) -m 'not all' $(ARGS)
+
+.PHONY: test-fast
+test-fast: ## set up and pass the tests that need no node and no process: under a minute
+	@sh tools/setup.sh --dev
+	@$(PYTEST) -m 'not process and not slow and not all' $(ARGS)
+
+.PHONY: test-all
+test-all: ## set up and pass all tests: also those with browsers and autopilots, where there are any
+	@sh tools/setup.sh --dev
+	@$(PYTEST) $(ARGS)
 
 .PHONY: check
 check: ## set up and check style and types

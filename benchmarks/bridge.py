@@ -14,6 +14,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -33,10 +34,11 @@ from rclpy.experimental.events_executor import EventsExecutor  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 from test.fakes.fake_autopilot import HOME, FakeCopter  # noqa: E402
+from test.mavlink.airspace import write_drones  # noqa: E402
 
 from rocsafe_geo.position import GeoPosition, offset  # noqa: E402
 from rocsafe_mavlink.autopilots.ardupilot import COPTER  # noqa: E402
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint, mission_of  # noqa: E402
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of  # noqa: E402
 from rocsafe_mavlink.link.link import Link, LinkRules  # noqa: E402
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer  # noqa: E402
 from rocsafe_mavlink.wire.dialect import Message, decode, encode  # noqa: E402
@@ -108,12 +110,11 @@ def bridge_load(phase: str) -> tuple[float, float, int]:
     Real drones do not speak in step; that they do is the worst that can be.
     """
     names = [f'rav{number + 1}' for number in range(DRONES)]
+    folder = tempfile.TemporaryDirectory(prefix='rocsafe-bridge-')
+    link = f'udp://127.0.0.1:{PORT}'
     command = [sys.executable, '-m', 'rocsafe_mavlink.bridge_node', '--ros-args']
     for key, value in {
-        'vehicles': names,
-        'links': [f'udp://127.0.0.1:{PORT}'] * DRONES,
-        'systems': list(range(1, DRONES + 1)),
-        'geoid_separations_m': [47.0] * DRONES,
+        'drones_file': write_drones(Path(folder.name), link, range(1, DRONES + 1)),
         'position_rate_hz': RATE_HZ,
         'origin_latitude_deg': HOME[0],
         'origin_longitude_deg': HOME[1],
@@ -129,6 +130,7 @@ def bridge_load(phase: str) -> tuple[float, float, int]:
         air.wait()
         bridge.send_signal(signal.SIGINT)
         bridge.wait(timeout=20.0)
+        folder.cleanup()
 
 
 def watch(bridge: 'subprocess.Popen[bytes]', names: list[str]) -> tuple[float, float, int]:
@@ -228,7 +230,7 @@ def upload_seconds() -> float:
     link = Link(LinkRules(allowed=frozenset({'copter'})))
     home = GeoPosition(*HOME)
     stops = tuple(
-        Waypoint(position=offset(home, n % 20 * 10.0, n // 20 * 10.0), height_m=30.0)
+        FlightWaypoint(position=offset(home, n % 20 * 10.0, n // 20 * 10.0), height_m=30.0)
         for n in range(ITEMS - 4)
     )
     items = mission_of(FlightPlan(waypoints=stops, speed_mps=8.0), COPTER).items

@@ -6,7 +6,7 @@
 Each row is a survey that ArduCopter flew in its own simulator (see test/geo/recorded_surveys.py):
 the time from its first waypoint to its last. Model: `rocsafe_geo.motion`. Simulated: a vehicle of
 `rocsafe_sim` flies the route, from photograph to photograph. Plan: the planner's motion of the
-same order; and the whole flight by both, from the order to standing motors. Charge: mean current
+same order; and the whole flight by both, from the command to standing motors. Charge: mean current
 in the survey. Ends with 1 if a target is missed.
 """
 
@@ -25,8 +25,8 @@ from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_planner.plan.vehicle import Vehicle as PlannedVehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import Route, Waypoint
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / 'test' / 'geo'))
 from recorded_surveys import HEIGHT_M, RECORDED, Recorded
@@ -98,13 +98,13 @@ def _flown(survey: Recorded) -> tuple[float, float, float]:
         reserve_fraction=0.1,
         hover_power_w=RECORDED_HOVER_POWER_W,
     )
-    vehicle = Vehicle(airframe, HOME)
+    vehicle = SimulatedVehicle(airframe, HOME)
     vehicle.step(NS_PER_S)
     waypoints = tuple(
-        Waypoint(viewpoint_id=number, position_enu=place, yaw_rad=0.0)
+        RouteWaypoint(viewpoint_id=number, position_enu=place, yaw_rad=0.0)
         for number, place in enumerate([(0.0, 0.0, HEIGHT_M), *survey.waypoints()])
     )
-    vehicle.fly_route(Route(plan_id='recorded', home_enu=HOME, waypoints=waypoints))
+    vehicle.fly_route(FlightRoute(plan_id='recorded', home_enu=HOME, waypoints=waypoints))
     shots_ns, powers = [], []
     while (summary := vehicle.summary()) is None:
         seen = vehicle.step(vehicle.time_ns + STEP_NS)
@@ -137,10 +137,10 @@ def _planned(survey: Recorded) -> tuple[float, float]:
         height_m=HEIGHT_M,
         wind_mps=flyer.wind_mps,
     )
-    order = list(range(len(points)))
+    command = list(range(len(points)))
     # two legs climb, one leads to the point above home
-    arrivals = problem.motion(0, order).arrivals_s[2:]
-    return arrivals[len(points) - 1] - arrivals[1], problem.duration_s(0, order)
+    arrivals = problem.motion(0, command).arrivals_s[2:]
+    return arrivals[len(points) - 1] - arrivals[1], problem.duration_s(0, command)
 
 
 def _print(rows: list[Row]) -> None:

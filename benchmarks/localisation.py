@@ -53,7 +53,7 @@ from rocsafe_radiation.physics.photons import material
 from rocsafe_radiation.physics.shielding import Box
 from rocsafe_radiation.physics.transmission import air_transmission
 from rocsafe_radiation.products.dose_map import grid_dose_rates_usvh
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Roentgen cm^2/(h mCi) of one microgray m^2/(h GBq).
 EXPOSURE = 0.037 * 1e4 / 8760.0
@@ -256,7 +256,7 @@ def stopping(count: int) -> Iterator[Row]:
         yield f'sequential test, {name}: share of the survey used', '', f'{share:.2f}'
 
 
-def _searched(survey: Survey, rule: StoppingRule) -> tuple[str, int]:
+def _searched(survey: RadiationSurvey, rule: StoppingRule) -> tuple[str, int]:
     """Return how a survey, read line by line, is decided, and after how many lines.
 
     The ground is known from the start: what is not read yet has readings of next to no exposure.
@@ -266,7 +266,7 @@ def _searched(survey: Survey, rule: StoppingRule) -> tuple[str, int]:
     last = int(lines.max())
     for line in range(LINES_A_LOOK - 1, last + 1, LINES_A_LOOK):
         seen = lines <= line
-        part = Survey(
+        part = RadiationSurvey(
             positions_enu_m=survey.positions_enu_m,
             counts=np.where(seen, survey.counts, 0.0),
             exposures=np.where(seen, survey.exposures, 1e-6),
@@ -290,7 +290,7 @@ def adaptive(count: int) -> Iterator[Row]:
         counts = generator.poisson(SENSITIVITY * _rates(trial.truth, places)).astype(float)
         while len(places) < trial.survey.size:
             exposures = np.full(len(counts), SENSITIVITY)
-            survey = Survey(positions_enu_m=places, counts=counts, exposures=exposures)
+            survey = RadiationSurvey(positions_enu_m=places, counts=counts, exposures=exposures)
             found = localize(survey, OPTIONS)
             if found.sources and log_volume(found) <= goal:
                 break

@@ -19,7 +19,7 @@ from rocsafe_radiation.physics.nuclide import nuclide
 from rocsafe_radiation.physics.photons import AIR
 from rocsafe_radiation.physics.shielding import Box
 from rocsafe_radiation.physics.transmission import shielded_transmission
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 Row = tuple[str, str, str]
 EXTENT_M, PITCH_M, HEIGHT_M = 300.0, 15.0, 32.0
@@ -63,7 +63,7 @@ class Trial:
 
     truth: FloatArray
     found: Localization
-    survey: Survey
+    survey: RadiationSurvey
     seconds: float
 
     def errors_m(self) -> list[float]:
@@ -74,7 +74,7 @@ class Trial:
         return [float(np.hypot(*(places - place[:2]).T).min()) for place in self.truth]
 
 
-def flown(generator: np.random.Generator, world: World, sources: FloatArray) -> Survey:
+def flown(generator: np.random.Generator, world: World, sources: FloatArray) -> RadiationSurvey:
     """Return the readings of a survey of `sources`: east, north, dose rate at 1 m in uSv/h."""
     axis = np.arange(0.0, EXTENT_M + 0.1, PITCH_M)
     east, north = (part.ravel() for part in np.meshgrid(axis, axis))
@@ -90,7 +90,7 @@ def flown(generator: np.random.Generator, world: World, sources: FloatArray) -> 
     counts = generator.poisson(hits * np.exp(-hits * world.dead_time_s)).astype(float)
     places[:, :2] += generator.normal(0.0, world.position_noise_m, (east.size, 2))
     live_s = 1.0 - CORRECTED_DEAD_TIME_S * counts * (world.dead_time_s > 0.0)
-    return Survey(positions_enu_m=places, counts=counts, exposures=SENSITIVITY * live_s)
+    return RadiationSurvey(positions_enu_m=places, counts=counts, exposures=SENSITIVITY * live_s)
 
 
 def _behind_car(

@@ -31,7 +31,7 @@ from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.photons import material
 from rocsafe_radiation.readings.spectral_window import background_shape
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 CHANNELS, FIRST_CHANNEL = 1024, 16
 # From the lines of potassium-40, 1461 keV in channel 475, and thallium-208, 2615 keV in 848.
@@ -79,7 +79,7 @@ def in_the_window(record: Record, sensitivity: float, count: int) -> Iterator[Ro
     """Yield how well sources are found by the window of their line."""
     name = f'line window, {sensitivity:g} cps per uSv/h'
     natural = record.counts(WINDOW_KEV)
-    empty = Survey(
+    empty = RadiationSurvey(
         positions_enu_m=record.places,
         counts=natural,
         exposures=np.full(len(natural), PEAK_SHARE * sensitivity),
@@ -115,7 +115,7 @@ def in_the_window(record: Record, sensitivity: float, count: int) -> Iterator[Ro
 def by_all_counts(record: Record) -> Iterator[Row]:
     """Yield what a detector without a spectrum makes of the same ground."""
     counts = record.counts((0.0, KEV_A_CHANNEL * CHANNELS))
-    survey = Survey(
+    survey = RadiationSurvey(
         positions_enu_m=record.places,
         counts=counts,
         exposures=np.full(len(counts), SENSITIVITIES[0]),
@@ -124,7 +124,7 @@ def by_all_counts(record: Record) -> Iterator[Row]:
     yield 'all counts, nothing injected: sources', '0', f'{len(found.sources)}'
 
 
-def _expected_evidence(injected: FloatArray, empty: Survey, natural: FloatArray) -> float:
+def _expected_evidence(injected: FloatArray, empty: RadiationSurvey, natural: FloatArray) -> float:
     """Return the log likelihood ratio of `injected` to be expected over a known background."""
     shape = 1.0 if empty.background_shape is None else empty.background_shape
     background = shape * natural.mean()

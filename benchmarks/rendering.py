@@ -24,8 +24,8 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_scene.engine.lens import looking
-from rocsafe_scene.engine.studio import AnyRenderer, open_renderer
+from rocsafe_scene.engine.oversampled_camera import AnyRenderer, open_renderer
+from rocsafe_scene.graphics.lens import looking
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.map_cache import default_folder

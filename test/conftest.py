@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of all tests."""
 
+import importlib.util
 import os
+import random
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,17 +25,48 @@ settings.load_profile('rocsafe')
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 POLL_S = 0.02
+DOMAINS = range(1, 101)
+
+
+# Modules whose import says that a test file starts processes.
+PROCESS_MODULES = ('subprocess', 'multiprocessing', 'pty')
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give a test that talks to other processes a second try, which the summary lists.
+    """Mark the tests that use nodes or processes, and give those of nodes a second try.
 
-    A machine that stands still for seconds fails them all, whatever the code does. What is
-    computed in the test's own process has one try.
+    The mark `process` is found out, so that nobody has to remember it: `make test-fast` leaves
+    these tests out. A machine that stops for seconds fails tests of nodes whatever the code does;
+    the summary lists second tries. Tests that compute in their own process have one try.
     """
     for item in items:
-        if 'ros' in getattr(item, 'fixturenames', ()) or item.get_closest_marker('system'):
+        is_system = item.get_closest_marker('system') is not None
+        if is_system or 'ros_domain_id' in item.fixturenames or _starts_processes(item):
+            item.add_marker(pytest.mark.process)
+        if is_system or 'ros' in item.fixturenames:
             item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+def _starts_processes(item: pytest.Item) -> bool:
+    """Return whether the file of a test, its fixtures or its helpers can start processes."""
+    spaces = [vars(item.module), *(one.func.__globals__ for one in _fixtures(item))]
+    helpers = {getattr(value, '__module__', None) for space in spaces for value in space.values()}
+    spaces += [
+        vars(sys.modules[name])
+        for name in helpers
+        if isinstance(name, str) and name.startswith('test.') and name in sys.modules
+    ]
+    return any(
+        name in space and space['__name__'] != __name__
+        for space in spaces
+        for name in PROCESS_MODULES
+    )
+
+
+def _fixtures(item: pytest.Item) -> Iterator[Any]:
+    """Yield the definitions of the fixtures that a test uses."""
+    for name in item.fixturenames:
+        yield from item._fixtureinfo.name2fixturedefs.get(name, ())[-1:]
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -74,6 +108,17 @@ def ros_stays_on_this_machine(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 
 @pytest.fixture(scope='session', autouse=True)
+def default_domain(ros_stays_on_this_machine: None) -> Iterator[int | None]:
+    """Reserve a domain, also for processes of tests that ask for none; None without ROS."""
+    if importlib.util.find_spec('domain_coordinator') is None:
+        yield None
+        return
+    with reserved_domain() as number:
+        os.environ['ROS_DOMAIN_ID'] = str(number)
+        yield number
+
+
+@pytest.fixture(scope='session', autouse=True)
 def ctrl_c_is_heard() -> None:
     """Let children obey SIGINT also where a shell started the tests in its background."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -81,11 +126,11 @@ def ctrl_c_is_heard() -> None:
 
 
 @pytest.fixture(scope='session')
-def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
-    """Reserve a domain of our own, so that parallel runs do not hear each other."""
-    with reserved_domain() as number:
-        os.environ['ROS_DOMAIN_ID'] = str(number)
-        yield number
+def ros_domain_id(default_domain: int | None) -> int:
+    """Give the domain of the tests; folders whose nodes others must not hear reserve their own."""
+    if default_domain is None:
+        pytest.skip('no ROS 2 here: source it or run make setup')
+    return default_domain
 
 
 @pytest.fixture
@@ -96,12 +141,29 @@ def own_domain(ros_domain_id: int, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @contextmanager
 def reserved_domain() -> Iterator[int]:
-    """Hold a domain that nobody else on this machine has, and give its number."""
-    domain_coordinator = pytest.importorskip(
-        'domain_coordinator', reason='no ROS 2 here: source it or run make setup'
-    )
-    with domain_coordinator.domain_id() as number:
+    """Hold a domain that nobody else on this machine has, and give its number.
+
+    `domain_coordinator` keeps test runs apart that hold their domain. It does not know of nodes
+    that a killed test run left behind, nor of those that others started without it: domains
+    whose UDP ports are in use are left out.
+    """
+    import domain_coordinator
+
+    numbers = iter(_silent_domains() or DOMAINS)
+    with domain_coordinator.domain_id(selector=lambda: next(numbers)) as number:
         yield int(number)
+
+
+def _silent_domains() -> list[int]:
+    """Return the domains without a participant on this machine, in random order."""
+    from rocsafe_ros2cli.discovery import UDP_TABLE, local_participants
+
+    try:
+        table = UDP_TABLE.read_text()
+    except OSError:
+        return list(DOMAINS)
+    silent = [number for number in DOMAINS if local_participants(table, number) == 0]
+    return random.sample(silent, len(silent))
 
 
 @pytest.fixture
@@ -122,8 +184,8 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
 @pytest.fixture(scope='session')
 def drawing() -> None:
     """Skip, with the reason, where nothing can draw."""
-    from rocsafe_scene.engine.pipe import open_pipe
     from rocsafe_scene.errors import EngineError
+    from rocsafe_scene.graphics.pipe import open_pipe
 
     try:
         open_pipe()

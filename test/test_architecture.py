@@ -100,9 +100,9 @@ CLOCKS = {
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
     # which pipe and which graphics device to draw with is the machine's matter
-    'rocsafe_scene.engine.pipe': {'os.environ'},
+    'rocsafe_scene.graphics.pipe': {'os.environ'},
     # tells the renderers of its workers how many threads each may use
-    'rocsafe_dataset.work': {'os.environ'},
+    'rocsafe_dataset.worker_pool': {'os.environ'},
     # A command that waits until vehicles are heard.
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
     # a command: tells how long each stage took

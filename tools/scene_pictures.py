@@ -32,6 +32,11 @@ OPENINGS: dict[str, dict[str, list[str]]] = {
         'oblique': ['--eye=-14,-34,17', '--target=18,4,0'],
         'overview': ['--eye=-80,-110,70', '--target=5,5,0'],
     },
+    'field': {
+        'nadir': ['--nadir', '--eye=-203,14,60'],
+        'oblique': ['--eye=-225,-10,14', '--target=-200,17,0'],
+        'overview': ['--eye=-120,-330,190', '--target=0,-10,0'],
+    },
     'empty_range': {
         'nadir': ['--nadir', '--eye=22,24,32'],
         'oblique': ['--eye=-34,-36,11', '--target=10,12,0'],

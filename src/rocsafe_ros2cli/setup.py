@@ -6,7 +6,7 @@ NAME = 'rocsafe_ros2cli'
 setup(
     name=NAME,
     version='0.2.0',
-    description='A small ros2 command for machines whose ROS 2 brings none.',
+    description='Small replacement of the ros2 command where no ROS 2 installation brings one.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

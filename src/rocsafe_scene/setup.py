@@ -11,7 +11,7 @@ setup(
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed', 'engine/*.glsl']},
+    package_data={NAME: ['py.typed', 'engine/*.glsl', 'flat_ground/photographs/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),

@@ -13,19 +13,19 @@ from PIL import Image
 from test.scene.scenes import PLANT, THINGS, describe, small_environment
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
+from rocsafe_dataset.dataset_camera import DatasetCamera
 from rocsafe_dataset.dataset_command import main
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import Folder
+from rocsafe_dataset.files import DatasetFolder
 from rocsafe_dataset.options import SPLITS, DatasetOptions
-from rocsafe_dataset.photographer import Photographer
 from rocsafe_dataset.summary import finish
-from rocsafe_dataset.work import claim, open_tasks
+from rocsafe_dataset.worker_pool import claim_folder, open_tasks
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_scene.engine.lens import looking
-from rocsafe_scene.engine.pipe import open_pipe
 from rocsafe_scene.engine.silhouettes import batches
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.graphics.lens import looking
+from rocsafe_scene.graphics.pipe import open_pipe
 from rocsafe_scene.mesh.classes import CLASS_NAMES
 
 OPTIONS = DatasetOptions(
@@ -52,15 +52,15 @@ def photographer(tmp_path_factory):
         open_pipe()
     except EngineError as error:
         pytest.skip(str(error))
-    folder = Folder(path=tmp_path_factory.mktemp('data') / 'set', options=OPTIONS)
-    return Photographer(small_environment(*SCENE), folder), folder
+    folder = DatasetFolder(path=tmp_path_factory.mktemp('data') / 'set', options=OPTIONS)
+    return DatasetCamera(small_environment(*SCENE), folder), folder
 
 
 @pytest.fixture(scope='module')
 def dataset(photographer):
     """Return the folder of a finished data set."""
     worker, folder = photographer
-    claim(folder, describe(*SCENE))
+    claim_folder(folder, describe(*SCENE))
     for arrangement, numbers in open_tasks(folder):
         assert list(worker.photograph(arrangement, numbers)) == list(numbers)
     counts = finish(folder, 'test')
@@ -144,7 +144,9 @@ def test_a_picture_says_where_it_was_taken(dataset):
 def test_png_pictures_carry_the_same_records(photographer):
     """Exif and XMP in PNG's own chunks; the pixels come back unchanged."""
     worker, folder = photographer
-    png = Folder(path=folder.path.parent / 'png', options=replace(OPTIONS, image_format='png'))
+    png = DatasetFolder(
+        path=folder.path.parent / 'png', options=replace(OPTIONS, image_format='png')
+    )
     worker._folder = png
     assert list(worker.photograph(0, [0])) == [0]
     worker._folder = folder
@@ -181,19 +183,19 @@ def test_visibility_is_what_others_leave(photographer):
     environment = worker._environment
     eye = np.array([20.0, -30.0, 7.0])
     pose = eye, looking(np.array([4.0, -2.0, 2.0]) - eye)
-    renderer.stage.arrange(environment.objects)
-    together = worker._studio.expose(*pose).numbers
+    renderer.graph.arrange(environment.objects)
+    together = worker._camera.expose(*pose).numbers
     bounds = {thing.number: thing.bounds for thing in environment.objects}
     bounds = {k: b for k, b in bounds.items() if (together == k).any()}
     found = shares.visible_shares(together, bounds, pose)
     assert min(found.values()) < 0.9
-    stage = renderer.stage
+    graph = renderer.graph
     for number in sorted(found, key=found.get)[:6]:
-        stage.arrange([thing for thing in environment.objects if thing.number == number])
-        alone = (worker._studio.expose(*pose).numbers == number).sum()
+        graph.arrange([thing for thing in environment.objects if thing.number == number])
+        alone = (worker._camera.expose(*pose).numbers == number).sum()
         expected = (together == number).sum() / alone
         assert found[number] == pytest.approx(expected, abs=1e-9)
-    stage.arrange(environment.objects)
+    graph.arrange(environment.objects)
 
 
 def test_batches_never_overlap():
@@ -217,16 +219,16 @@ def test_batches_never_overlap():
 
 def test_a_folder_is_claimed_once(tmp_path):
     """Another data set's, or someone's files, are never overwritten."""
-    folder = Folder(path=tmp_path / 'a', options=OPTIONS)
-    claim(folder, describe(*THINGS))
-    claim(folder, describe(*THINGS))
+    folder = DatasetFolder(path=tmp_path / 'a', options=OPTIONS)
+    claim_folder(folder, describe(*THINGS))
+    claim_folder(folder, describe(*THINGS))
     with pytest.raises(DatasetError, match='holds a data set with other options'):
-        claim(replace(folder, options=replace(OPTIONS, seed=9)), describe(*THINGS))
+        claim_folder(replace(folder, options=replace(OPTIONS, seed=9)), describe(*THINGS))
     with pytest.raises(DatasetError, match='holds a data set with other scene'):
-        claim(folder, describe(PLANT))
+        claim_folder(folder, describe(PLANT))
     (tmp_path / 'mine.txt').write_text('kept')
     with pytest.raises(DatasetError, match='is not empty and holds no data set'):
-        claim(Folder(path=tmp_path, options=OPTIONS), describe(*THINGS))
+        claim_folder(DatasetFolder(path=tmp_path, options=OPTIONS), describe(*THINGS))
 
 
 def test_mistakes_on_the_command_line_are_one_line(tmp_path, capsys):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from rocsafe_dataset.outlines import outline
-from rocsafe_dataset.rle import length_of_text, mask_of, run_lengths, short_text
+from rocsafe_dataset.rle import run_lengths, short_text
 
 MASKS = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
     lambda shape: arrays(np.bool_, shape)
@@ -18,11 +18,13 @@ MASKS = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
 
 @given(MASKS)
 @settings(max_examples=60, deadline=None)
-def test_run_lengths_give_the_mask_back(mask):
-    """Also through the short text."""
+def test_runs_alternate_and_add_up_to_the_mask(mask):
+    """Odd runs hold the ones; all runs together are as long as the mask."""
     lengths = run_lengths(mask)
-    assert np.array_equal(mask_of(lengths, mask.shape), mask)
-    assert length_of_text(short_text(lengths)) == lengths
+    assert sum(lengths) == mask.size
+    assert sum(lengths[1::2]) == mask.sum()
+    values = np.repeat(np.arange(len(lengths)) % 2 == 1, lengths)
+    assert np.array_equal(values.reshape(mask.shape[::-1]).T, mask)
 
 
 @given(MASKS)
@@ -35,10 +37,15 @@ def test_the_short_text_is_that_of_pycocotools(mask):
     assert coco.area(theirs) == mask.sum()
 
 
-@given(st.lists(st.integers(0, 10**6), min_size=1, max_size=9))
-def test_long_runs_survive_the_text(lengths):
-    """Several groups of five bits, and differences below zero."""
-    assert length_of_text(short_text(lengths)) == lengths
+def test_long_runs_and_shrinking_runs_are_written_as_pycocotools_does():
+    """Several groups of five bits, and negative differences."""
+    coco = pytest.importorskip('pycocotools.mask')
+    mask = np.zeros((700, 700), bool)
+    mask[5:, 100:400] = True
+    mask[300:310, 500:] = True
+    mask[1, 699] = True
+    theirs = coco.encode(np.asfortranarray(mask.astype(np.uint8)))
+    assert short_text(run_lengths(mask)).encode() == theirs['counts']
 
 
 @pytest.mark.parametrize('seed', range(6))

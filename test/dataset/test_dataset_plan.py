@@ -10,10 +10,10 @@ from test.scene.scenes import PLANT, THINGS, small_environment
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_dataset.arrangements import arrange, bounds_of
+from rocsafe_dataset.dataset_camera import site_of
+from rocsafe_dataset.ground_splits import divide_ground
+from rocsafe_dataset.image_poses import draw_pose, split_of
 from rocsafe_dataset.options import SPLITS, DatasetOptions
-from rocsafe_dataset.photographer import site_of
-from rocsafe_dataset.places import divided
-from rocsafe_dataset.takes import split_of, take
 from rocsafe_scene.scene.sunlight import sun_direction
 
 OPTIONS = DatasetOptions(count=60, seed=5)
@@ -66,17 +66,17 @@ def test_pictures_are_split_in_the_shares_asked_for():
 def test_blocks_are_shared_by_what_stands_on_them():
     """Each split gets ground and things near its share; one without a share gets nothing."""
     things = np.random.default_rng(1).uniform(-90.0, 90.0, (400, 2))
-    places = divided((100.0, 100.0), things, (0.6, 0.2, 0.2), 3)
+    places = divide_ground((100.0, 100.0), things, (0.6, 0.2, 0.2), 3)
     shares = np.bincount(places.split_of(things), minlength=3) / len(things)
     assert shares == pytest.approx([0.6, 0.2, 0.2], abs=0.1)
-    alone = divided((100.0, 100.0), things, (1.0, 0.0, 0.0), 3)
+    alone = divide_ground((100.0, 100.0), things, (1.0, 0.0, 0.0), 3)
     assert set(alone.split_of(things).tolist()) == {0}
     assert alone.split_of(np.array([[140.0, 0.0]])).tolist() == [-1]
 
 
 def test_poses_keep_to_the_ground_of_their_split(site):
     """At most a tenth of the near ground in view is another split's, wherever that can be had."""
-    takes = [take(number, site, OPTIONS) for number in range(OPTIONS.count)]
+    takes = [draw_pose(number, site, OPTIONS) for number in range(OPTIONS.count)]
     assert {chosen.split for chosen in takes} == set(SPLITS)
     foreign = np.array([chosen.foreign_share for chosen in takes])
     assert np.mean(foreign <= 0.1) > 0.9
@@ -88,12 +88,12 @@ def test_poses_keep_to_the_ground_of_their_split(site):
 
 def test_a_pose_depends_on_the_seed_and_the_number_alone(site):
     """Not on what was drawn before."""
-    first = take(7, site, OPTIONS)
-    take(8, site, OPTIONS)
-    again = take(7, site, OPTIONS)
+    first = draw_pose(7, site, OPTIONS)
+    draw_pose(8, site, OPTIONS)
+    again = draw_pose(7, site, OPTIONS)
     assert np.array_equal(first.position, again.position)
     assert np.array_equal(first.rotation, again.rotation)
-    other = take(7, site, replace(OPTIONS, seed=6))
+    other = draw_pose(7, site, replace(OPTIONS, seed=6))
     assert not np.array_equal(first.position, other.position)
 
 

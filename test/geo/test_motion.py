@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_geo.motion import MotionLimits, leg_duration_s, leg_progress_m, leg_speed_mps
+from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_geo.motion.leg import limit_arrays, solve_legs
 from rocsafe_geo.motion.leg_table import LegTable
 
@@ -55,9 +55,10 @@ def test_motion_keeps_its_limits_and_is_its_own_calculus(distance, limits, fract
     duration = leg_duration_s(distance, limits)
     table = LegTable(solve_legs(np.array([distance]), limit_arrays(limits)))
     elapsed = fraction * duration
-    assert leg_progress_m(0.0, distance, limits) == 0.0
-    assert leg_progress_m(duration, distance, limits) == distance
-    assert leg_progress_m(duration + 1.0, distance, limits) == distance
+    first = np.zeros(4, int)
+    times = np.array([0.0, elapsed, duration, duration + 1.0])
+    flown = table.progress_m(first, times)
+    assert flown[[0, 2, 3]].tolist() == [0.0, distance, distance]
     step = 1e-5 * duration
     x0, v0, a0 = table.at(0, elapsed)
     x1, v1, a1 = table.at(0, elapsed + step)
@@ -67,8 +68,7 @@ def test_motion_keeps_its_limits_and_is_its_own_calculus(distance, limits, fract
     assert x1 - x0 == pytest.approx(v0 * step, abs=limits.acceleration_mps2 * step**2 + 1e-9)
     assert v1 - v0 == pytest.approx(a0 * step, abs=limits.jerk_mps3 * step**2 + 1e-9)
     assert x1 >= x0 - 1e-9
-    assert leg_progress_m(elapsed, distance, limits) == pytest.approx(x0, abs=1e-9)
-    assert leg_speed_mps(elapsed, distance, limits) == pytest.approx(v0, abs=1e-9)
+    assert flown[1] == pytest.approx(x0, abs=1e-9)
 
 
 @given(st.floats(1e-6, 3000.0), LIMITS)
@@ -111,8 +111,10 @@ def test_arrays_match_scalars():
     distances = np.array([0.0, 0.01, 1.0, 5.0, 32.0, 500.0])
     expected = [leg_duration_s(d, limits) for d in distances.tolist()]
     assert leg_duration_s(distances, limits).tolist() == expected
-    flown = leg_progress_m(3.0, distances, limits)
-    assert flown.tolist() == [leg_progress_m(3.0, d, limits) for d in distances.tolist()]
+    table = LegTable(solve_legs(distances, limit_arrays(limits)))
+    numbers = np.arange(len(distances))
+    flown = table.progress_m(numbers, np.full(len(distances), 3.0))
+    assert flown == pytest.approx([table.at(number, 3.0)[0] for number in numbers.tolist()])
 
 
 @pytest.mark.parametrize(

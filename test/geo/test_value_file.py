@@ -3,13 +3,14 @@
 
 from dataclasses import dataclass
 from datetime import datetime, timezone
+from enum import Enum
 from pathlib import Path
 from typing import Literal
 
 import pytest
 
 from rocsafe_geo.limits import require_positive
-from rocsafe_geo.storage.value_file import ValueFileError, parse_values, read_values
+from rocsafe_geo.storage.value_file import ValueFileError, parse_values, read_values, values_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,3 +100,24 @@ def test_missing_file_is_named(tmp_path: Path):
     """And not a traceback."""
     with pytest.raises(ValueFileError, match='no such file'):
         read_values(tmp_path / 'none.yaml', Things)
+
+
+class Light(Enum):
+    """An enumeration, written by its values."""
+
+    RED = 'red'
+    GREEN = 'green'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signal:
+    """A block with an enumeration."""
+
+    light: Light = Light.RED
+
+
+def test_enumerations_are_written_by_their_values():
+    """Any other value is refused with the list of those that are allowed."""
+    assert values_of({'light': 'green'}, Signal, 'signal.yaml').light is Light.GREEN
+    with pytest.raises(ValueFileError, match=r"light = 'blue': must be one of: red, green"):
+        values_of({'light': 'blue'}, Signal, 'signal.yaml')

@@ -4,6 +4,7 @@
 import importlib.util
 import json
 import pathlib
+import threading
 
 import pytest
 
@@ -17,6 +18,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import ShotReceipt
+from rocsafe_mapping.mosaic import map_worker
 from rocsafe_mapping.mosaic_node import MosaicNode
 from rocsafe_mapping.store.store import ImageStore
 from rocsafe_ros import topics
@@ -220,3 +222,43 @@ def test_coverage_is_that_of_the_region_that_was_drawn(bench):
     cover = json.loads(pathlib.Path(bench.wait_for_final().quality_path).read_text())['coverage']
     assert cover['of'] == 'region'
     assert 0.0 < cover['share'] < 0.3
+
+
+def test_the_node_receives_while_the_map_is_written(bench, monkeypatch):
+    """A receipt and a region are taken in, and the photograph is on the next map."""
+    is_drawing, may_go_on = threading.Event(), threading.Event()
+
+    def slow(*arguments):
+        is_drawing.set()
+        assert may_go_on.wait(DEADLINE_S)
+        return write_products(*arguments)
+
+    write_products = map_worker.hand_over
+    monkeypatch.setattr(map_worker, 'hand_over', slow)
+    bench.start()
+    bench.put(0)
+    regions = topics.create_publisher(bench.operator, topics.REGION)
+    future = bench.save_client.call_async(topics.SAVE_MOSAIC.call_type.Request())
+    bench.ros.spin_until(is_drawing.is_set, DEADLINE_S)
+    boundary = tuple(GALWAY.frame.position_of(at) for at in ((0, 0, 0), (9, 0, 0), (0, 9, 0)))
+    regions.publish(region_of_area(SurveyArea(boundary=boundary)))
+    bench.receipts.publish(bench.put(1))
+    bench.ros.spin_until(lambda: bench.node._region is not None, DEADLINE_S)
+    assert not future.done()
+    may_go_on.set()
+    bench.ros.spin_until(future.done, DEADLINE_S)
+    assert future.result().message.startswith('1 photographs')
+    bench.ros.spin_until(lambda: bench.maps[-1].images_placed == 2, DEADLINE_S)
+
+
+def test_a_fault_of_the_map_ends_the_node(bench, monkeypatch):
+    """It is not lost with the thread in which it happened: the supervisor decides."""
+
+    def broken(*_arguments):
+        raise ZeroDivisionError
+
+    bench.start()
+    monkeypatch.setattr(map_worker, 'read_shot', broken)
+    bench.receipts.publish(bench.put(0))
+    with pytest.raises(ZeroDivisionError):
+        bench.ros.spin_until(lambda: False, DEADLINE_S)

@@ -6,9 +6,12 @@ import contextlib
 import itertools
 import socket
 
+import yaml
 from test.fakes.fake_autopilot import HOME
 from test.fakes.fake_process import Served
 
+# Geoid above the ellipsoid where the fake copters live.
+SEPARATION_M = 47.0
 # As fast as a bridge reads on a machine that has nothing else to do; on others time waits for it.
 FAST = 40.0
 # Nothing of this changes what a vehicle does.
@@ -116,6 +119,25 @@ def told_once(orders):
     It is, where its answer is late.
     """
     return [order for order, _ in itertools.groupby(o for o in orders if o not in HARMLESS)]
+
+
+def write_drones(folder, link, systems=(1,)):
+    """Write the drones file of a bridge to the copters behind `link`; return its path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    drones = [
+        {
+            'name': f'rav{system}',
+            'link': link,
+            'system': system,
+            'geoid_separation_m': SEPARATION_M,
+            'speed_mps': 10.0,
+            'hover_s': 0.0,
+        }
+        for system in systems
+    ]
+    path = folder / 'drones.yaml'
+    path.write_text(yaml.safe_dump({'drones': drones}))
+    return str(path)
 
 
 def free_port():

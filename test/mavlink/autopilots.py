@@ -8,8 +8,8 @@ from test.mavlink.airspace import Airspace
 
 def _real(name, place, reason):
     """Return the parameter of a test for a real autopilot."""
-    marks = [pytest.mark.skipif(not place, reason=reason), pytest.mark.system]
-    return pytest.param(name, marks=marks)
+    skip = pytest.mark.skipif(not place, reason=reason)
+    return pytest.param(name, marks=[skip, pytest.mark.system, pytest.mark.all])
 
 
 # First the fake, which is everywhere.

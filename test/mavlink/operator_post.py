@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bridge, and an operator who hears and orders."""
 
+from pathlib import Path
+
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from test.fakes.fake_autopilot import HOME
+from test.mavlink.airspace import SEPARATION_M, write_drones
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import FlyRoute
@@ -15,27 +18,20 @@ from rocsafe_ros.conversions import point_of_position
 
 # Of a flight on a machine that does ten other things.
 DEADLINE_S = 60.0
-# Geoid above the ellipsoid where the fake copters live.
-SEPARATION_M = 47.0
 HOME_PLACE = GeoPosition(*HOME, 488.0 + SEPARATION_M)
 
 
 class Ground:
     """A bridge, and an operator who hears and orders."""
 
-    def __init__(self, ros, air, state_directory='', **options):
+    def __init__(self, ros, air, state_directory, **options):
         self.ros = ros
         self.air = air
         systems = list(air.copters)
         self.names = [f'rav{system}' for system in systems]
         values = {
-            'vehicles': self.names,
-            'links': [air.link] * len(systems),
-            'systems': systems,
-            'geoid_separations_m': [SEPARATION_M] * len(systems),
-            'speeds_mps': [10.0] * len(systems),
+            'drones_file': write_drones(Path(state_directory), air.link, systems),
             'position_rate_hz': 2.0,
-            'hovers_s': [0.0] * len(systems),
             'origin_latitude_deg': HOME[0],
             'origin_longitude_deg': HOME[1],
             'origin_altitude_m': HOME_PLACE.altitude_m,

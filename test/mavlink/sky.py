@@ -5,9 +5,9 @@ from test.fakes.fake_autopilot import IDS, FakeCopter
 
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 from rocsafe_mavlink.protocols import command_call as commands
-from rocsafe_mavlink.protocols.command_call import CommandCall, Heard
+from rocsafe_mavlink.protocols.command_call import CommandCall, HeardText
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import transfer
 from rocsafe_mavlink.wire.dialect import Message
@@ -33,7 +33,7 @@ class Sky:
 
     def __init__(self, **options):
         self.copter = FakeCopter(**options)
-        self.vehicle = Vehicle(system=1, component=1)
+        self.vehicle = VehicleTelemetry(system=1, component=1)
         self.now_s = 0.0
         self.is_station_alive = True
         self.events = []
@@ -49,7 +49,9 @@ class Sky:
             self.vehicle, events = reduce(self.vehicle, message, self.now_s)
             self.events += events
             self.heard += [
-                Heard(self.now_s, event.text) for event in events if event.kind is EventKind.TEXT
+                HeardText(self.now_s, event.text)
+                for event in events
+                if event.kind is EventKind.TEXT
             ]
             yield message
 

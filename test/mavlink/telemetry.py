@@ -2,7 +2,7 @@
 """What an ArduCopter says, in order, with the numbers that were recorded from one."""
 
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 
 EKF_GOOD, EKF_LOST = 831, 37
@@ -68,7 +68,7 @@ def mission(current, phase=3):
 
 def after(*messages, vehicle=None, now_s=100.0, **options):
     """Return a vehicle after messages that all came at `now_s`."""
-    state = Vehicle(system=1, component=1) if vehicle is None else vehicle
+    state = VehicleTelemetry(system=1, component=1) if vehicle is None else vehicle
     for message in messages:
         state, _ = reduce(state, message, now_s, **options)
     return state

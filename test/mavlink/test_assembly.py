@@ -1,31 +1,40 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From options to links: what is refused, what is heard, what is never told."""
+"""From a drones file to stations: what is refused, what is heard, what is never told."""
+
+import re
+from pathlib import Path
 
 import pytest
+import yaml
 from test.mavlink.airspace import free_port
 from test.mavlink.wire import KEY, NOW_S, STRANGER, frame, signed_frame
 
-from rocsafe_mavlink.assembly import make_drones, make_lines
+from rocsafe_mavlink.assembly import make_drone, make_stations
 from rocsafe_mavlink.bridge_options import BridgeOptions
+from rocsafe_mavlink.drone_options import DroneFleet, DroneOptions, read_drones
 from rocsafe_mavlink.errors import EndpointError, KeyFileError
 from rocsafe_mavlink.link.endpoint import parse_endpoint
 from rocsafe_mavlink.wire.counters import Reason
 
-
-def options(count=1, **given):
-    """Return options of vehicles on one free port."""
-    values = {
-        'vehicles': tuple(f'rav{n + 1}' for n in range(count)),
-        'links': (f'udp://127.0.0.1:{free_port()}',) * count,
-        'systems': tuple(range(1, count + 1)),
-    }
-    return BridgeOptions(**{**values, **given})
+ROOT = Path(__file__).parents[2]
+OPTIONS = BridgeOptions()
 
 
-def only_line(given):
-    """Return the one line of options; the caller closes it."""
-    (line,) = make_lines(given).values()
-    return line
+def fleet(count=1, **given):
+    """Return drones on one free port."""
+    link = f'udp://127.0.0.1:{free_port()}'
+    return DroneFleet(
+        drones=tuple(
+            DroneOptions(**{'name': f'rav{n + 1}', 'link': link, 'system': n + 1, **given})
+            for n in range(count)
+        )
+    )
+
+
+def only_station(drones):
+    """Return the one station of drones, with what it serves; the caller closes it."""
+    (station,) = make_stations(OPTIONS, drones).values()
+    return station, [make_drone(drone, OPTIONS, station) for drone in drones.drones]
 
 
 @pytest.fixture
@@ -37,36 +46,76 @@ def key_file(tmp_path):
     return path
 
 
+def written(tmp_path, *drones):
+    """Return the path of a drones file."""
+    path = tmp_path / 'drones.yaml'
+    path.write_text(yaml.safe_dump({'drones': list(drones)}))
+    return str(path)
+
+
+FIRST = {'name': 'rav1', 'link': 'udp://127.0.0.1:14550'}
+SECOND = {'name': 'rav2', 'link': 'udp://127.0.0.1:14550'}
+
+
 @pytest.mark.parametrize(
-    ('given', 'words'),
+    ('drones', 'line'),
     [
-        ({'links': ()}, 'links has 0 entries: must have 2'),
-        ({'systems': (1,)}, 'systems has 1 entries: must have 2 or none'),
-        ({'systems': (1, 1)}, 'must differ in systems or components'),
-        ({'vehicles': ('rav1', 'rav1')}, 'must differ from each other'),
+        ([{'name': 'rav1'}], 'drones[0].link: is missing'),
+        ([{**FIRST, 'sytem': 2}], 'drones[0].sytem: unknown key (did you mean system?)'),
+        ([{**FIRST, 'system': 256}], 'drones[0]: system is 256: must be within 1 and 255'),
+        ([{**FIRST, 'speed_mps': 0}], 'drones[0]: speed_mps is 0 m/s: must be above 0'),
+        ([{**FIRST, 'speed_mps': 60}], 'drones[0]: speed_mps is 60 m/s'),
+        ([{**FIRST, 'hover_s': -1}], 'drones[0]: hover_s is -1 s'),
+        ([{**FIRST, 'endurance_s': 0}], 'drones[0]: endurance_s is 0 s'),
+        ([{**FIRST, 'geoid_separation_m': 500}], 'drones[0]: geoid_separation_m is 500 m'),
+        ([FIRST, FIRST], 'drones: rav1 is named twice'),
+        ([FIRST, SECOND], 'drones on udp://127.0.0.1:14550 must differ in system or component'),
+        (
+            [FIRST, {**SECOND, 'system': 2, 'signing_key_file': 'a.key'}],
+            'drones on udp://127.0.0.1:14550 must have one signing_key_file',
+        ),
     ],
 )
-def test_lists_that_do_not_fit_are_refused(given, words):
-    """The list is named, and how long it must be."""
-    with pytest.raises(ValueError, match=words):
-        options(2, **given)
+def test_wrong_drones_file_is_refused_in_a_line(tmp_path, drones, line):
+    """The line names the file, the key, the value and the limit."""
+    with pytest.raises(ValueError, match=f'^{re.escape("drones.yaml: " + line)}'):
+        read_drones(written(tmp_path, *drones))
 
 
-def test_vehicles_share_a_socket_and_nothing_else():
-    """One line for one link; each drone has its own target and journal."""
-    given = options(3)
-    lines = make_lines(given)
-    drones = make_drones(given, lines)
-    assert len(lines) == 1
+def test_missing_drones_file_is_named(tmp_path):
+    """Not given, or not there."""
+    with pytest.raises(ValueError, match='drones_file is empty'):
+        read_drones('')
+    with pytest.raises(ValueError, match='no such file'):
+        read_drones(str(tmp_path / 'none.yaml'))
+
+
+def test_drones_file_of_the_manual_can_be_used(tmp_path):
+    """The example of docs/real-drones.md, as it stands there."""
+    text = (ROOT / 'docs' / 'real-drones.md').read_text()
+    (example,) = [
+        block for block in re.findall(r'```yaml\n(.*?)```', text, re.DOTALL) if 'drones:' in block
+    ]
+    path = tmp_path / 'drones.yaml'
+    path.write_text(example)
+    drones = read_drones(str(path)).drones
+    assert [drone.name for drone in drones] == ['rav1', 'rav2']
+    for drone in drones:
+        parse_endpoint(drone.link)
+
+
+def test_drones_share_a_socket_and_nothing_else():
+    """One station for one link; each drone has its own numbers and session."""
+    station, drones = only_station(fleet(3))
     assert [drone.spec.target for drone in drones] == [(1, 1), (2, 1), (3, 1)]
-    for line in lines.values():
-        line.close()
+    assert len({id(drone.session) for drone in drones}) == 3
+    station.close()
 
 
 def test_nothing_listens_beyond_this_machine_unless_told():
     """Neither does a wrong key leave the first socket open."""
     with pytest.raises(EndpointError, match='allowed explicitly'):
-        make_lines(options(links=(f'udp://0.0.0.0:{free_port()}',)))
+        make_stations(OPTIONS, fleet(link=f'udp://0.0.0.0:{free_port()}'))
     parse_endpoint('udp://0.0.0.0:14550', allow_network=True)
 
 
@@ -74,38 +123,36 @@ def test_key_that_others_can_read_is_refused(key_file):
     """The message names file and mode, never the key."""
     key_file.chmod(0o640)
     with pytest.raises(KeyFileError, match='mode 0640: must be 0600') as refusal:
-        make_lines(options(signing_key_files=(str(key_file),)))
+        make_stations(OPTIONS, fleet(signing_key_file=str(key_file)))
     assert KEY.secret.hex() not in str(refusal.value)
 
 
-def test_vehicles_on_one_link_have_one_key(key_file):
-    """Two keys on one socket could not be told apart by what they sign."""
-    with pytest.raises(ValueError, match='must have one signing key'):
-        make_lines(options(2, signing_key_files=(str(key_file), '')))
+def heard(station, data, time_s=NOW_S):
+    """Return the messages that a station believes."""
+    return station.link.receive(STRANGER, data, 0.0, time_s)
 
 
 def test_signed_link_hears_only_who_has_the_key_also_after_a_restart(key_file):
     """What was recorded before is not believed by the next process, whatever its run."""
-    given = options(signing_key_files=(str(key_file),))
-    line = only_line(given)
-    station, data = line.station, signed_frame(time_s=NOW_S)
-    assert station.receive(STRANGER, frame(), 0.0, NOW_S).messages == []
-    assert len(station.receive(STRANGER, data, 0.0, NOW_S).messages) == 1
-    line.close()
-    again = only_line(given)
-    assert again.station.receive(STRANGER, data, 0.0, NOW_S + 5.0).messages == []
-    assert again.station.link.counters.dropped(Reason.REPLAYED) == 1
+    drones = fleet(signing_key_file=str(key_file))
+    station, data = only_station(drones)[0], signed_frame(time_s=NOW_S)
+    assert heard(station, frame()) == []
+    assert len(heard(station, data)) == 1
+    station.close()
+    again = only_station(drones)[0]
+    assert heard(again, data, NOW_S + 5.0) == []
+    assert again.link.counters.dropped(Reason.REPLAYED) == 1
     again.close()
     stamps = key_file.with_name('drone.key.timestamps')
     assert KEY.secret.hex() not in stamps.read_text()
 
 
 def test_stranger_with_the_right_number_changes_nothing(key_file):
-    """Unsigned orders of another station on a signed link: no state, counted."""
-    line = only_line(options(signing_key_files=(str(key_file),)))
+    """Unsigned commands of another station on a signed link: no state, counted."""
+    station, (drone,) = only_station(fleet(signing_key_file=str(key_file)))
     for data in (frame(), signed_frame(key=type(KEY)(b'x' * 32)), b'\xfd' * 600):
-        assert line.station.receive(STRANGER, data, 0.0, NOW_S).messages == []
-    assert line.station.vehicle((1, 1)).autopilot is None
-    counters = line.station.link.counters
+        assert heard(station, data) == []
+    assert drone.vehicle.autopilot is None
+    counters = station.link.counters
     assert counters.dropped(Reason.UNSIGNED) == counters.dropped(Reason.FORGED) == 1
-    line.close()
+    station.close()

@@ -8,7 +8,7 @@ from rocsafe_mavlink.autopilots.ardupilot import COPTER
 from rocsafe_mavlink.autopilots.autopilot import FlightState, Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, custom_mode
 from rocsafe_mavlink.autopilots.registry import autopilot_of
-from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 
 NOW_S = 100.0
 
@@ -21,7 +21,7 @@ def flying(mode, *messages):
 @pytest.mark.parametrize(
     ('vehicle', 'state'),
     [
-        (Vehicle(system=1, component=1), FlightState.UNKNOWN),
+        (VehicleTelemetry(system=1, component=1), FlightState.UNKNOWN),
         (ready(), FlightState.DISARMED),
         (after(heartbeat(4, armed=True), vehicle=ready()), FlightState.ARMED),
         (after(landed(3), vehicle=flying(3)), FlightState.TAKING_OFF),

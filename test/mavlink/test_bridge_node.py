@@ -9,6 +9,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState, NavSatFix
 from std_srvs.srv import Trigger
 from test.mavlink.airspace import Airspace
@@ -17,8 +18,10 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleEvent, VehicleState
 from rocsafe_interfaces.srv import Preflight
-from rocsafe_mavlink.knowledge import vehicle
+from rocsafe_mavlink.bridge_node import BridgeNode
+from rocsafe_mavlink.knowledge import telemetry as vehicle
 from rocsafe_ros import topics
+from rocsafe_ros.parameters import ParameterError
 
 # SET_MESSAGE_INTERVAL: it changes nothing of what a vehicle does.
 ASK_FOR_A_RATE = 'COMMAND_LONG 511'
@@ -103,9 +106,9 @@ def test_orders_on_the_ground_are_refused(ground):
 
 def test_preflight_lists_the_checks(ground):
     """Settings are read in the spelling that the vehicle has."""
-    member = ground.bridge._interfaces[0].drone._line.station.member((1, 1))
-    ground.until(lambda: member.reader is not None and member.reader.is_over)
-    ground.until(lambda: member.vehicle.home is not None)
+    session = ground.bridge._interfaces[0].drone.session
+    ground.until(lambda: session.readout.parameters and session.readout.parameters.is_over)
+    ground.until(lambda: session.telemetry.home is not None)
     answer = ground.call('rav1/preflight', Preflight)
     checks = {check.name: check for check in answer.checks}
     assert answer.may_fly
@@ -146,3 +149,11 @@ def test_restarted_bridge_picks_up_the_flight(ros, air, tmp_path):
     assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 10)
     assert set(air.told()[len(told) :]) <= {ASK_FOR_A_RATE}
     second.close()
+
+
+def test_old_parameters_are_refused_with_the_new_name(ros):
+    """A parameter file that was written before there was a drones file."""
+    old = Parameter('links', value=['udp://127.0.0.1:14550'])
+    line = 'parameter links is now link of a drone in the file that drones_file names'
+    with pytest.raises(ParameterError, match=line):
+        BridgeNode(context=ros.context, parameter_overrides=[old])

@@ -16,16 +16,23 @@ from test.mavlink.telemetry import ready
 
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_geo.storage.shot_store import ShotStore
-from rocsafe_mavlink.camera.camera_shot import CAPTURED, FEEDBACK, TRIGGER, CameraShot, ShotLog
-from rocsafe_mavlink.camera.camera_trigger import Exposure, Photographer
-from rocsafe_mavlink.camera.numbering import Film
-from rocsafe_mavlink.camera.pairing import PicturePairing
-from rocsafe_mavlink.camera.source import Picture
-from rocsafe_mavlink.camera.sources import WatchedFolder, open_source
+from rocsafe_mavlink.assembly import open_source
+from rocsafe_mavlink.camera.camera_trigger import (
+    CAPTURED,
+    FEEDBACK,
+    TRIGGER,
+    CameraTrigger,
+    TriggerLog,
+)
+from rocsafe_mavlink.camera.folder_source import FolderSource
+from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
+from rocsafe_mavlink.camera.numbering import ShotNumbering
+from rocsafe_mavlink.camera.pairing import ImagePairing
+from rocsafe_mavlink.camera.source import CameraImage
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.vehicle import Gps
+from rocsafe_mavlink.knowledge.telemetry import Gps
 from rocsafe_mavlink.wire.dialect import Message, decode, encode
 
 NOW_S = 1_767_225_600.0
@@ -59,13 +66,13 @@ def position(east_m, boot_s):
 
 def picture(unix_s, name='a.jpg', jpeg=b''):
     """Return a picture."""
-    return Picture(name=name, unix_s=unix_s, jpeg=jpeg)
+    return CameraImage(name=name, unix_s=unix_s, jpeg=jpeg)
 
 
 def shot(index, unix_s):
     """Return a shot."""
     place = GeoPosition(47.397742, 8.545594, 565.0)
-    return CameraShot(
+    return CameraTrigger(
         index=index, unix_s=unix_s, position=place, height_m=30.0, attitude=None, source=FEEDBACK
     )
 
@@ -76,10 +83,10 @@ def test_three_messages_make_one_kind_of_shot():
     captured = {'time_utc': round(NOW_S * 1e6), 'image_index': 4, 'capture_result': 1}
     place = {'lat': 473977420, 'lon': 85455940, 'alt': 518000, 'relative_alt': 30000}
     found = [
-        ShotLog().take(feedback(4, yaw=90.0, pitch=5.0), vehicle, NOW_S)[0],
-        ShotLog().take(message(CAPTURED, **captured, **place), vehicle, NOW_S)[0],
+        TriggerLog().take(feedback(4, yaw=90.0, pitch=5.0), vehicle, NOW_S)[0],
+        TriggerLog().take(message(CAPTURED, **captured, **place), vehicle, NOW_S)[0],
     ]
-    log = ShotLog()
+    log = TriggerLog()
     log.take(position(0.0, 1.0), reduce(vehicle, position(0.0, 200.0), NOW_S)[0], NOW_S)
     found += log.take(message(TRIGGER, time_usec=round(NOW_S * 1e6), seq=4), vehicle, NOW_S)
     for taken in found:
@@ -93,13 +100,13 @@ def test_three_messages_make_one_kind_of_shot():
 
 def test_uptime_is_no_time_of_day():
     """A shot whose clock was never set is dated by its arrival."""
-    (taken,) = ShotLog().take(feedback(0, 12.5), ready(), NOW_S)
+    (taken,) = TriggerLog().take(feedback(0, 12.5), ready(), NOW_S)
     assert taken.unix_s == NOW_S
 
 
 def test_lost_reports_are_filled_in_and_marked():
     """Three lost at 10 m/s: each within 0.3 m of where it was taken."""
-    log, vehicle = ShotLog(), ready()
+    log, vehicle = TriggerLog(), ready()
     for tick in range(50):
         moved = reduce(vehicle, position(1.0 * tick, 200.0 + 0.1 * tick), NOW_S)[0]
         log.take(position(1.0 * tick, 200.0 + 0.1 * tick), moved, NOW_S + 0.1 * tick)
@@ -114,7 +121,7 @@ def test_lost_reports_are_filled_in_and_marked():
 
 def test_report_that_comes_twice_counts_once():
     """Repeated, late and worse reports are not counted; the better kind wins."""
-    log, vehicle = ShotLog(), ready()
+    log, vehicle = TriggerLog(), ready()
     log.take(position(0.0, 1.0), vehicle, NOW_S)
     assert len(log.take(feedback(0), vehicle, NOW_S)) == 1
     assert log.take(feedback(0), vehicle, NOW_S) == []
@@ -136,26 +143,26 @@ def test_pictures_find_their_shots(offset_s, gaps, lost):
     pictures = [
         picture(time_s + offset_s, f'{n}.jpg') for n, time_s in enumerate(times) if n != lost
     ]
-    pairs = PicturePairing().add(shots, pictures)
-    assert {(pair.shot.index, pair.picture.name) for pair in pairs} == {
+    pairs = ImagePairing().add(shots, pictures)
+    assert {(pair.trigger.index, pair.image.name) for pair in pairs} == {
         (n, f'{n}.jpg') for n in range(len(gaps)) if n != lost
     }
 
 
 def test_single_picture_of_another_clock_waits():
     """One pair tells nothing of the difference; guesses are not made."""
-    pairing = PicturePairing()
+    pairing = ImagePairing()
     assert pairing.add([shot(0, NOW_S)], [picture(NOW_S + 3600.0)]) == []
     assert pairing.offset_s is None
 
 
 def test_drifting_clock_is_followed():
     """A second in ten minutes, more than a shot may be off."""
-    pairing = PicturePairing()
+    pairing = ImagePairing()
     for number in range(300):
         taken_s = NOW_S + 2.0 * number
         pairs = pairing.add([shot(number, taken_s)], [picture(taken_s * 1.0 + number / 150.0)])
-        assert [pair.shot.index for pair in pairs] == [number]
+        assert [pair.trigger.index for pair in pairs] == [number]
 
 
 def jpeg(value=128, size=(48, 64)):
@@ -172,7 +179,7 @@ def leave(folder, name, taken_s, content=None):
 
 def test_file_is_taken_once_and_only_whole(tmp_path):
     """A file that grows is not read; what is no JPEG never is."""
-    folder = WatchedFolder(tmp_path)
+    folder = FolderSource(tmp_path)
     leave(tmp_path, 'b.jpg', NOW_S + 1.0)
     leave(tmp_path, 'a.JPG', NOW_S)
     leave(tmp_path, 'half.jpg', NOW_S, jpeg()[:200])
@@ -189,40 +196,40 @@ def test_source_that_is_none_is_refused():
         open_source('/nowhere', lambda: 0.0)
 
 
-def exposure():
+def context():
     """Return what a photograph takes from its vehicle."""
     stops = tuple(
-        Waypoint(position=GeoPosition(47.397742 + 0.001 * n, 8.545594, 0.0), height_m=30.0)
+        FlightWaypoint(position=GeoPosition(47.397742 + 0.001 * n, 8.545594, 0.0), height_m=30.0)
         for n in range(3)
     )
     assignment = Assignment(
         plan_id='p', plan=FlightPlan(waypoints=stops, speed_mps=5.0), viewpoint_ids=(7, 8, 9)
     )
     gps = Gps(fix_type=6, horizontal_std_m=0.3, vertical_std_m=0.5)
-    return Exposure(vehicle='rav1', assignment=assignment, gps=gps, clock_s=100.0)
+    return GeotagContext(vehicle='rav1', assignment=assignment, gps=gps, clock_s=100.0)
 
 
 def test_photograph_has_all_that_places_it(tmp_path):
     """Viewpoint, time of the mission, size; it outlives the process, and its receipt ends it."""
     (tmp_path / 'in').mkdir()
-    film = Film(tmp_path / 'spool')
+    numbering = ShotNumbering(tmp_path / 'spool')
     table = tmp_path / 'shots.csv'
-    made = Photographer(film, WatchedFolder(tmp_path / 'in'), table)
+    made = Geotagger(numbering, FolderSource(tmp_path / 'in'), table)
     for number in range(2):
         place = {'lat': 473977420 + 10000 * number}
         made.on_message(feedback(number, NOW_S + number, **place), ready(), NOW_S)
         leave(tmp_path / 'in', f'{number}.jpg', NOW_S + number)
-    made.develop(exposure(), pytest.fail)
-    first, second = made.develop(exposure(), pytest.fail)
+    made.tagged(context(), pytest.fail)
+    first, second = made.tagged(context(), pytest.fail)
     assert (first.shot_id, first.viewpoint_id, second.viewpoint_id) == ('rav1-00000', 7, 8)
     assert first.time_ns == round((NOW_S + 100.0) * 1e9)
     assert (first.width_px, first.height_px) == (64, 48)
-    again = Film(tmp_path / 'spool')
+    again = ShotNumbering(tmp_path / 'spool')
     assert again.next_sequence == 2
     assert again.store.overdue(0.0) == [first, second]
     for photograph in (first, second):
         assert again.store.take_receipt(photograph.shot_id, photograph.sha256)
-    later = Film(tmp_path / 'spool')
+    later = ShotNumbering(tmp_path / 'spool')
     assert (len(later.store), later.next_sequence) == (0, 2)
     with table.open(newline='') as file:
         rows = list(csv.DictReader(file))
@@ -232,29 +239,29 @@ def test_photograph_has_all_that_places_it(tmp_path):
 
 def test_number_that_was_not_noted_is_not_given_twice(tmp_path):
     """Killed between the photograph and its count: the photograph tells."""
-    film, (vehicle, source) = Film(tmp_path / 'spool'), (ready(), tmp_path / 'in')
+    numbering, (vehicle, source) = ShotNumbering(tmp_path / 'spool'), (ready(), tmp_path / 'in')
     source.mkdir()
-    made = Photographer(film, WatchedFolder(source), None)
+    made = Geotagger(numbering, FolderSource(source), None)
     made.on_message(feedback(0), vehicle, NOW_S)
     leave(source, 'a.jpg', NOW_S)
-    made.develop(exposure(), pytest.fail)
-    made.develop(exposure(), pytest.fail)
+    made.tagged(context(), pytest.fail)
+    made.tagged(context(), pytest.fail)
     (tmp_path / 'spool' / 'next.json').unlink()
-    assert Film(tmp_path / 'spool').next_sequence == 1
+    assert ShotNumbering(tmp_path / 'spool').next_sequence == 1
 
 
 def test_full_spool_is_told_and_flight_goes_on(tmp_path):
     """A picture that cannot be kept is named once; the next one has its number."""
-    film, refused = Film(), []
-    film.store = ShotStore(most_bytes=len(jpeg()))
-    made = Photographer(film, WatchedFolder(tmp_path), None)
+    numbering, refused = ShotNumbering(), []
+    numbering.store = ShotStore(most_bytes=len(jpeg()))
+    made = Geotagger(numbering, FolderSource(tmp_path), None)
     for number in range(2):
         made.on_message(feedback(number, NOW_S + number), ready(), NOW_S)
         leave(tmp_path, f'{number}.jpg', NOW_S + number)
-    made.develop(exposure(), refused.append)
-    kept = made.develop(exposure(), refused.append)
+    made.tagged(context(), refused.append)
+    kept = made.tagged(context(), refused.append)
     assert [shot.sequence for shot in kept] == [0]
-    assert film.next_sequence == 1
+    assert numbering.next_sequence == 1
     (line,) = refused
     assert line.startswith('rav1: 1.jpg is not sent: spool is full')
 

@@ -41,19 +41,19 @@ def sample(name):
     return fields
 
 
-@pytest.mark.parametrize('name', sorted(kind.msgname for kind in library.mavlink_map.values()))
-def test_codec_agrees_with_the_library(name):
+def test_codec_agrees_with_the_library():
     """Every message has the library's bytes, and comes back from them."""
-    fields = sample(name)
-    number, payload = encode(Message(name, fields))
-    ours = pack_frame(number, payload, 1, 1, 0, sign=False)
-    assert ours == by_library(name, fields)
-    found = scan(ours, is_whole=True).frames[0]
-    back = decode(found.message_id, found.payload, 1, 1)
-    texts = {field for field, value in fields.items() if isinstance(value, str)}
-    assert {key: value for key, value in back.fields.items() if key not in texts} == {
-        key: value for key, value in fields.items() if key not in texts
-    }
+    for name in sorted(kind.msgname for kind in library.mavlink_map.values()):
+        fields = sample(name)
+        number, payload = encode(Message(name, fields))
+        ours = pack_frame(number, payload, 1, 1, 0, sign=False)
+        assert ours == by_library(name, fields), name
+        found = scan(ours, is_whole=True).frames[0]
+        back = decode(found.message_id, found.payload, 1, 1).fields
+        texts = {field for field, value in fields.items() if isinstance(value, str)}
+        numbers = fields.keys() - texts
+        assert {key: back[key] for key in numbers} == {key: fields[key] for key in numbers}, name
+        assert set(back) == set(fields), name
 
 
 def test_text_is_cleaned():

@@ -13,7 +13,7 @@ from test.mavlink.test_station import Air, may_fly
 from test.mavlink.wire import DRONE
 
 from rocsafe_mavlink.flight.flight import FlightStage
-from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.wire.dialect import decode
 from rocsafe_mavlink.wire.framing import scan
@@ -60,8 +60,9 @@ class RadioAir(Air):
         """Send bytes to the station."""
         self._send('station', data)
 
-    def carry(self, outgoing):
+    def carry(self):
         """Send what the station sends."""
+        outgoing, self.wires.sent = self.wires.sent, []
         for _address, data in outgoing:
             self._send('copters', data)
 
@@ -119,10 +120,10 @@ def test_flight_over_a_bad_radio(name):
     assert air.visits == sorted(air.visits)
     for stored in armed_with:
         assert compare(air.flight().mission.items, stored, 1) == ''
-    if air.flight().outcome is Outcome.COMPLETED:
+    if air.flight().outcome is FlightOutcome.COMPLETED:
         assert air.flight().visited == 3
     else:
-        assert air.flight().outcome is Outcome.REJECTED
+        assert air.flight().outcome is FlightOutcome.REJECTED
         assert 'loss 40' in name or 'all' in name or 'silences' in name
     air.until(lambda: not air.copters[1].is_armed, 300.0)
 
@@ -133,7 +134,7 @@ def test_lossless_radios_complete():
         air = RadioAir(Radio(seed=5, **options))
         air.until(lambda: air.now_s > READY_S and may_fly(air), 900.0)  # noqa: B023
         air.until(lambda: air.flight().is_over, 900.0)  # noqa: B023
-        assert air.flight().outcome is Outcome.COMPLETED
+        assert air.flight().outcome is FlightOutcome.COMPLETED
 
 
 def test_silence_in_flight_changes_nothing():
@@ -146,7 +147,7 @@ def test_silence_in_flight_changes_nothing():
     air.wait(11.0)
     air.radio.loss = 0.0
     air.until(lambda: air.flight().is_over)
-    assert air.flight().outcome is Outcome.COMPLETED
+    assert air.flight().outcome is FlightOutcome.COMPLETED
     assert [number for number in air.copters[1].commands if number != 511] == before
 
 
@@ -159,7 +160,7 @@ def test_landing_that_nobody_heard_is_told_by_the_mission():
     air.until(lambda: not air.copters[1].is_armed)
     air.radio.loss = 0.0
     air.until(lambda: air.flight().is_over, 60.0)
-    assert (air.flight().outcome, air.flight().visited) == (Outcome.COMPLETED, 3)
+    assert (air.flight().outcome, air.flight().visited) == (FlightOutcome.COMPLETED, 3)
 
 
 @pytest.mark.parametrize('fault', ['fence', 'receiver'])
@@ -174,5 +175,5 @@ def test_failsafe_whose_words_were_lost_is_seen(fault):
     else:
         air.copters[1].has_gps = False
     air.until(lambda: air.flight().is_over)
-    wanted = Outcome.FAILSAFE_FENCE if fault == 'fence' else Outcome.FAILSAFE_GPS
+    wanted = FlightOutcome.FAILSAFE_FENCE if fault == 'fence' else FlightOutcome.FAILSAFE_GPS
     assert air.flight().outcome is wanted

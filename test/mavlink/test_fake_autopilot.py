@@ -8,7 +8,7 @@ from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, GUIDED, LAND, RTL
 from rocsafe_mavlink.autopilots.autopilot import FlightState, Verb
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.fix import fix_fault
-from rocsafe_mavlink.knowledge.vehicle import Contact, MissionPhase
+from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase
 from rocsafe_mavlink.protocols import command_call as commands
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage
 

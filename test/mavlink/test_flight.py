@@ -5,28 +5,37 @@ import math
 from dataclasses import replace
 
 import pytest
-from test.mavlink.sky import US, Sky
+from test.mavlink.sky import TARGET, US, Sky
 from test.mavlink.telemetry import after, heartbeat, ready
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, RTL
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.flight.fence import Fence
-from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly, home_moved
-from rocsafe_mavlink.flight.flight_outcome import Outcome, failsafe_of
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint, mission_of
-from rocsafe_mavlink.flight.preflight import FlightLimits, Knowledge, Verdict, failures, preflight
-from rocsafe_mavlink.knowledge.vehicle import Battery
+from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
+from rocsafe_mavlink.flight.flight_signs import home_moved
+from rocsafe_mavlink.flight.preflight import (
+    CheckVerdict,
+    FlightLimits,
+    VehicleSettings,
+    failures,
+    preflight,
+)
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
+from rocsafe_mavlink.knowledge.telemetry import Battery
 
 HOME = GeoPosition(47.397742, 8.545594)
 NOW_S = 100.0
-UNFENCED = Knowledge(fence=Fence())
+COMMANDS = VehicleCommands(autopilot=COPTER, target=TARGET, us=US)
+UNFENCED = VehicleSettings(fence=Fence())
 
 
 def plan(count=3, **options):
     """Return a plan of waypoints 50 m apart to the north."""
     waypoints = tuple(
-        Waypoint(position=offset(HOME, 0.0, 50.0 * (number + 1)), height_m=30.0)
+        FlightWaypoint(position=offset(HOME, 0.0, 50.0 * (number + 1)), height_m=30.0)
         for number in range(count)
     )
     return FlightPlan(waypoints=waypoints, speed_mps=10.0, **options)
@@ -39,7 +48,7 @@ class Trip:
         self.sky = Sky(**options)
         self.sky.ask_for_rates()
         self.sky.run(lambda: self.sky.copter.up_s > 45.0)
-        self.flight, sent = fly(flown, COPTER, self.sky.vehicle, US, self.sky.now_s)
+        self.flight, sent = fly(flown, COMMANDS, self.sky.vehicle, self.sky.now_s)
         self.sky.give(sent)
         self.visits = [0]
 
@@ -73,7 +82,7 @@ def test_whole_flight_is_completed():
     """Every waypoint, counted up one by one, and only the commands it takes."""
     trip = Trip(plan(takes_photographs=True))
     ended = trip.end()
-    assert (ended.outcome, ended.reason, ended.visited) == (Outcome.COMPLETED, '', 3)
+    assert (ended.outcome, ended.reason, ended.visited) == (FlightOutcome.COMPLETED, '', 3)
     assert trip.visits == sorted(trip.visits)
     assert set(trip.visits) == {0, 1, 2, 3}
     assert [number for number in trip.sky.copter.commands if number != 511] == [176, 400, 176, 300]
@@ -89,15 +98,15 @@ def test_lost_reached_events_are_made_up_for():
             say(name, **fields)
 
     trip.sky.copter._say = say_less
-    assert trip.end().outcome is Outcome.COMPLETED
+    assert trip.end().outcome is FlightOutcome.COMPLETED
 
 
 @pytest.mark.parametrize(
     ('fault', 'outcome'),
     [
-        (lambda copter: copter.lose_battery(), Outcome.FAILSAFE_BATTERY),
-        (lambda copter: copter.breach_fence(), Outcome.FAILSAFE_FENCE),
-        (lambda copter: setattr(copter, 'has_gps', False), Outcome.FAILSAFE_GPS),
+        (lambda copter: copter.lose_battery(), FlightOutcome.FAILSAFE_BATTERY),
+        (lambda copter: copter.breach_fence(), FlightOutcome.FAILSAFE_FENCE),
+        (lambda copter: setattr(copter, 'has_gps', False), FlightOutcome.FAILSAFE_GPS),
     ],
     ids=['battery', 'fence', 'receiver'],
 )
@@ -122,7 +131,7 @@ def test_lost_link_is_not_resumed():
     trip.sky.is_station_alive = False
     trip.until(lambda: trip.sky.vehicle.custom_mode == RTL)
     trip.sky.is_station_alive = True
-    assert trip.end().outcome is Outcome.FAILSAFE_LINK
+    assert trip.end().outcome is FlightOutcome.FAILSAFE_LINK
     assert trip.sky.copter.commands == sent
 
 
@@ -135,7 +144,7 @@ def test_silence_in_flight_is_waited_out():
     trip.until(lambda: trip.sky.now_s > until_s)
     assert trip.flight.visited == 1
     trip.sky.copter.is_silent = False
-    assert trip.end().outcome is Outcome.COMPLETED
+    assert trip.end().outcome is FlightOutcome.COMPLETED
 
 
 def test_silence_for_ever_is_lost():
@@ -144,7 +153,7 @@ def test_silence_for_ever_is_lost():
     trip.fly_on(2)
     trip.sky.copter.is_silent = True
     ended = trip.end(700.0)
-    assert (ended.outcome, ended.visited) == (Outcome.LOST, 2)
+    assert (ended.outcome, ended.visited) == (FlightOutcome.LOST, 2)
     assert 'nothing heard for 600 s' in ended.reason
 
 
@@ -155,7 +164,7 @@ def test_return_by_order_is_aborted():
     trip.sky.copter.mode = RTL
     trip.flight = trip.flight.stopped()
     ended = trip.end()
-    assert (ended.outcome, ended.visited) == (Outcome.ABORTED_BY_OPERATOR, 2)
+    assert (ended.outcome, ended.visited) == (FlightOutcome.ABORTED_BY_OPERATOR, 2)
 
 
 def test_refused_arming_is_rejected_in_its_own_words():
@@ -163,7 +172,7 @@ def test_refused_arming_is_rejected_in_its_own_words():
     trip = Trip(plan())
     trip.sky.copter.has_gps = False
     ended = trip.end()
-    assert ended.outcome is Outcome.REJECTED
+    assert ended.outcome is FlightOutcome.REJECTED
     assert 'Arm: Need Position Estimate' in ended.reason
     assert not trip.sky.copter.is_armed
 
@@ -172,7 +181,7 @@ def test_refused_mission_is_not_armed():
     """An autopilot without room for it says so before any motor turns."""
     trip = Trip(plan(700))
     ended = trip.end()
-    assert ended.outcome is Outcome.REJECTED
+    assert ended.outcome is FlightOutcome.REJECTED
     assert ended.reason == 'mission not taken: no space for so many items'
     assert 400 not in trip.sky.copter.commands
 
@@ -180,13 +189,16 @@ def test_refused_mission_is_not_armed():
 def test_home_that_moved_at_arming_is_rejected():
     """Heights above home would not be those that were planned: the motors go off again."""
     trip = Trip(plan())
-    trip.until(lambda: trip.flight.stage is FlightStage.ARMING)
-    trip.flight = replace(trip.flight, home=replace(trip.flight.home, altitude_msl_m=480.0))
+    planned = replace(trip.sky.vehicle.home, altitude_msl_m=480.0)
+    elsewhere = replace(trip.sky.vehicle, home=planned)
+    trip.flight, sent = fly(plan(), COMMANDS, elsewhere, trip.sky.now_s)
+    trip.sky.give(sent)
     ended = trip.end()
-    assert ended.outcome is Outcome.REJECTED
+    assert ended.outcome is FlightOutcome.REJECTED
     assert 'home moved 0.0 m and 8.0 m in height' in ended.reason
     assert not trip.sky.copter.is_armed
-    assert home_moved(trip.flight.home, None)
+    assert 400 in trip.sky.copter.commands
+    assert home_moved(planned, None)
 
 
 def test_accepted_but_not_shown_is_not_believed():
@@ -194,7 +206,7 @@ def test_accepted_but_not_shown_is_not_believed():
     trip = Trip(plan())
     trip.sky.copter._on_mode = lambda _message: 0
     ended = trip.end()
-    assert ended.outcome is Outcome.REJECTED
+    assert ended.outcome is FlightOutcome.REJECTED
     assert 'heartbeats do not show it' in ended.reason
 
 
@@ -209,7 +221,7 @@ def test_lost_answers_are_made_up_for(number):
             say(name, **fields)
 
     trip.sky.copter._say = say_less
-    assert trip.end().outcome is Outcome.COMPLETED
+    assert trip.end().outcome is FlightOutcome.COMPLETED
 
 
 def test_flight_that_cannot_be_called_back_is_watched():
@@ -219,7 +231,7 @@ def test_flight_that_cannot_be_called_back_is_watched():
     trip.until(lambda: trip.flight.stage is FlightStage.FLYING)
     assert trip.sky.vehicle.is_armed
     ended = trip.end()
-    assert (ended.outcome, ended.visited) == (Outcome.COMPLETED, 2)
+    assert (ended.outcome, ended.visited) == (FlightOutcome.COMPLETED, 2)
 
 
 def stored(sky):
@@ -233,10 +245,10 @@ def test_started_again_it_finds_its_flight_and_sends_nothing():
     trip.fly_on(3)
     sent = list(trip.sky.copter.commands)
     mission = stored(trip.sky)
-    trip.flight = adopted(plan(6), COPTER, trip.sky.vehicle, mission, US)
+    trip.flight = adopted(plan(6), COMMANDS, trip.sky.vehicle, mission)
     trip.step()
     assert trip.flight.visited >= 3
-    assert trip.end().outcome is Outcome.COMPLETED
+    assert trip.end().outcome is FlightOutcome.COMPLETED
     assert trip.sky.copter.commands == sent
 
 
@@ -244,17 +256,17 @@ def test_other_flights_are_not_taken_over():
     """Neither another mission nor a vehicle that stands."""
     trip = Trip(plan(6))
     trip.fly_on()
-    assert adopted(plan(5), COPTER, trip.sky.vehicle, stored(trip.sky), US) is None
+    assert adopted(plan(5), COMMANDS, trip.sky.vehicle, stored(trip.sky)) is None
     standing = after(heartbeat(), vehicle=trip.sky.vehicle)
-    assert adopted(plan(6), COPTER, standing, stored(trip.sky), US) is None
+    assert adopted(plan(6), COMMANDS, standing, stored(trip.sky)) is None
 
 
 def test_armed_vehicle_is_not_sent_off():
     """A flight begins on the ground, from a known home."""
     with pytest.raises(ValueError, match='is armed'):
-        fly(plan(), COPTER, after(heartbeat(AUTO, armed=True), vehicle=ready()), US, NOW_S)
+        fly(plan(), COMMANDS, after(heartbeat(AUTO, armed=True), vehicle=ready()), NOW_S)
     with pytest.raises(ValueError, match='has not told its home'):
-        fly(plan(), COPTER, replace(ready(), home=None), US, NOW_S)
+        fly(plan(), COMMANDS, replace(ready(), home=None), NOW_S)
 
 
 @pytest.mark.parametrize(
@@ -315,7 +327,7 @@ ON, OFF, SHOT, PASS = 'on', 'off', 'shot', ''
 def test_camera_is_triggered_by_distance_along_lanes_only(way, told):
     """On at once after the first waypoint of a lane, off after its last."""
     waypoints = tuple(
-        Waypoint(position=offset(HOME, float(east), float(north)), height_m=30.0)
+        FlightWaypoint(position=offset(HOME, float(east), float(north)), height_m=30.0)
         for east, north in way
     )
     flown = FlightPlan(waypoints=waypoints, speed_mps=10.0, trigger_distance_m=20.0)
@@ -325,7 +337,9 @@ def test_camera_is_triggered_by_distance_along_lanes_only(way, told):
 def test_bend_is_not_photographed():
     """It ends a lane, though the way goes straight on there."""
     waypoints = [
-        Waypoint(position=offset(HOME, 0.0, 20.0 * number), height_m=30.0, is_bend=number == 3)
+        FlightWaypoint(
+            position=offset(HOME, 0.0, 20.0 * number), height_m=30.0, is_bend=number == 3
+        )
         for number in range(7)
     ]
     flown = FlightPlan(waypoints=tuple(waypoints), speed_mps=10.0, trigger_distance_m=20.0)
@@ -349,12 +363,12 @@ def shutter_words(flown):
 def verdicts(vehicle, flown=None, **limits):
     """Return the checks that did not pass."""
     checks = preflight(vehicle, COPTER, flown or plan(), FlightLimits(**limits), NOW_S, UNFENCED)
-    return {check.name for check in checks if check.verdict is Verdict.FAIL}, failures(checks)
+    return {check.name for check in checks if check.verdict is CheckVerdict.FAIL}, failures(checks)
 
 
 def fence_check(**known):
     """Return the look at the fence before `plan()`."""
-    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, Knowledge(**known))
+    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, VehicleSettings(**known))
     return next(check for check in checks if check.name == 'within fence')
 
 
@@ -362,13 +376,13 @@ def test_fence_is_read_before_a_flight():
     """Until then the flight waits; a vehicle that keeps none, or does not tell, is warned of."""
     unread = fence_check()
     assert (unread.verdict, unread.value, unread.may_pass_soon) == (
-        Verdict.FAIL,
+        CheckVerdict.FAIL,
         'not read yet',
         True,
     )
-    assert fence_check(fence=Fence()).verdict is Verdict.PASS
+    assert fence_check(fence=Fence()).verdict is CheckVerdict.PASS
     silent = fence_check(fence_error='no answer to a count')
-    assert (silent.verdict, silent.value) == (Verdict.WARN, 'no answer to a count')
+    assert (silent.verdict, silent.value) == (CheckVerdict.WARN, 'no answer to a count')
 
 
 def test_leg_across_an_exclusion_is_outside():
@@ -376,14 +390,14 @@ def test_leg_across_an_exclusion_is_outside():
     places = [waypoint.position for waypoint in plan().waypoints]
     near = [offset(places[0], *step) for step in ((-5.0, 9.0), (5.0, 9.0), (5.0, 12.0))]
     check = fence_check(fence=Fence(exclusions=(tuple(near),)))
-    assert (check.verdict, check.may_pass_soon) == (Verdict.FAIL, False)
+    assert (check.verdict, check.may_pass_soon) == (CheckVerdict.FAIL, False)
     assert 'legs partly outside' in check.value
 
 
 def test_ready_vehicle_passes():
     """Only what a simulator does not tell, and what was not read yet, is warned of."""
     checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, UNFENCED)
-    assert {check.name for check in checks if check.verdict is not Verdict.PASS} == {
+    assert {check.name for check in checks if check.verdict is not CheckVerdict.PASS} == {
         'geoid',
         'settings',
     }
@@ -439,8 +453,8 @@ def test_wild_plan_fails(limits, text):
     [
         (lambda: FlightPlan(waypoints=(), speed_mps=5.0), 'at least one waypoint'),
         (lambda: FlightPlan(waypoints=plan().waypoints, speed_mps=math.nan), 'speed_mps is nan'),
-        (lambda: Waypoint(position=HOME, height_m=-1.0), 'height_m is -1'),
-        (lambda: Waypoint(position=HOME, height_m=9.0, hold_s=math.inf), 'hold_s is inf'),
+        (lambda: FlightWaypoint(position=HOME, height_m=-1.0), 'height_m is -1'),
+        (lambda: FlightWaypoint(position=HOME, height_m=9.0, hold_s=math.inf), 'hold_s is inf'),
     ],
 )
 def test_wrong_plan_is_not_made(make, words):
@@ -452,5 +466,5 @@ def test_wrong_plan_is_not_made(make, words):
 def test_words_of_failsafes():
     """What was cleared is no cause."""
     assert failsafe_of('GCS Failsafe Cleared') is None
-    assert failsafe_of('GCS Failsafe') is Outcome.FAILSAFE_LINK
+    assert failsafe_of('GCS Failsafe') is FlightOutcome.FAILSAFE_LINK
     assert failsafe_of('Mission: 1 Takeoff') is None

@@ -4,7 +4,7 @@
 import pytest
 from test.mavlink.telemetry import said
 
-from rocsafe_mavlink.flight.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.knowledge.px4_events import event_number, text_of_event
 from rocsafe_mavlink.wire.dialect import decode, encode
 
@@ -25,10 +25,14 @@ def test_numbers_are_those_of_a_real_one():
 @pytest.mark.parametrize(
     ('name', 'arguments', 'outcome'),
     [
-        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 2), Outcome.FAILSAFE_LINK),
-        ('commander_failsafe_enter_hold', (1, 0, 0, 0, 6, 5, 0, 4), Outcome.FAILSAFE_BATTERY),
-        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 6), Outcome.FAILSAFE_BATTERY),
-        ('check_gf_violation_custom_gf', (255, 3), Outcome.FAILSAFE_FENCE),
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 2), FlightOutcome.FAILSAFE_LINK),
+        (
+            'commander_failsafe_enter_hold',
+            (1, 0, 0, 0, 6, 5, 0, 4),
+            FlightOutcome.FAILSAFE_BATTERY,
+        ),
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 6), FlightOutcome.FAILSAFE_BATTERY),
+        ('check_gf_violation_custom_gf', (255, 3), FlightOutcome.FAILSAFE_FENCE),
     ],
 )
 def test_failsafe_is_named(name, arguments, outcome):

@@ -18,7 +18,7 @@ def test_a_plain_camera_is_a_rig_of_one():
     parameters = camera_parameters(CameraBlock(horizontal_fov_deg=70.0), ())
     rig = values_of(parameters.pop('cameras_file'), CameraRig, 'cameras')
     assert rig.cameras == (CameraSettings(horizontal_fov_deg=70.0),)
-    assert parameters == {'camera_backend': 'flat', 'scene_file': '', 'ground': 'procedural'}
+    assert parameters == {'camera_backend': 'flat', 'scene_file': '', 'ground': 'scene'}
 
 
 def test_vehicles_understand_what_is_written():

@@ -133,3 +133,21 @@ def test_localize_runs_the_executable_with_the_options(
     assert capfd.readouterr().out == 'got good.csv --model air --json\n'
     assert main(['localize', 'bad.csv']) == errors.EXIT_USAGE
     assert capfd.readouterr().err == 'error: no\n'
+
+
+def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) -> None:
+    """`rocsafe --version` prints the version that all packages have, and the git revision."""
+    sources = Path(__file__).parents[2] / 'src'
+    manifests = [re.search(r'<version>(.*)</version>', path.read_text())
+                 for path in sources.glob('*/package.xml')]  # fmt: skip
+    setups = [
+        re.search(r"version='(.*)'", path.read_text()) for path in sources.glob('*/setup.py')
+    ]
+    (version,) = {found[1] for found in (*manifests, *setups) if found is not None}
+    assert None not in (*manifests, *setups)
+    with pytest.raises(SystemExit) as ended:
+        main(['--version'])
+    assert ended.value.code == 0
+    assert re.fullmatch(
+        rf'rocsafe {re.escape(version)}( \(git [0-9a-f]{{12}}.*\))?\n', capsys.readouterr().out
+    )

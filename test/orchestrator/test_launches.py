@@ -21,7 +21,7 @@ from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
 from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
-from rocsafe_orchestrator.processes.processes import ProcessSpec, crew_of, process_table
+from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions

@@ -39,7 +39,7 @@ from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
-from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns

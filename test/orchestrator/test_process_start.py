@@ -15,7 +15,7 @@ DEADLINE_S = 60.0
 SUPERVISOR = """
 import json, logging, os, sys, threading, time
 from pathlib import Path
-from rocsafe_orchestrator.processes.process_start import begin_as_copy
+from rocsafe_orchestrator.processes.process_start import begin_as_fork
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 
@@ -28,7 +28,7 @@ launch = Launch(name='node', command=(script, 'a', 'b c'), log=Path(log), restar
 environment = {'PATH': os.environ['PATH'], 'WORD': 'green'}
 supervisor = Supervisor([launch], environment)
 exec(before)
-supervisor.start('node', begin_as_copy)
+supervisor.start('node', begin_as_fork)
 if int(signal):
     os.kill(supervisor.pid_of('node'), int(signal))
 while not (events := supervisor.poll()):

@@ -14,8 +14,8 @@ from rocsafe_orchestrator.command_line.progress import (
     clock_text,
     make_display,
     percent_text,
-    picture,
     plain_line,
+    status_table,
 )
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
@@ -62,7 +62,7 @@ def text_of(output: Console) -> str:
 def test_picture_shows_every_figure() -> None:
     """Phase, waypoint, photographs, battery, highest reading, times and restarts are seen."""
     output = console()
-    output.print(picture('derailment', FLYING))
+    output.print(status_table('derailment', FLYING))
     shown = text_of(output)
     for figure in (
         'derailment  FLYING',
@@ -122,7 +122,7 @@ def test_unknown_figures_are_dashes() -> None:
     """What is not known is not shown as a number."""
     assert percent_text(math.nan) == '-'
     output = console()
-    output.print(picture('x', RunStatus(phase=Phase.STARTING)))
+    output.print(status_table('x', RunStatus(phase=Phase.STARTING)))
     assert 'nan' not in text_of(output).lower()
 
 

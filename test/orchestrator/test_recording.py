@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from rocsafe_orchestrator.recording.finalising import finalise
 from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
-from rocsafe_orchestrator.recording.recording import Channel, SegmentWriter, segments, stamp_ns
+from rocsafe_orchestrator.recording.segments import Channel, SegmentWriter, segments, stamp_ns
 
 SECOND = 1_000_000_000
 FIX = Channel(topic='/rav1/fix', message_type='sensor_msgs/msg/NavSatFix')

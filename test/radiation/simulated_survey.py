@@ -5,7 +5,7 @@ import numpy as np
 
 from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 HEIGHT_M = 32.0
 LOSSLESS = LocalizationOptions(kernel=Kernel(is_lossy=False), source_up_m=0.0, source_up_std_m=0.0)
@@ -24,7 +24,7 @@ def survey(sources, seed=0, sensitivity=550.0, background_usvh=0.1, position_noi
         rates = rates + strength / ((east - x) ** 2 + (north - y) ** 2 + HEIGHT_M**2)
     places = np.stack([east, north, np.full(east.size, HEIGHT_M)], axis=1)
     places[:, :2] += generator.normal(0.0, position_noise_m, (east.size, 2))
-    return Survey(
+    return RadiationSurvey(
         positions_enu_m=places,
         counts=generator.poisson(sensitivity * rates).astype(float),
         exposures=np.full(east.size, sensitivity),

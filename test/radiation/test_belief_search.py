@@ -8,8 +8,8 @@ import pytest
 
 from rocsafe_radiation.belief.belief_search import believe, poisson_below
 from rocsafe_radiation.localization.localize import LocalizationOptions, TooFewReadingsError
-from rocsafe_radiation.products.assessment import PictureOptions, picture_of, suggested_waypoints
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.products.assessment import AssessmentOptions, assess, suggested_waypoints
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -59,13 +59,13 @@ def test_a_picture_is_made_by_either_method():
     """Same products; places to measure next come from either."""
     readings = survey([(150.0, 150.0, 925.0)])
     for method in ('poisson-ml', 'belief-grid'):
-        picture = picture_of(readings, PictureOptions(known=LOSSLESS, method=method))
-        assert picture.found.method == method
-        assert (picture.belief is not None) == (method == 'belief-grid')
-        assert picture.cordons
-        assert len(suggested_waypoints(picture, 3)) == 3
+        assessment = assess(readings, AssessmentOptions(known=LOSSLESS, method=method))
+        assert assessment.found.method == method
+        assert (assessment.belief is not None) == (method == 'belief-grid')
+        assert assessment.cordons
+        assert len(suggested_waypoints(assessment, 3)) == 3
     with pytest.raises(ValueError, match="method = 'guess' must be one of: poisson-ml"):
-        PictureOptions(method='guess')
+        AssessmentOptions(method='guess')
 
 
 def test_without_a_source_the_doubtful_ground_is_to_be_measured():
@@ -73,14 +73,14 @@ def test_without_a_source_the_doubtful_ground_is_to_be_measured():
     full = survey([], seed=1)
     west = full.positions_enu_m[:, 0] < 100.0
     west |= full.positions_enu_m.sum(axis=1) > 620.0
-    half = Survey(
+    half = RadiationSurvey(
         positions_enu_m=full.positions_enu_m[west],
         counts=full.counts[west],
         exposures=full.exposures[west],
     )
-    picture = picture_of(half, PictureOptions(known=LOSSLESS))
-    assert not picture.verdict.is_enough
-    places = [one.position_enu_m for one in suggested_waypoints(picture, 6)]
+    assessment = assess(half, AssessmentOptions(known=LOSSLESS))
+    assert not assessment.verdict.is_enough
+    places = [one.position_enu_m for one in suggested_waypoints(assessment, 6)]
     assert len(places) == 6
     assert min(x for x, _, _ in places) > 80.0
 
@@ -96,6 +96,8 @@ def test_poisson_probabilities_are_near_the_exact_ones():
 
 def test_too_few_readings_are_told():
     """As by the likelihood."""
-    few = Survey(positions_enu_m=np.zeros((2, 3)), counts=np.ones(2), exposures=np.ones(2))
+    few = RadiationSurvey(
+        positions_enu_m=np.zeros((2, 3)), counts=np.ones(2), exposures=np.ones(2)
+    )
     with pytest.raises(TooFewReadingsError, match='2 readings at different places'):
         believe(few, LocalizationOptions())

@@ -12,7 +12,7 @@ from rocsafe_radiation.localization.hypothesis import is_placed
 from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.localization.source_count import search
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -33,7 +33,7 @@ def uneven(sources, seed, share=0.2, lengths_m=(150.0, 400.0)):
     for x, y, strength in sources:
         squares = (places[:, 0] - x) ** 2 + (places[:, 1] - y) ** 2 + places[:, 2] ** 2
         rates = rates + strength / squares
-    return Survey(
+    return RadiationSurvey(
         positions_enu_m=places,
         counts=generator.poisson(550.0 * rates).astype(float),
         exposures=flown.exposures,

@@ -210,11 +210,16 @@ def test_what_is_gone_or_not_there_is_refused_in_one_line(ros, values, words):
 
 
 def test_the_example_of_the_manual_is_a_field(ros, tmp_path):
-    """The settings file of docs/radiation.md, as it stands there."""
+    """The settings file of docs/radiation.md, as it stands there; the first source is seen."""
     manual = (Path(__file__).parents[2] / 'docs' / 'radiation.md').read_text()
     example = manual.partition('```yaml\n# my.yaml\n')[2].partition('```')[0]
     file = tmp_path / 'my.yaml'
     file.write_text(example)
-    given = parameters(field_file=str(file), model='shielded')
-    node = FieldNode(context=ros.context, parameter_overrides=given)
-    node.destroy_node()
+    bench = Bench(ros, field_file=str(file), model='shielded')
+    near, far = (
+        GeoPoint(latitude=53.2799 + north, longitude=-9.0630, altitude=70.0)
+        for north in (0.0, 0.01)
+    )
+    rates = bench.ask(near, far).dose_rate_usvh
+    assert rates[0] > 20.0 * rates[1] > 0.0
+    bench.close()

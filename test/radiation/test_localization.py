@@ -17,7 +17,7 @@ from rocsafe_radiation.localization.localize import (
 )
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.spectral_window import background_shape
-from rocsafe_radiation.readings.survey import Observation, Survey, survey_of
+from rocsafe_radiation.readings.survey import LocalReading, RadiationSurvey, survey_of
 
 from .simulated_survey import HEIGHT_M, LOSSLESS, survey
 
@@ -72,7 +72,7 @@ def test_position_noise_makes_no_further_sources():
 def test_a_height_unknown_by_a_metre_is_fitted():
     """The strength goes with the height: with its prior, both come near the truth."""
     readings = survey([(140.0, 150.0, 9250.0)])
-    lifted = Survey(
+    lifted = RadiationSurvey(
         positions_enu_m=readings.positions_enu_m + np.array([0.0, 0.0, 1.5]),
         counts=readings.counts,
         exposures=readings.exposures,
@@ -100,7 +100,7 @@ def test_the_gradient_is_that_of_the_objective():
 def test_the_same_readings_in_another_order_give_the_same():
     """Nothing depends on the order, nor is anything random."""
     readings = survey([(120.0, 170.0, CAESIUM_10_GBQ)])
-    turned = Survey(
+    turned = RadiationSurvey(
         positions_enu_m=readings.positions_enu_m[::-1],
         counts=readings.counts[::-1],
         exposures=readings.exposures[::-1],
@@ -127,7 +127,7 @@ def test_an_ellipse_points_along_its_long_axis():
 
 def test_too_few_readings_are_refused():
     """Also many at one place."""
-    reading = Observation(position_enu_m=(0.0, 0.0, HEIGHT_M), dose_rate_usvh=0.1)
+    reading = LocalReading(position_enu_m=(0.0, 0.0, HEIGHT_M), dose_rate_usvh=0.1)
     with pytest.raises(TooFewReadingsError, match='1 readings at different places'):
         localize(survey_of([reading] * 50))
     with pytest.raises(TooFewReadingsError, match='at least 8'):
@@ -136,12 +136,12 @@ def test_too_few_readings_are_refused():
 
 def test_counts_win_over_dose_rates():
     """Exposure is counts over dose rate, or sensitivity times live time."""
-    counted = Observation(
+    counted = LocalReading(
         position_enu_m=(0, 0, 32), dose_rate_usvh=0.2, counts=110, live_time_s=1.0
     )
     assert survey_of([counted]).exposures == pytest.approx([550.0])
     assert survey_of([counted], 600.0).exposures == pytest.approx([600.0])
-    stated = Observation(position_enu_m=(0, 0, 32), dose_rate_usvh=0.2, dose_rate_std_usvh=0.02)
+    stated = LocalReading(position_enu_m=(0, 0, 32), dose_rate_usvh=0.2, dose_rate_std_usvh=0.02)
     assert survey_of([stated]).counts == pytest.approx([100.0])
 
 
@@ -188,7 +188,7 @@ def test_take_off_and_landing_make_no_source():
     climb = np.stack([np.full(ups.size, -60.0), np.full(ups.size, 20.0), ups], axis=1)
     squares = ((climb - [140.0, 150.0, 0.0]) ** 2).sum(axis=1)
     rates = 0.07 * np.exp((32.0 - ups) / 120.0) + 0.03 + 1850.0 / squares
-    readings = Survey(
+    readings = RadiationSurvey(
         positions_enu_m=np.vstack([flown.positions_enu_m, climb]),
         counts=np.append(flown.counts, generator.poisson(550.0 * rates)),
         exposures=np.full(flown.size + ups.size, 550.0),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rocsafe_radiation.localization.localize import localize
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS
 
@@ -20,7 +20,7 @@ def along_lines(offsets_m, source, strength_usvh):
     rates = 0.05 + strength_usvh / squares
     counts = np.random.default_rng(0).poisson(1500.0 * rates).astype(float)
     exposures = np.full(len(places), 1500.0)
-    return Survey(positions_enu_m=places, counts=counts, exposures=exposures)
+    return RadiationSurvey(positions_enu_m=places, counts=counts, exposures=exposures)
 
 
 def test_beside_a_single_line_both_sides_are_within_the_ellipse():

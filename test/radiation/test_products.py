@@ -15,7 +15,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.products.assessment import PictureOptions, picture_of
+from rocsafe_radiation.products.assessment import AssessmentOptions, assess
 from rocsafe_radiation.products.cordon import KML_NAMESPACE, cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.products.files import write_products
@@ -123,8 +123,8 @@ def test_a_level_of_nothing_is_refused():
 def test_files_agree_on_where_the_source_is(tmp_path):
     """GeoTIFF, GeoJSON and KML, in degrees."""
     readings = survey([(120.0, 170.0, 9250.0)])
-    options = PictureOptions(known=LOSSLESS)
-    write_products(tmp_path, picture_of(readings, options), FRAME)
+    options = AssessmentOptions(known=LOSSLESS)
+    write_products(tmp_path, assess(readings, options), FRAME)
     place = FRAME.position_of([120.0, 170.0, 0.0])
     areas = json.loads((tmp_path / 'cordons.geojson').read_text())['features']
     hundred = next(a for a in areas if a['properties']['level_usv_h'] == 100.0)

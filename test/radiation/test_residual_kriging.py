@@ -7,7 +7,7 @@ import pytest
 from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.products.dose_map import dose_map
 from rocsafe_radiation.products.residual_kriging import residual
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -19,7 +19,7 @@ def uneven(seed=3):
     flown = survey([])
     logs = log_ground(flown.positions_enu_m[:, 0], flown.positions_enu_m[:, 1])
     counts = np.random.default_rng(seed).poisson(550.0 * 0.1 * np.exp(logs))
-    return Survey(
+    return RadiationSurvey(
         positions_enu_m=flown.positions_enu_m,
         counts=counts.astype(float),
         exposures=flown.exposures,

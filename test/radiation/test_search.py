@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
-from rocsafe_radiation.decision.assessment_steps import Inquiry
+from rocsafe_radiation.decision.assessment_steps import PendingRequest
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints
@@ -183,7 +183,7 @@ def test_a_sensor_that_always_lies_is_refused():
 
 def test_a_question_waits_for_readings_that_still_come():
     """For a quiet moment and for what came until then; after three askings it waits no longer."""
-    inquiry = Inquiry()
+    inquiry = PendingRequest()
     second = 1_000_000_000
     inquiry.news(0)
     assert not inquiry.is_answerable(second // 2, 10, 10), 'more may come'

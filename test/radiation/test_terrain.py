@@ -26,7 +26,7 @@ from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.dose_map import dose_map
 from rocsafe_radiation.readings.ground import LEVEL, Ground, GroundError, ground_over
 from rocsafe_radiation.readings.reading_log import FlightReading, ReadingLog
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import HEIGHT_M, LOSSLESS
 
@@ -51,7 +51,7 @@ def level_flight(ground=LEVEL, seed=0, rise=RISE):
     x, y, strength = SOURCE
     squares = ((places - [x, y, rise * x + 0.5]) ** 2).sum(axis=1)
     rates = 0.1 + strength / squares
-    return Survey(
+    return RadiationSurvey(
         positions_enu_m=places,
         counts=generator.poisson(550.0 * rates).astype(float),
         exposures=np.full(east.size, 550.0),

@@ -15,8 +15,10 @@ DEADLINE_S = 60.0
 
 
 @pytest.fixture(scope='session')
-def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
+def ros_domain_id(default_domain: int | None) -> Iterator[int]:
     """Reserve a domain for this folder: its robot poses as a vehicle to the session's end."""
+    if default_domain is None:
+        pytest.skip('no ROS 2 here: source it or run make setup')
     with reserved_domain() as number:
         yield number
 

@@ -25,7 +25,7 @@ FLY = 'rocsafe_interfaces/action/FlyRoute'
 
 
 def test_topics_are_listed(robot, ros2):
-    """Hidden ones only if asked for; with types, or only their number."""
+    """Without hidden ones; with types if they are wanted."""
     names = [
         '/parameter_events',
         '/rav1/command',
@@ -35,24 +35,7 @@ def test_topics_are_listed(robot, ros2):
         '/rosout',
     ]
     assert ros2('topic', 'list') == (0, '\n'.join(names) + '\n', '')
-    assert ros2('topic', 'list', '-c') == (0, '6\n', '')
-    _, out, _ = ros2('topic', 'list', '-t', '--include-hidden-topics')
-    assert '/rav1/fix [sensor_msgs/msg/NavSatFix]\n' in out
-    assert f'/rav1/fly_route/_action/feedback [{FLY}_FeedbackMessage]\n' in out
-
-
-def test_topics_are_listed_with_their_ends(robot, ros2):
-    """Publishers and subscribers are counted, those of our own hidden nodes included."""
-    status, out, _ = ros2('topic', 'list', '-v')
-    assert status == 0
-    assert out.startswith(
-        'Published topics:\n'
-        ' * /parameter_events [rcl_interfaces/msg/ParameterEvent] 3 publishers\n'
-        ' * /rav1/fix [sensor_msgs/msg/NavSatFix] 1 publisher\n'
-    )
-    assert out.endswith(
-        '\n\nSubscribed topics:\n * /rav1/command [std_msgs/msg/String] 1 subscriber\n\n'
-    )
+    assert '/rav1/fix [sensor_msgs/msg/NavSatFix]\n' in ros2('topic', 'list', '-t')[1]
 
 
 def test_topic_info(robot, ros2):
@@ -71,17 +54,9 @@ def test_topic_info(robot, ros2):
     assert ros2('topic', 'info', '/none') == (1, '', "Unknown topic '/none'\n")
 
 
-def test_topic_type(robot, ros2):
-    """The type alone, for pipes; status 1 without one."""
-    assert ros2('topic', 'type', '/rav1/fix') == (0, 'sensor_msgs/msg/NavSatFix\n', '')
-    assert ros2('topic', 'type', '/none') == (1, '', '')
-
-
 def test_nodes_are_listed(robot, ros2):
     """Our own node, and that of the fixture, are hidden."""
     assert ros2('node', 'list') == (0, '/rav1/robot\n', '')
-    assert ros2('node', 'list', '-c') == (0, '1\n', '')
-    assert ros2('node', 'list', '-a', '-c') == (0, '3\n', '')
 
 
 def test_node_info(robot, ros2):
@@ -113,13 +88,10 @@ def test_node_info(robot, ros2):
     assert ros2('node', 'info', '/none') == (1, '', "Unable to find node '/none'\n")
 
 
-def test_services_are_listed_and_typed(robot, ros2):
-    """Hidden ones only if asked for."""
+def test_services_are_listed(robot, ros2):
+    """Without hidden ones; with types if they are wanted."""
     assert ros2('service', 'list') == (0, '\n'.join(ROBOT_SERVICES) + '\n', '')
-    assert ros2('service', 'list', '-c') == (0, '8\n', '')
     assert '/rav1/switch [std_srvs/srv/SetBool]\n' in ros2('service', 'list', '-t')[1]
-    assert ros2('service', 'type', '/rav1/switch') == (0, 'std_srvs/srv/SetBool\n', '')
-    assert ros2('service', 'type', '/none') == (1, '', '')
 
 
 def test_a_service_is_called(robot, ros2):
@@ -151,14 +123,9 @@ def test_a_wrong_call_is_refused_at_once(ros2, words, error):
 
 
 def test_actions_are_listed(robot, ros2):
-    """Names, types, number, and who has them."""
+    """Names, with types if they are wanted."""
     assert ros2('action', 'list') == (0, '/rav1/fly_route\n', '')
     assert ros2('action', 'list', '-t') == (0, f'/rav1/fly_route [{FLY}]\n', '')
-    assert ros2('action', 'list', '-c') == (0, '1\n', '')
-    expected = (
-        f'Action: /rav1/fly_route\nAction clients: 0\nAction servers: 1\n    /rav1/robot [{FLY}]\n'
-    )
-    assert ros2('action', 'info', '/rav1/fly_route', '-t') == (0, expected, '')
 
 
 def test_a_goal_is_sent(robot, ros2):
@@ -207,19 +174,17 @@ def test_a_wrong_goal_is_refused_at_once(ros2):
     assert ros2(*send, 'std_srvs/srv/SetBool') == (1, '', invalid)
     status, _, error = ros2(*send, FLY, '{none: 1}')
     assert status == 1
-    assert error.startswith("Failed to populate message fields: AttributeError(\"'FlyRoute_Goal'")
+    assert error.startswith("Failed to populate field: 'FlyRoute_Goal' object has no attribute")
 
 
 def test_parameters_are_listed(robot, ros2):
-    """Of one node, of all, some of them, with types."""
+    """Of one node, named with or without the first slash."""
     listed = (
         '  battery.cells\n  count\n  names\n  speed_mps\n'
         '  start_type_description_service\n  use_sim_time\n'
     )
     assert ros2('param', 'list', '/rav1/robot') == (0, listed, '')
-    assert ros2('param', 'list') == (0, '/rav1/robot:\n' + listed, '')
-    typed = '  speed_mps (type: double)\n'
-    assert ros2('param', 'list', 'rav1/robot', '--filter', 'sp', '--param-type') == (0, typed, '')
+    assert ros2('param', 'list', 'rav1/robot') == (0, listed, '')
     assert ros2('param', 'list', '/none') == (1, '', 'Node not found\n')
 
 
@@ -233,16 +198,14 @@ def test_parameters_are_listed(robot, ros2):
     ],
 )
 def test_a_parameter_is_shown(robot, ros2, name, label, value):
-    """With its type in words, or without."""
+    """With its type in words."""
     assert ros2('param', 'get', '/rav1/robot', name) == (0, f'{label} {value}\n', '')
-    assert ros2('param', 'get', '/rav1/robot', name, '--hide-type') == (0, f'{value}\n', '')
 
 
 def test_a_parameter_that_is_not_there(robot, ros2):
     """The node is told from the parameter."""
     assert ros2('param', 'get', '/rav1/robot', 'none') == (1, '', 'Parameter not set\n')
-    answer = ros2('param', 'get', '/none', 'none', '--timeout', '0')
-    assert answer == (1, '', 'Node not found\n')
+    assert ros2('param', 'get', '/none', 'none') == (1, '', 'Node not found\n')
 
 
 def test_a_parameter_is_set_or_refused(robot, ros2):
@@ -254,14 +217,3 @@ def test_a_parameter_is_set_or_refused(robot, ros2):
     status, out, error = ros2('param', 'set', '/rav1/robot', 'speed_mps', '100.0')
     assert (status, out) == (0, '')
     assert error.startswith('Setting parameter failed: ')
-
-
-def test_parameters_are_dumped_as_a_parameter_file(robot, ros2):
-    """Dotted names become mappings."""
-    status, out, _ = ros2('param', 'dump', '/rav1/robot')
-    assert status == 0
-    assert out == (
-        '/rav1/robot:\n  ros__parameters:\n    battery:\n      cells:\n      - 1\n      - 2\n'
-        '    count: 3\n    names:\n    - a\n    - b\n    speed_mps: 5.0\n'
-        '    start_type_description_service: true\n    use_sim_time: false\n\n'
-    )

@@ -53,7 +53,7 @@ REFUSED = [
     ('seed', True, 'must be a valid integer'),
     ('name', '../up', 'must match'),
     ('clock.start', 'noon', 'must be a valid datetime'),
-    ('camera.ground', 'no.tif', 'must be procedural or the path of a GeoTIFF; no such file'),
+    ('camera.ground', 'no.tif', 'must be scene or the path of a GeoTIFF; no such file'),
     ('survey.terrain_file', 'no.tif', 'must be the path of a GeoTIFF of heights; no such file'),
     ('camera.effects.vignetting', 2.0, 'must be less than or equal to 1'),
     ('camera.gimbal', 1, 'must be a valid boolean'),

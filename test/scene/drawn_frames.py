@@ -32,7 +32,7 @@ def scene():
 
 def poses():
     """Return where from, by name."""
-    from rocsafe_scene.engine.lens import looking
+    from rocsafe_scene.graphics.lens import looking
 
     return {
         'nadir': (np.array([0.5, -1.0, 32.0]), rotation_enu_from_optical(0.3, 0.05, -0.03)),
@@ -61,7 +61,7 @@ def drawn(folder: Path, **environment: str) -> tuple[dict, str]:
 
 def main(path: str) -> None:
     """Draw, write, and say what drew."""
-    from rocsafe_scene.engine.studio import open_renderer
+    from rocsafe_scene.engine.oversampled_camera import open_renderer
 
     environment = scene()
     renderer = open_renderer(environment, environment.description)

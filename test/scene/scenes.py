@@ -5,7 +5,7 @@ import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.relief import Relief
 from rocsafe_scene.ground.terrain import INNER_HALF_M, OUTER_HALF_M, make_terrain
 from rocsafe_scene.mesh.classes import class_number

@@ -16,8 +16,8 @@ from rocsafe_scene.scene.environment import GROUND_NUMBER
 from rocsafe_scene.scene.sunlight import lighting, sun_direction
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
-from rocsafe_scene.engine.lens import looking
 from rocsafe_scene.engine.renderer import Renderer
+from rocsafe_scene.graphics.lens import looking
 
 LENS = PinholeCamera(math.radians(60.0), 240, 180)
 NADIR = (np.array([0.5, -1.0, 32.0]), rotation_enu_from_optical(0.3, 0.05, -0.03))

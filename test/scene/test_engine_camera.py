@@ -118,19 +118,19 @@ def test_the_label_table_names_every_instance():
 def test_ground_is_told_by_what_it_is():
     """Road and grass have different numbers, things keep theirs."""
     pytest.importorskip('panda3d', reason='panda3d is not installed')
-    from rocsafe_scene.cameras.engine_camera import GROUND_NUMBERS, told_numbers
-    from rocsafe_scene.engine.outputs import Frame
+    from rocsafe_scene.cameras.engine_camera import GROUND_NUMBERS, reported_numbers
+    from rocsafe_scene.graphics.rendering import Rendering
 
     road, grass, tank = (class_number(name) for name in ('asphalt', 'grass', 'tank_car'))
     shape = (1, 3)
-    frame = Frame(
+    frame = Rendering(
         image=np.zeros((*shape, 3), np.uint8),
         depth_m=np.ones(shape, np.float32),
         numbers=np.array([[1, 1, 7]], np.uint32),
         classes=np.array([[road, grass, tank]], np.uint8),
         normals=np.zeros((*shape, 3), np.uint8),
     )
-    assert told_numbers(frame).tolist() == [[GROUND_NUMBERS + road, GROUND_NUMBERS + grass, 7]]
+    assert reported_numbers(frame).tolist() == [[GROUND_NUMBERS + road, GROUND_NUMBERS + grass, 7]]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.optics.distortion import Distortion, pixel_rays
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_scene.optics.light import image_of_light, light_of
 from rocsafe_scene.optics.motion import (
     CameraMotion,
     motion_between,
@@ -21,6 +20,7 @@ from rocsafe_scene.optics.motion import (
     plane_depth_m,
 )
 from rocsafe_scene.optics.optics import Optics
+from rocsafe_scene.optics.sensor_response import image_of_light, light_of
 
 LENS = PinholeCamera(math.radians(60.0), 160, 120)
 BARREL = (-0.22, 0.06, 0.004, -0.003, -0.01)

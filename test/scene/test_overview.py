@@ -11,8 +11,8 @@ import yaml
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.errors import SceneError
-from rocsafe_scene.scene.overview import RunRoutes, draw_routes, read_run
 
 LENS = PinholeCamera(math.radians(90.0), 201, 201)
 POSE = (np.array([0.0, 0.0, 100.0]), rotation_enu_from_optical(math.pi / 2))

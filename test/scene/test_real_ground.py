@@ -6,7 +6,7 @@ import pytest
 from test.scene.scenes import FRAME
 
 from rocsafe_scene.errors import SceneError
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.real_ground import draped, measured_heights
 from rocsafe_scene.ground.terrain import make_terrain
 from rocsafe_scene.scene.building import check

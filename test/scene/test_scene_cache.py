@@ -6,8 +6,8 @@ import pytest
 from test.scene.scenes import THINGS, describe, plain_map
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_scene.engine.thrift import forget
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.graphics.memory import drop_mapped_pages
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.scene import map_cache, scene_cache
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)
@@ -85,6 +85,6 @@ def test_painted_ground_is_kept_in_a_file_that_processes_share(tmp_path):
     assert len(painted) == 1
     for ground in (first, again):
         assert isinstance(ground.colours, np.memmap)
-        forget(ground.colours)
+        drop_mapped_pages(ground.colours)
         assert np.array_equal(ground.colours, painted[0].colours)
         assert np.array_equal(ground.classes, painted[0].classes)

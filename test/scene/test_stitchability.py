@@ -9,15 +9,15 @@ import pytest
 from test.scene.scenes import plain_map, small_environment
 
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
-from rocsafe_scene.ground.ground_picture import painted_map
+from rocsafe_scene.ground.ground_map import painted_map
 from rocsafe_scene.ground.terrain import OUTER_HALF_M
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import Environment
 from rocsafe_scene.scene.sunlight import lighting, sun_direction
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
+from rocsafe_scene.engine.oversampled_camera import OversampledCamera
 from rocsafe_scene.engine.renderer import Renderer
-from rocsafe_scene.engine.studio import Studio
 
 LENS = PinholeCamera(math.radians(60.0), 640, 480)
 HEIGHT_M, OVERLAP = 32.0, 0.4
@@ -60,7 +60,7 @@ def shots(environment: Environment, level_m: float = 0.0) -> list:
     """
     time = environment.description.light.time
     light = lighting(sun_direction(time, 53.28, -9.06), 'clear')
-    studio = Studio(Renderer(environment, light, 'clear'), LENS)
+    studio = OversampledCamera(Renderer(environment, light, 'clear'), LENS)
     step = (1.0 - OVERLAP) * LENS.footprint_m(HEIGHT_M - level_m)[1]
     found = []
     for north in (0.0, step):

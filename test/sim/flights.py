@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import Route, Waypoint
+from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.observation import Observation
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 
 HOME = (-40.0, 25.0, 0.0)
 START_NS = 1_700_000_000_000_000_000
@@ -23,14 +23,14 @@ AIRFRAME = Airframe(
     endurance_s=1200.0,
     reserve_fraction=0.2,
 )
-ROUTE = Route(
+ROUTE = FlightRoute(
     plan_id='plan-1',
     home_enu=HOME,
     waypoints=(
-        Waypoint(viewpoint_id=7, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
-        Waypoint(viewpoint_id=3, position_enu=(24.0, 0.0, 32.0), yaw_rad=0.5),
-        Waypoint(viewpoint_id=4, position_enu=(24.0, 24.0, 32.0), yaw_rad=3.0),
-        Waypoint(viewpoint_id=9, position_enu=(0.0, 24.0, 32.0), yaw_rad=-3.0),
+        RouteWaypoint(viewpoint_id=7, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
+        RouteWaypoint(viewpoint_id=3, position_enu=(24.0, 0.0, 32.0), yaw_rad=0.5),
+        RouteWaypoint(viewpoint_id=4, position_enu=(24.0, 24.0, 32.0), yaw_rad=3.0),
+        RouteWaypoint(viewpoint_id=9, position_enu=(0.0, 24.0, 32.0), yaw_rad=-3.0),
     ),
 )
 
@@ -64,40 +64,42 @@ def airframes(draw: st.DrawFn) -> Airframe:
 
 
 @st.composite
-def routes(draw: st.DrawFn) -> Route:
+def routes(draw: st.DrawFn) -> FlightRoute:
     """Return routes of one to five viewpoints, sometimes the same place twice."""
     places = st.tuples(coordinates, coordinates, st.floats(5.0, 60.0))
     points = draw(st.lists(places, min_size=1, max_size=5))
     yaws = st.floats(-3.1, 3.1)
-    return Route(
+    return FlightRoute(
         plan_id='drawn',
         home_enu=HOME,
         waypoints=tuple(
-            Waypoint(viewpoint_id=number, position_enu=point, yaw_rad=draw(yaws))
+            RouteWaypoint(viewpoint_id=number, position_enu=point, yaw_rad=draw(yaws))
             for number, point in enumerate(points)
         ),
     )
 
 
-def vehicle_on(route: Route = ROUTE, airframe: Airframe = AIRFRAME) -> Vehicle:
+def vehicle_on(route: FlightRoute = ROUTE, airframe: Airframe = AIRFRAME) -> SimulatedVehicle:
     """Return a vehicle that has just been told to fly `route` at `START_NS`."""
-    vehicle = Vehicle(airframe, HOME)
+    vehicle = SimulatedVehicle(airframe, HOME)
     vehicle.step(START_NS)
     vehicle.fly_route(route)
     return vehicle
 
 
-def steps(vehicle: Vehicle, step_s: float, limit: int = 200_000) -> Iterator[Observation]:
+def steps(
+    vehicle: SimulatedVehicle, step_s: float, limit: int = 200_000
+) -> Iterator[VehicleSnapshot]:
     """Yield what `vehicle` observes at steps of `step_s` until it stands on the ground."""
     step_ns = round(step_s * 1e9)
     for _ in range(limit):
-        observation = vehicle.step(vehicle.time_ns + step_ns)
-        yield observation
-        if observation.mode is Mode.LANDED:
+        snapshot = vehicle.step(vehicle.time_ns + step_ns)
+        yield snapshot
+        if snapshot.mode is Mode.LANDED:
             return
     raise AssertionError(f'not landed after {limit} steps')
 
 
-def at_s(vehicle: Vehicle, elapsed_s: float) -> Observation:
+def at_s(vehicle: SimulatedVehicle, elapsed_s: float) -> VehicleSnapshot:
     """Return what `vehicle` observes `elapsed_s` seconds after `START_NS`."""
     return vehicle.step(START_NS + round(elapsed_s * 1e9))

@@ -78,7 +78,7 @@ def route(vehicle: str = 'rav1', count: int = 4) -> Route:
 
 
 class Operator:
-    """A test's own node: sends orders, keeps what it hears, gives receipts if told to."""
+    """A test's own node: sends commands, keeps what it hears, gives receipts if told to."""
 
     def __init__(self, ros: Any, name: str = 'operator') -> None:
         self.ros = ros

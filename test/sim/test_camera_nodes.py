@@ -85,19 +85,19 @@ def test_a_gimbal_obeys_and_says_where_it_points(operator: Operator, world: Any,
     world('rav1', speed=5.0)
     vehicle = rav(cameras=(SMALL, TURNED))
     states = operator.listen(of('turned', topics.GIMBAL_STATE))
-    orders = topics.create_publisher(operator.node, of('turned', topics.GIMBAL_COMMAND), 'rav1')
+    commands = topics.create_publisher(operator.node, of('turned', topics.GIMBAL_COMMAND), 'rav1')
     operator.ros.spin_until(lambda: bool(states), DEADLINE_S)
     assert states[0].is_settled
     assert states[0].pitch_rad == pytest.approx(-math.pi / 2)
     operator.ros.spin_until(
         lambda: (
-            orders.get_subscription_count() > 0
+            commands.get_subscription_count() > 0
             and vehicle.count_publishers('/rav1/turned/gimbal/command') > 0
         ),
         DEADLINE_S,
     )
-    orders.publish(GimbalCommand(pitch_rad=math.nan))
-    orders.publish(GimbalCommand(pitch_rad=0.0, yaw_rad=math.radians(60.0)))
+    commands.publish(GimbalCommand(pitch_rad=math.nan))
+    commands.publish(GimbalCommand(pitch_rad=0.0, yaw_rad=math.radians(60.0)))
     operator.ros.spin_until(lambda: states[-1].is_settled and states[-1].yaw_rad > 0.5, DEADLINE_S)
     assert states[-1].pitch_rad == pytest.approx(math.radians(-50.0))
     assert states[-1].yaw_rad == pytest.approx(math.radians(60.0))

@@ -94,7 +94,7 @@ def test_in_passing_a_long_exposure_smears_along_the_way(tmp_path):
 
     def steepness(image, direction):
         grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float32)
-        slope = [cv2.Sobel(grey, cv2.CV_32F, *order) for order in ((1, 0), (0, 1))]
+        slope = [cv2.Sobel(grey, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1))]
         return float(np.abs(direction[0] * slope[0] + direction[1] * slope[1]).mean())
 
     kept_along = steepness(smeared.image, along) / steepness(sharp.image, along)
@@ -111,7 +111,7 @@ def test_a_gimbal_points_on_after_a_restart(tmp_path):
     rav, _, _ = flown(tmp_path, {}, turned, spool=tmp_path / 'spool')
     rav.point(rav.parts.cameras[1], Direction(pitch_rad=-1.0, yaw_rad=0.7))
     again, _, pictures = flown(tmp_path, {}, turned, spool=tmp_path / 'spool')
-    assert again.parts.cameras[1].gimbal.order == rav.parts.cameras[1].gimbal.order
+    assert again.parts.cameras[1].gimbal.turn == rav.parts.cameras[1].gimbal.turn
     ahead = pictures[1].rotation_enu_from_optical[:, 2]
     assert ahead[2] == pytest.approx(-math.sin(1.0), abs=1e-9)
     message = pose_message(pictures[1])

@@ -145,3 +145,33 @@ def test_time_does_not_wait_for_who_has_left() -> None:
     made.take('rav1', START + STEP, is_idle=False)
     made.dismiss('stranger')
     assert made.due(LISTEN_S) == START + 2 * STEP
+
+
+reports = st.lists(
+    st.tuples(st.sampled_from([*NAMES, 'stranger']), st.sampled_from([-1, 0]), st.booleans()),
+    max_size=60,
+)
+
+
+@settings(max_examples=100)
+@given(reports, st.floats(0.0, 0.3))
+def test_no_step_is_left_out_or_begun_too_early(said, pause_s: float) -> None:
+    """Whatever arrives late, twice or from strangers, each time follows the one before.
+
+    It is published only once both have answered the last one, and may be repeated.
+    """
+    made = clockwork()
+    wall_s, now_ns, answered = LISTEN_S, START, set()
+    for name, steps_ago, is_idle in said:
+        made.take(name, now_ns + steps_ago * STEP, is_idle=is_idle)
+        if steps_ago == 0 and name in NAMES:
+            answered.add(name)
+        wall_s += pause_s
+        due_ns = made.due(wall_s)
+        if due_ns is None:
+            assert answered != set(NAMES)
+        elif due_ns != now_ns:
+            assert answered == set(NAMES)
+            assert due_ns == now_ns + STEP
+            now_ns, answered = due_ns, set()
+        assert made.time_ns == now_ns

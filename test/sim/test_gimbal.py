@@ -48,12 +48,12 @@ def test_the_view_goes_where_pitch_and_yaw_say(pitch, yaw):
 
 @settings(max_examples=40)
 @given(pitches, angles, st.lists(st.tuples(st.floats(0.0, 5.0), pitches, angles), max_size=4))
-def test_never_faster_than_the_limit_and_within_reach(pitch, yaw, orders):
-    """Sampled through any orders, neither angle turns faster, and the pitch keeps its limits."""
+def test_never_faster_than_the_limit_and_within_reach(pitch, yaw, commands):
+    """Sampled through any commands, neither angle turns faster, and the pitch keeps its limits."""
     gimbal = Gimbal(LIMITS, Direction(pitch_rad=min(pitch, 0.3), yaw_rad=yaw))
     time_ns, step_ns = 0, 100_000_000
     before = gimbal.direction(0)
-    for wait_s, to_pitch, to_yaw in [*orders, (8.0, 0.0, 0.0)]:
+    for wait_s, to_pitch, to_yaw in [*commands, (8.0, 0.0, 0.0)]:
         for _ in range(int(wait_s * 1e9) // step_ns):
             time_ns += step_ns
             after = gimbal.direction(time_ns)
@@ -90,14 +90,14 @@ def test_a_gimbal_keeps_level_and_a_fixed_camera_sways():
         assert bool(abs(right[2]) < 1e-12) == is_gimbal
 
 
-def test_an_order_outlives_the_process(tmp_path):
+def test_a_turn_outlives_the_process(tmp_path):
     """Written and read back it is the same; a damaged file is said."""
     gimbal = Gimbal(LIMITS, Direction())
     gimbal.point(Direction(pitch_rad=-0.123456789, yaw_rad=1.1), 1_700_000_000_123_456_789)
     folder = tmp_path / 'spool'
     assert read_gimbal(folder, 'front') is None
-    write_gimbal(folder, 'front', gimbal.order)
-    assert read_gimbal(folder, 'front') == gimbal.order
+    write_gimbal(folder, 'front', gimbal.turn)
+    assert read_gimbal(folder, 'front') == gimbal.turn
     (folder / 'front.gimbal').write_text('{')
-    with pytest.raises(JournalError, match='not the order of a gimbal'):
+    with pytest.raises(JournalError, match='not the turn of a gimbal'):
         read_gimbal(folder, 'front')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""World and vehicles as nodes: a whole flight over real topics, orders, photographs, restarts."""
+"""World and vehicles as nodes: a flight over real topics, commands, photographs, restarts."""
 
 import hashlib
 import math
@@ -96,8 +96,8 @@ def test_photograph_says_where_it_was_taken(operator: Operator, world: Any, rav:
     assert bytes(shot.image.data)[:2] == b'\xff\xd8'
 
 
-def test_orders_by_service(operator: Operator, world: Any, rav: Any) -> None:
-    """hold, resume, return_home obey in flight; refused orders say why."""
+def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:
+    """hold, resume, return_home obey in flight; refused commands say why."""
     world('rav1', speed=20.0)
     rav()
     states = operator.listen(topics.STATE)

@@ -19,8 +19,8 @@ from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
 from rocsafe_sim.conversions import route_of
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.vehicle.flight_record import Outcome
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
 NS = 1_000_000_000
 START_NS = 1_700_000_000 * NS
@@ -31,7 +31,7 @@ RELATIVE = 3e-4
 pytest.importorskip('rocsafe_interfaces', reason='no ROS 2 here: source it or run make setup')
 
 
-def simulated(plan: SurveyPlan, number: int) -> Vehicle:
+def simulated(plan: SurveyPlan, number: int) -> SimulatedVehicle:
     """Return a vehicle that has flown its route of a plan to the end."""
     spec = plan.request.vehicles[number]
     centre = plan.request.regions[0].area.centroid()
@@ -43,7 +43,7 @@ def simulated(plan: SurveyPlan, number: int) -> Vehicle:
         reserve_fraction=0.1,
     )
     east, north, _ = frame.enu_of(spec.home).tolist()
-    flown = Vehicle(airframe, (east, north, 0.0))
+    flown = SimulatedVehicle(airframe, (east, north, 0.0))
     flown.step(START_NS)
     message = message_of_plan(plan).routes[number]
     flown.fly_route(route_of(message, plan.plan_id, frame))
@@ -59,7 +59,7 @@ def assert_flown(plan: SurveyPlan) -> None:
             continue
         flown = simulated(plan, number)
         summary = flown.summary()
-        assert summary.outcome is Outcome.COMPLETED, summary.text
+        assert summary.outcome is FlightOutcome.COMPLETED, summary.text
         assert summary.viewpoints_visited == len(route.viewpoints)
         assert summary.duration_s == pytest.approx(route.duration_s, rel=RELATIVE, abs=0.05)
         begun_s = (flown.flight.take_off_ns - START_NS) / NS

@@ -67,3 +67,37 @@ def test_sway_has_the_stated_size_and_a_limit() -> None:
     assert np.hypot(*sways.T).max() <= LARGEST_SWAY_STDS * 0.01 * (1.0 + 1e-12)
     assert noise().attitude_error_rad(3) != noise().attitude_error_rad(4)
     assert all(map(math.isfinite, noise().attitude_error_rad(3)))
+
+
+def test_attitude_errors_have_the_stated_size() -> None:
+    """About each axis alike, around 0, and independent of each other."""
+    errors = np.array([noise().attitude_error_rad(number) for number in range(4000)])
+    assert errors.std(axis=0) == pytest.approx([0.002] * 3, rel=0.05)
+    assert np.abs(errors.mean(axis=0)).max() < 3.5 * 0.002 / math.sqrt(4000)
+    assert np.abs(np.corrcoef(errors.T) - np.eye(3)).max() < 0.06
+
+
+def test_axes_of_the_receiver_are_independent() -> None:
+    """East, north and up share no error, and two vehicles none either."""
+    times = range(0, 1500 * 60_000_000_000, 60_000_000_000)
+    errors = np.array(
+        [noise().gps_error_m(t) + noise(vehicle='rav2').gps_error_m(t) for t in times]
+    )
+    assert np.abs(np.corrcoef(errors.T) - np.eye(6)).max() < 0.1
+
+
+def test_sway_of_a_stream_is_as_wide_as_at_photographs_and_smooth() -> None:
+    """At knots and between, roll and pitch have the stated size; 1 ms changes next to nothing."""
+    for phase_ns in (0, 300_000_000):
+        sways = np.array([noise().sway_at_rad(k * 2_000_000_000 + phase_ns) for k in range(3000)])
+        assert sways.std(axis=0) == pytest.approx([0.01, 0.01], rel=0.06)
+    near = [noise().sway_at_rad(7_999_500_000 + shift) for shift in range(0, 1_000_001, 100_000)]
+    assert np.abs(np.diff(near, axis=0)).max() < 1e-5
+
+
+def test_noise_of_a_picture_depends_on_camera_and_time_alone() -> None:
+    """Asked twice, the generator gives the same; another camera or time, another."""
+    first = noise().picture_rng('camera', 5).standard_normal(3).tolist()
+    assert noise().picture_rng('camera', 5).standard_normal(3).tolist() == first
+    others = [noise().picture_rng('front', 5), noise().picture_rng('camera', 6)]
+    assert all(other.standard_normal(3).tolist() != first for other in others)

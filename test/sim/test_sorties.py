@@ -12,22 +12,22 @@ from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehic
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight.route import Route, Swap
+from rocsafe_sim.flight.route import BatterySwap, FlightRoute
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
-SWAPPED = replace(ROUTE, swaps=(Swap(after=1), Swap(after=3)), swap_s=40.0)
+SWAPPED = replace(ROUTE, swaps=(BatterySwap(after=1), BatterySwap(after=3)), swap_s=40.0)
 ALL = [waypoint.viewpoint_id for waypoint in ROUTE.waypoints]
 
 
-def landed(vehicle: Vehicle) -> Enu:
+def landed(vehicle: SimulatedVehicle) -> Enu:
     """Let a vehicle fly to its end and return where it stands."""
     return list(steps(vehicle, 1.0))[-1].pose.position_enu
 
 
-def whole_s(route: Route) -> float:
+def whole_s(route: FlightRoute) -> float:
     """Return the time of a whole flight of a route, from take-off to touch-down."""
     return vehicle_on(route).left()[1]
 
@@ -55,7 +55,7 @@ def test_changes_its_battery_at_home(step_s: float) -> None:
     assert [shot.viewpoint_id for shot in shots] == ALL
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.COMPLETED
+    assert summary.outcome is FlightOutcome.COMPLETED
     parts = [replace(ROUTE, waypoints=ROUTE.waypoints[a:b]) for a, b in ((0, 1), (1, 3), (3, 4))]
     expected = sum(whole_s(part) for part in parts) + 2 * 40.0
     assert summary.duration_s == pytest.approx(expected, abs=1e-6)
@@ -71,7 +71,7 @@ def test_restored_vehicle_flies_on_with_its_next_battery(killed_s: float) -> Non
     """Killed at any time, in the air or on the ground, it has the same future."""
     survivor = vehicle_on(replace(SWAPPED, delay_s=20.0))
     at_s(survivor, killed_s)
-    restored = Vehicle(AIRFRAME, HOME)
+    restored = SimulatedVehicle(AIRFRAME, HOME)
     restored.restore(survivor.record)
     for later_s in (0.0, 10.0, 100.0, 1e4):
         assert at_s(restored, killed_s + later_s) == at_s(survivor, killed_s + later_s)
@@ -85,7 +85,7 @@ def test_journal_keeps_the_whole_route(tmp_path: Path) -> None:
         delay_s=3.0,
         landing_enu=(90.0, 0.0, -4.0),
         height_m=30.0,
-        swaps=(Swap(after=2, homeward_enu=((1.0, 2.0, 30.0),)),),
+        swaps=(BatterySwap(after=2, homeward_enu=((1.0, 2.0, 30.0),)),),
     )
     vehicle = vehicle_on(route)
     write_journal(tmp_path / 'journal.json', vehicle.record)
@@ -103,7 +103,7 @@ def test_lands_elsewhere() -> None:
         vehicle.fly_route(replace(ROUTE, plan_id='plan-2'))
     vehicle.fly_route(replace(ROUTE, plan_id='plan-2', home_enu=place))
     assert landed(vehicle) == pytest.approx(place)
-    assert vehicle.summary().outcome is Outcome.COMPLETED
+    assert vehicle.summary().outcome is FlightOutcome.COMPLETED
 
 
 def test_lands_at_its_last_viewpoint() -> None:
@@ -126,7 +126,7 @@ def test_way_home_does_not_count_where_it_lands_elsewhere(change: dict[str, obje
     assert endurance_s < whole_s(replace(ROUTE, waypoints=far))
     vehicle = vehicle_on(route, replace(AIRFRAME, endurance_s=endurance_s))
     last = list(steps(vehicle, 1.0))[-1]
-    assert vehicle.summary().outcome is Outcome.COMPLETED
+    assert vehicle.summary().outcome is FlightOutcome.COMPLETED
     assert last.battery_fraction >= AIRFRAME.reserve_fraction
 
 
@@ -141,7 +141,7 @@ def test_low_battery_ends_at_the_nearest_place_to_land() -> None:
     airframe = replace(AIRFRAME, endurance_s=0.8 * whole_s(route))
     vehicle = vehicle_on(route, airframe)
     assert landed(vehicle) == pytest.approx(place)
-    assert vehicle.summary().outcome is Outcome.BATTERY_LOW
+    assert vehicle.summary().outcome is FlightOutcome.BATTERY_LOW
     assert vehicle.observe().battery_fraction >= AIRFRAME.reserve_fraction
 
 
@@ -189,7 +189,7 @@ def test_route_replaces_another_wherever_it_is(at: float) -> None:
     vehicle.fly_route(OTHER, replaces=True)
     shots = [shot for seen in steps(vehicle, 1.0) for shot in seen.shots]
     assert [shot.viewpoint_id for shot in shots] == ALL[::-1]
-    assert vehicle.summary().outcome is Outcome.COMPLETED
+    assert vehicle.summary().outcome is FlightOutcome.COMPLETED
     assert vehicle.observe().pose.position_enu == HOME
 
 
@@ -210,7 +210,7 @@ def test_replaced_in_the_air_by_nothing_it_comes_home() -> None:
     at_s(vehicle, 36.0)
     vehicle.fly_route(empty, replaces=True)
     assert landed(vehicle) == HOME
-    assert vehicle.summary().outcome is Outcome.COMPLETED
+    assert vehicle.summary().outcome is FlightOutcome.COMPLETED
     with pytest.raises(CommandRefusedError, match='0 viewpoints'):
         vehicle.fly_route(replace(empty, plan_id='plan-3'))
 
@@ -242,7 +242,7 @@ def test_cancelled_while_it_waits_it_stays() -> None:
     vehicle.cancel()
     seen = at_s(vehicle, 1000.0)
     assert (seen.mode, seen.pose.position_enu) == (Mode.LANDED, HOME)
-    assert vehicle.summary().outcome is Outcome.CANCELLED
+    assert vehicle.summary().outcome is FlightOutcome.CANCELLED
     vehicle.fly_route(OTHER)
     assert not vehicle.is_idle
 
@@ -254,7 +254,7 @@ def test_failed_battery_brings_it_down_for_good(step_s: float) -> None:
     vehicle = vehicle_on(airframe=airframe)
     last = list(steps(vehicle, step_s))[-1]
     summary = vehicle.summary()
-    assert summary.outcome is Outcome.FAILED
+    assert summary.outcome is FlightOutcome.FAILED
     assert 0 < summary.viewpoints_visited < 4
     assert last.pose.position_enu[2] == 0.0
     assert math.dist(last.pose.position_enu[:2], HOME[:2]) > 20.0
@@ -268,5 +268,5 @@ def test_failed_battery_brings_it_down_for_good(step_s: float) -> None:
 def test_swaps_must_rise() -> None:
     """A battery change after more viewpoints than there are is a mistake."""
     with pytest.raises(ValueError, match=r'swaps after \[2, 9\]'):
-        replace(ROUTE, swaps=(Swap(after=2), Swap(after=9)))
+        replace(ROUTE, swaps=(BatterySwap(after=2), BatterySwap(after=9)))
     assert START_NS > 0

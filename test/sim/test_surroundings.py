@@ -18,9 +18,9 @@ from rocsafe_scene.solids.scene_surroundings import SceneSurroundings
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.fall import GRAVITY_MPS2
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
 
 class Hillside:
@@ -44,7 +44,7 @@ class Hillside:
 def flying(surroundings, route=ROUTE):
     """Return a vehicle at home among `surroundings` that has just been told to fly."""
     home = (*HOME[:2], surroundings.ground_up_m(*HOME[:2]))
-    vehicle = Vehicle(AIRFRAME, home, surroundings)
+    vehicle = SimulatedVehicle(AIRFRAME, home, surroundings)
     vehicle.step(START_NS)
     vehicle.fly_route(route)
     return vehicle
@@ -58,7 +58,7 @@ def test_it_takes_off_and_lands_on_the_ground_of_its_home():
     assert seen[-1].pose.position_enu == pytest.approx((-40.0, 25.0, -4.0))
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.COMPLETED
+    assert summary.outcome is FlightOutcome.COMPLETED
     assert summary.viewpoints_visited == 4
 
 
@@ -87,7 +87,7 @@ def test_what_it_flies_into_ends_its_flight(step_s):
         vehicle.step(vehicle.time_ns + round(step_s * 1e9))
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.COLLIDED
+    assert summary.outcome is FlightOutcome.COLLIDED
     assert summary.text == 'flew into mast after 1 viewpoints'
     assert vehicle.mode is Mode.CRASHED
     assert vehicle.is_idle
@@ -145,13 +145,15 @@ def test_a_hill_is_in_the_way_of_level_flight_only():
 
 def test_with_no_size_it_passes_through_everything():
     """The radius 0 switches collisions off."""
-    vehicle = Vehicle(replace(AIRFRAME, collision_radius_m=0.0), HOME, Hillside(mast_m=40.0))
+    vehicle = SimulatedVehicle(
+        replace(AIRFRAME, collision_radius_m=0.0), HOME, Hillside(mast_m=40.0)
+    )
     vehicle.step(START_NS)
     vehicle.fly_route(ROUTE)
     at_s(vehicle, 600.0)
     summary = vehicle.summary()
     assert summary is not None
-    assert summary.outcome is Outcome.COMPLETED
+    assert summary.outcome is FlightOutcome.COMPLETED
 
 
 @settings(max_examples=8)
@@ -166,7 +168,7 @@ def test_a_restart_changes_no_collision(restart_s):
         write_journal(Path(folder) / 'journal.json', first.record)
         record = read_journal(Path(folder) / 'journal.json')
     assert record is not None
-    second = Vehicle(AIRFRAME, HOME, Hillside(mast_m=40.0))
+    second = SimulatedVehicle(AIRFRAME, HOME, Hillside(mast_m=40.0))
     second.restore(record)
     at_s(second, 300.0)
     assert second.summary() == reference.summary()

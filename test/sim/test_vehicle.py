@@ -23,15 +23,15 @@ from test.sim.flights import (
 
 from rocsafe_sim.errors import JournalError
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import Route, Waypoint
+from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
-from rocsafe_sim.vehicle.observation import ShotDue
-from rocsafe_sim.vehicle.vehicle import Vehicle
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+from rocsafe_sim.vehicle.snapshot import ShotDue
 
 
-def planned_duration_s(airframe: Airframe, route: Route, height_m: float) -> float:
+def planned_duration_s(airframe: Airframe, route: FlightRoute, height_m: float) -> float:
     """Return the planner's time model: climb, stop-to-stop legs, hovers, home, descent."""
     performance = airframe.performance
     stops = np.array([HOME, *(w.position_enu for w in route.waypoints), HOME])
@@ -40,7 +40,7 @@ def planned_duration_s(airframe: Airframe, route: Route, height_m: float) -> flo
     return float(legs) + vertical + airframe.hover_s * len(route.waypoints)
 
 
-def level(route: Route, height_m: float) -> Route:
+def level(route: FlightRoute, height_m: float) -> FlightRoute:
     """Return `route` with all viewpoints at one height."""
     return replace(
         route,
@@ -52,7 +52,7 @@ def level(route: Route, height_m: float) -> Route:
 
 @settings(max_examples=40, deadline=None)
 @given(airframes(), routes())
-def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: Route) -> None:
+def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: FlightRoute) -> None:
     """Take-off to standing motors equals climb + legs + hovers + descent to a nanosecond."""
     route = level(drawn, 32.0)
     airframe = replace(airframe, hover_s=max(airframe.hover_s, 0.1))
@@ -62,13 +62,13 @@ def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: Route
     summary = vehicle.summary()
     assert summary is not None
     assert summary.duration_s == pytest.approx(planned_duration_s(airframe, route, 32.0), abs=1e-9)
-    assert summary.outcome is Outcome.COMPLETED
+    assert summary.outcome is FlightOutcome.COMPLETED
 
 
 @settings(max_examples=25, deadline=None)
 @given(airframes(), routes(), st.floats(0.3, 1.7))
 def test_never_faster_than_allowed_and_ends_at_home(
-    airframe: Airframe, route: Route, step_s: float
+    airframe: Airframe, route: FlightRoute, step_s: float
 ) -> None:
     """Speed and acceleration keep their limits; every viewpoint is photographed; home at the end.
 
@@ -126,13 +126,13 @@ def test_step_size_changes_nothing(step_s: float) -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.0, 120.0), st.sampled_from(['', 'hold', 'return_home', 'land', 'cancel']))
-def test_restored_vehicle_has_the_same_future(killed_s: float, order: str) -> None:
+def test_restored_vehicle_has_the_same_future(killed_s: float, command: str) -> None:
     """A vehicle restored from its journal at any instant goes on as if nothing had happened."""
     survivor = vehicle_on()
     at_s(survivor, killed_s)
-    if order and survivor.mode is Mode.FLYING:
-        getattr(survivor, order)()
-    restored = Vehicle(AIRFRAME, HOME)
+    if command and survivor.mode is Mode.FLYING:
+        getattr(survivor, command)()
+    restored = SimulatedVehicle(AIRFRAME, HOME)
     with TemporaryDirectory() as folder:
         path = Path(folder) / 'journal.json'
         write_journal(path, survivor.record)
@@ -149,7 +149,7 @@ def test_photograph_lost_by_a_kill_is_taken_again() -> None:
     vehicle = vehicle_on()
     record = vehicle.record
     taken = at_s(vehicle, 45.0).shots
-    restored = Vehicle(AIRFRAME, HOME)
+    restored = SimulatedVehicle(AIRFRAME, HOME)
     restored.restore(record)
     assert len(taken) > 1
     assert at_s(restored, 45.0).shots == taken
@@ -171,8 +171,10 @@ def test_no_journal_is_none(tmp_path: Path) -> None:
 
 def test_same_position_twice_is_two_photographs() -> None:
     """A leg of no length takes no time, and its viewpoint counts."""
-    twice = Waypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 20.0), yaw_rad=0.0)
-    route = Route(plan_id='p', home_enu=HOME, waypoints=(twice, replace(twice, viewpoint_id=1)))
+    twice = RouteWaypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 20.0), yaw_rad=0.0)
+    route = FlightRoute(
+        plan_id='p', home_enu=HOME, waypoints=(twice, replace(twice, viewpoint_id=1))
+    )
     shots = [shot for seen in steps(vehicle_on(route), 0.5) for shot in seen.shots]
     assert shots[1].time_ns - shots[0].time_ns == round(AIRFRAME.hover_s * 1e9)
 
@@ -185,12 +187,12 @@ def test_time_does_not_run_backwards() -> None:
         vehicle.step(START_NS)
 
 
-BENT = Route(
+BENT = FlightRoute(
     plan_id='plan-2',
     home_enu=HOME,
     waypoints=(
-        Waypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
-        Waypoint(
+        RouteWaypoint(viewpoint_id=0, position_enu=(0.0, 0.0, 32.0), yaw_rad=0.5),
+        RouteWaypoint(
             viewpoint_id=1,
             position_enu=(60.0, 0.0, 32.0),
             yaw_rad=0.5,
@@ -206,7 +208,7 @@ def test_bends_are_flown_without_photographs():
     vehicle = vehicle_on(BENT)
     flown = list(steps(vehicle, 0.5))
     assert flown[-1].shots_taken == 2
-    places = [observation.pose.position_enu for observation in flown]
+    places = [snapshot.pose.position_enu for snapshot in flown]
     for corner in ((0.0, 40.0), (60.0, 40.0), (60.0, -40.0)):
         assert min(math.dist(place[:2], corner) for place in places) < 0.6
     assert not any(5.0 < e < 55.0 and 0.5 < n < 35.0 and u > 31.9 for e, n, u in places)

@@ -123,8 +123,10 @@ def is_alive(pid: int) -> bool:
 
 
 @pytest.fixture(scope='session')
-def ros_domain_id(ros_stays_on_this_machine: None) -> Iterator[int]:
+def ros_domain_id(default_domain: int | None) -> Iterator[int]:
     """Reserve a domain for missions alone: other tests keep vehicles of their own in theirs."""
+    if default_domain is None:
+        pytest.skip('no ROS 2 here: source it or run make setup')
     with reserved_domain() as number:
         yield number
 

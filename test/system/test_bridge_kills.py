@@ -24,7 +24,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 from test.fakes.fake_autopilot import HOME
-from test.mavlink.airspace import HARMLESS, SET_CURRENT, told_once
+from test.mavlink.airspace import HARMLESS, SET_CURRENT, told_once, write_drones
 from test.mavlink.autopilots import AUTOPILOTS, make_airspace
 from test.mavlink.operator_post import survey
 
@@ -67,11 +67,7 @@ class Post:
     def start(self):
         """Start the bridge."""
         values = {
-            'vehicles': '[rav1]',
-            'links': f'["{self.air.link}"]',
-            'geoid_separations_m': '[47.0]',
-            'speeds_mps': '[10.0]',
-            'hovers_s': '[0.0]',
+            'drones_file': write_drones(self._folder, self.air.link),
             'position_rate_hz': '2.0',
             'origin_latitude_deg': str(HOME[0]),
             'origin_longitude_deg': str(HOME[1]),

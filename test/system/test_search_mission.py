@@ -138,6 +138,7 @@ def test_a_field_killed_in_the_air_costs_no_reading(
     assert {b - a for a, b in itertools.pairwise(stamps)} == {1_000_000_000}
 
 
+@pytest.mark.all
 def test_a_localizer_killed_in_the_air_forgets_nothing(
     disturbed: Callable[..., Flight], ros: Any
 ) -> None:

@@ -39,7 +39,8 @@ def clear(layout: Layout) -> None:
 
 def compile_kernels(layout: Layout, environment: Mapping[str, str]) -> None:
     """Compile the planner's inner loops, which else the first plan would wait for."""
-    paths = [str(layout.planner), environment.get('PYTHONPATH', '')]
+    sources = [str(layout.planner), str(layout.sources / 'rocsafe_geo')]
+    paths = [*sources, environment.get('PYTHONPATH', '')]
     run_logged(
         [str(layout.python), '-m', 'rocsafe_planner.solver.precompile'],
         layout.logs / 'kernels.log',

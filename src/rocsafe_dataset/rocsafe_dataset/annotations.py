@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands in a picture, by instance."""
+"""Annotations of the instances in an image."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,26 +8,35 @@ import numpy as np
 
 from rocsafe_dataset.outlines import outline
 from rocsafe_dataset.rle import run_lengths, short_text
-from rocsafe_scene.engine.outputs import Frame
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER, SceneObject
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Annotation:
-    """One instance in one picture.
+    """One instance in one image.
 
     Attributes
     ----------
-    number : of the instance in the scene.
-    name : of it.
-    category : class number.
-    box : column, row, width, height, pixels from the corner of the picture.
-    area : pixels.
-    runs : of the mask, COCO's short text.
-    polygon : about it, columns and rows as shares of the picture's width and height.
-    visibility : share that no other thing hides.
-    is_cut : it reaches the border of the picture.
+    number
+        Number of the instance in the scene.
+    name
+        Name of the instance.
+    category
+        Class number.
+    box
+        Column, row, width and height, pixels from the corner of the image.
+    area
+        Number of pixels.
+    runs
+        Run lengths of the mask as COCO's compressed text.
+    polygon
+        Outline: columns and rows as shares of width and height of the image.
+    visibility
+        Share that no other object hides, 0 to 1.
+    is_cut
+        Whether it reaches the border of the image.
     """
 
     number: int
@@ -41,21 +50,21 @@ class Annotation:
     is_cut: bool
 
 
-def large_enough(frame: Frame, least_pixels: int) -> list[int]:
-    """Return the numbers of the instances with at least so many pixels, rising."""
+def large_enough(frame: Rendering, least_pixels: int) -> list[int]:
+    """Return the numbers of the instances with at least `least_pixels`, rising."""
     counts = np.bincount(frame.numbers.ravel())
     found = np.flatnonzero(counts >= least_pixels).tolist()
     return [number for number in found if number >= FIRST_OBJECT_NUMBER]
 
 
 def annotate(
-    frame: Frame, objects: Mapping[int, SceneObject], shares: Mapping[int, float]
+    frame: Rendering, objects: Mapping[int, SceneObject], shares: Mapping[int, float]
 ) -> list[Annotation]:
-    """Return the annotations of the instances in `shares`, which says how visible they are."""
+    """Return the annotations of the instances in `shares`, their visibility by number."""
     return [_annotation(frame, objects[number], shares[number]) for number in sorted(shares)]
 
 
-def _annotation(frame: Frame, thing: SceneObject, share: float) -> Annotation:
+def _annotation(frame: Rendering, thing: SceneObject, share: float) -> Annotation:
     mask = frame.numbers == thing.number
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     top, bottom, left, right = int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])

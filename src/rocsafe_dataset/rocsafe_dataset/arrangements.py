@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same scene in other light with its small things elsewhere."""
+"""Variants of a scene: other weather and sun, small objects in other places."""
 
 import math
 from collections.abc import Sequence
@@ -15,29 +15,53 @@ from rocsafe_scene.scene.description import PlaceBlock
 from rocsafe_scene.scene.environment import Environment, Piece, SceneObject
 from rocsafe_scene.scene.sunlight import sun_direction
 
-# What may stand elsewhere: not what is built, grown or derailed.
+# Classes of objects that may be moved.
 MOVABLE = frozenset(
     ('person', 'animal', 'car', 'police_car', 'lorry', 'fire_engine', 'ambulance', 'debris',
      'drum', 'evidence')
 )  # fmt: skip
-_MISSING_SHARE = 0.15
-_SHIFT_STD_M = 6.0
-_TRIES = 8
-# Things that stand higher than this above the ground, metres, lie on something else.
-_LYING_M = 0.5
-# Sine of the lowest sun that a picture is taken in.
-_LEAST_UP = 0.15
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArrangementOptions:
+    """Tuning of the arrangements.
+
+    Attributes
+    ----------
+    missing_share
+        Share of the movable objects that are left out.
+    shift_std_m
+        Standard deviation of the shift of an object, east and north, metres.
+    tries
+        Places tried for an object before it stays where it is.
+    lying_m
+        Objects higher than this above the ground lie on other objects and stay, metres.
+    least_sun_up
+        Sine of the least elevation of the sun.
+    """
+
+    missing_share: float = 0.15
+    shift_std_m: float = 6.0
+    tries: int = 8
+    lying_m: float = 0.5
+    least_sun_up: float = 0.15
+
+
+ARRANGEMENTS = ArrangementOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arrangement:
-    """One state of a scene.
+    """One variant of a scene.
 
     Attributes
     ----------
-    weather : of the sky.
-    time : of the sun.
-    objects : that are there, where they are.
+    weather
+        Weather.
+    time
+        Time, which sets the sun.
+    objects
+        Objects in their places.
     """
 
     weather: str
@@ -56,25 +80,28 @@ def arrange(number: int, environment: Environment, options: DatasetOptions) -> A
 
 
 def box_of(piece: Piece) -> Floats:
-    """Return bounds of a piece, (2, 3): of its mesh's box, so rather too large."""
+    """Return bounds of a piece, (2, 3): those of the box of its mesh, so rather too large."""
     corners = np.array(np.meshgrid(*piece.mesh.bounds.T)).reshape(3, -1).T
     placed = corners @ piece.rotation.T + piece.offset
     return np.stack([placed.min(axis=0), placed.max(axis=0)])
 
 
 def bounds_of(thing: SceneObject) -> Floats:
-    """Return bounds of a thing, (2, 3), rather too large."""
+    """Return bounds of an object, (2, 3), rather too large."""
     boxes = np.array([box_of(piece) for piece in thing.pieces])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _sunny_time(rng: np.random.Generator, around: datetime, place: PlaceBlock) -> datetime:
-    """Return a time within half a year of `around` at which the sun is well up."""
+    """Return a time within half a year of `around` at which the sun is high enough."""
     for _ in range(200):
         time = around + timedelta(
             days=int(rng.integers(-180, 181)), minutes=int(rng.integers(0, 1440))
         )
-        if sun_direction(time, place.latitude_deg, place.longitude_deg)[2] > _LEAST_UP:
+        if (
+            sun_direction(time, place.latitude_deg, place.longitude_deg)[2]
+            > ARRANGEMENTS.least_sun_up
+        ):
             return time
     return around
 
@@ -92,7 +119,7 @@ def _moved(
     found = []
     for thing, free in zip(objects, is_free, strict=True):
         if free:
-            if rng.uniform() < _MISSING_SHARE:
+            if rng.uniform() < ARRANGEMENTS.missing_share:
                 continue
             thing = _elsewhere(rng, thing, terrain, taken)
             taken.append(bounds_of(thing)[:, :2])
@@ -104,18 +131,18 @@ def _is_free(thing: SceneObject, terrain: Terrain) -> bool:
     if thing.label not in MOVABLE or thing.path is not None or len(thing.pieces) != 1:
         return False
     offset = thing.pieces[0].offset
-    return abs(offset[2] - float(terrain.height_at(offset[None, :2])[0])) < _LYING_M
+    return abs(offset[2] - float(terrain.height_at(offset[None, :2])[0])) < ARRANGEMENTS.lying_m
 
 
 def _elsewhere(
     rng: np.random.Generator, thing: SceneObject, terrain: Terrain, taken: Sequence[Floats]
 ) -> SceneObject:
-    """Return `thing` shifted to where nothing else stands; where it was if there is no room."""
+    """Return `thing` moved to a free place, or unchanged if none is found."""
     (piece,) = thing.pieces
     boxes = np.array(taken).reshape(-1, 2, 2)
     above = piece.offset[2] - terrain.height_at(piece.offset[None, :2])[0]
-    for _ in range(_TRIES):
-        place = piece.offset[:2] + rng.normal(0.0, _SHIFT_STD_M, 2)
+    for _ in range(ARRANGEMENTS.tries):
+        place = piece.offset[:2] + rng.normal(0.0, ARRANGEMENTS.shift_std_m, 2)
         turn = rotation_of(math.degrees(float(rng.uniform(-math.pi, math.pi))))
         if not terrain.inner.covers(place[None])[0]:
             continue

@@ -11,10 +11,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import Folder
+from rocsafe_dataset.files import DatasetFolder
 from rocsafe_dataset.options import FORMATS, DatasetOptions
 from rocsafe_dataset.summary import finish
-from rocsafe_dataset.work import claim, open_tasks, work_off
+from rocsafe_dataset.worker_pool import claim_folder, open_tasks, run_tasks
 from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
 from rocsafe_scene.errors import ViewError
 from rocsafe_scene.scene.description import SceneDescription
@@ -38,8 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _make(arguments: argparse.Namespace) -> None:
     description = read_scene(arguments.scene)
-    folder = Folder(path=arguments.out, options=_options(arguments))
-    claim(folder, description)
+    folder = DatasetFolder(path=arguments.out, options=_options(arguments))
+    claim_folder(folder, description)
     _photograph(folder, description, arguments.workers)
     counts = finish(folder, description.name)
     sys.stdout.write(
@@ -48,7 +48,7 @@ def _make(arguments: argparse.Namespace) -> None:
     )
 
 
-def _photograph(folder: Folder, description: SceneDescription, workers: int) -> None:
+def _photograph(folder: DatasetFolder, description: SceneDescription, workers: int) -> None:
     tasks = open_tasks(folder)
     left = sum(len(numbers) for _, numbers in tasks)
     columns = (TextColumn('{task.description}'), BarColumn(), MofNCompleteColumn(),
@@ -58,7 +58,7 @@ def _photograph(folder: Folder, description: SceneDescription, workers: int) -> 
             'pictures', total=folder.options.count, completed=folder.options.count - left
         )
         if tasks:
-            for done in work_off(tasks, folder, description, default_folder(), workers):
+            for done in run_tasks(tasks, folder, description, default_folder(), workers):
                 progress.advance(bar, done)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a data set is to hold."""
+"""Options of a data set."""
 
 import math
 from dataclasses import dataclass
@@ -15,23 +15,36 @@ LARGEST_SIDE_PX = 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DatasetOptions:
-    """The numbers of a data set; the same give the same pictures.
+    """Size, cameras and splits of a data set; equal options give equal images.
 
     Attributes
     ----------
-    count : of pictures.
-    seed : of all that is random.
-    size_px : width and height.
-    fov_deg : full angle across the width.
-    height_m : least and largest height of the camera above the ground.
-    nadir_share : of the pictures that look straight down (within 6 deg), 0 to 1.
-    weathers : drawn from evenly.
-    image_format : jpg or png.
-    jpeg_quality : 1 to 100.
-    oversampling : 1 to 4, see `rocsafe_scene.engine.studio.Studio`.
-    per_arrangement : pictures with the same placement of things and the same light.
-    splits : shares of `SPLITS`, sum 1.
-    least_pixels : smaller instances are not annotated.
+    count
+        Number of images.
+    seed
+        Seed of everything random.
+    size_px
+        Width and height of an image, pixels.
+    fov_deg
+        Full angle across the width, degrees.
+    height_m
+        Least and largest height of the camera above the ground, metres.
+    nadir_share
+        Share of the images that look straight down (within 6 degrees), 0 to 1.
+    weathers
+        Kinds of weather, drawn with equal probability.
+    image_format
+        jpg or png.
+    jpeg_quality
+        Quality of JPEG files, 1 to 100.
+    oversampling
+        Factor of resolution, 1 to 4, see `OversampledCamera` of `rocsafe_scene`.
+    per_arrangement
+        Number of images with the same placement of objects and the same light.
+    splits
+        Shares of `SPLITS`, sum 1.
+    least_pixels
+        Instances with fewer pixels are not annotated.
     """
 
     count: int
@@ -86,10 +99,10 @@ class DatasetOptions:
 
     @property
     def lens(self) -> PinholeCamera:
-        """Of all pictures."""
+        """Intrinsics of all images."""
         return PinholeCamera(math.radians(self.fov_deg), *self.size_px)
 
     @property
     def arrangements(self) -> int:
-        """How many placements of things there are."""
+        """Number of arrangements."""
         return -(-self.count // self.per_arrangement)

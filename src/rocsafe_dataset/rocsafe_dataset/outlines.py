@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mask as one polygon, which is all that YOLO's text knows."""
+"""A mask as one polygon, as the text format of YOLO wants."""
 
 import cv2
 import numpy as np
@@ -7,18 +7,18 @@ import numpy as np
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_scene.mesh.mesh import Floats
 
-# A part smaller than this share of the largest is left out.
+# Parts smaller than this share of the largest part are left out.
 _LEAST_SHARE = 0.02
-# Pixels that a simplified outline may be off.
+# Tolerance of the simplified outline, pixels.
 _TOLERANCE_PX = 0.4
 
 
 def outline(mask: BoolArray) -> Floats:
-    """Return one polygon about all parts of `mask`, in pixels from its corner, (n, 2), n >= 3.
+    """Return one polygon around all parts of `mask`, pixels from its corner, (n, 2), n >= 3.
 
-    Parts are joined by a line there and back between their nearest corners; holes are lost.
+    Parts are joined by a line back and forth between their nearest corners; holes are lost.
     """
-    # Four times as fine, so that the outline runs along the borders of pixels.
+    # Four times as fine, so that the outline follows the borders of pixels.
     large = np.repeat(np.repeat(mask.astype(np.uint8), 4, axis=0), 4, axis=1)
     contours, _ = cv2.findContours(large, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     rings = sorted((ring[:, 0] for ring in contours), key=lambda r: -_area(r))
@@ -36,7 +36,7 @@ def _area(ring: Floats) -> float:
 
 
 def _joined(one: Floats, two: Floats) -> Floats:
-    """Return one ring that runs round `one`, over to `two`, round it and back."""
+    """Return one ring that follows `one`, crosses to `two`, follows it and returns."""
     distance = np.linalg.norm(one[:, None] - two[None], axis=2)
     here, there = np.unravel_index(int(np.argmin(distance)), distance.shape)
     around = np.concatenate([np.roll(two, -int(there), axis=0), two[there][None]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Masks as run lengths in COCO's two ways of writing: numbers, and the short text of them."""
+"""Masks as run lengths in COCO's two notations: numbers and compressed text."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ Mask = NDArray[np.bool_]
 
 
 def run_lengths(mask: Mask) -> list[int]:
-    """Return the lengths of runs of 0 and 1 in turns, beginning with 0, column by column."""
+    """Return the lengths of alternating runs of 0 and 1, starting with 0, column by column."""
     flat = np.ascontiguousarray(mask.T).ravel()
     changes = np.flatnonzero(flat[1:] != flat[:-1]) + 1
     bounds = np.concatenate([[0], changes, [flat.size]])
@@ -18,18 +18,12 @@ def run_lengths(mask: Mask) -> list[int]:
     return [0, *lengths] if flat.size and flat[0] else lengths
 
 
-def mask_of(lengths: Sequence[int], shape: tuple[int, int]) -> Mask:
-    """Return the mask (height, width) of `run_lengths`."""
-    values = np.arange(len(lengths)) % 2 == 1
-    return np.repeat(values, lengths).reshape(shape[::-1]).T
-
-
 def short_text(lengths: Sequence[int]) -> str:
-    """Return run lengths as COCO's text.
+    """Return run lengths as COCO's compressed text (rleToString of the COCO API).
 
-    From the fourth on the difference to the one but last stands for a length; numbers are written
-    in groups of 5 bits, the lowest first, 32 added while more follow, 48 added to be printable
-    (rleToString of the COCO API).
+    From the fourth on, a length is written as its difference to the last but one. Numbers are
+    written in groups of 5 bits, the lowest first; 32 is added while more follow, and 48 makes a
+    printable character.
     """
     parts = []
     for index, length in enumerate(lengths):
@@ -42,20 +36,3 @@ def short_text(lengths: Sequence[int]) -> str:
             if is_last:
                 break
     return ''.join(parts)
-
-
-def length_of_text(text: str) -> list[int]:
-    """Return the run lengths of `short_text`."""
-    lengths: list[int] = []
-    value = shift = 0
-    for letter in text:
-        group = ord(letter) - 48
-        value |= (group & 0x1F) << shift
-        shift += 5
-        if group & 0x20:
-            continue
-        if group & 0x10:
-            value -= 1 << shift
-        lengths.append(value + (lengths[-2] if len(lengths) > 2 else 0))
-        value = shift = 0
-    return lengths

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The files about a whole data set: COCO's annotations, YOLO's list, the data card."""
+"""The files about a whole data set: COCO annotations, YOLO's list, the data card."""
 
 import json
 from collections import Counter
@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rocsafe_dataset.card import card
+from rocsafe_dataset.data_card import data_card
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import Folder
+from rocsafe_dataset.files import DatasetFolder
 from rocsafe_dataset.options import SPLITS
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_scene.mesh.classes import CLASSES
@@ -17,12 +17,13 @@ from rocsafe_scene.mesh.classes import CLASSES
 Record = Mapping[str, Any]
 
 
-def finish(folder: Folder, scene: str) -> Counter[str]:
-    """Write what can only be written when all pictures are there; return the counts by class.
+def finish(folder: DatasetFolder, scene: str) -> Counter[str]:
+    """Write the files that need all images; return the number of instances by class.
 
     Raises
     ------
-    DatasetError: if a record is missing or damaged, or the disk does not take a file.
+    DatasetError
+        If a record is missing or damaged, or a file cannot be written.
     """
     records = [_read(folder.record(number)) for number in range(folder.options.count)]
     names = [label.name for label in CLASSES.values()]
@@ -37,7 +38,7 @@ def finish(folder: Folder, scene: str) -> Counter[str]:
             write_whole(folder.path / 'annotations' / f'instances_{split}.json', content)
         write_whole(folder.path / 'data.yaml', _data_yaml().encode())
         write_whole(
-            folder.path / 'README.md', card(records, counts, folder.options, scene).encode()
+            folder.path / 'README.md', data_card(records, counts, folder.options, scene).encode()
         )
     except OSError as error:
         raise DatasetError(f'{error.filename}: {error.strerror}') from error
@@ -53,7 +54,7 @@ def _read(path: Path) -> Record:
 
 
 def coco(records: Sequence[Record], size_px: tuple[int, int], scene: str) -> dict[str, Any]:
-    """Return the content of COCO's instances file for some pictures."""
+    """Return the content of COCO's instances file for some images."""
     width, height = size_px
     annotations = [
         {'image_id': record['number'], **annotation}
@@ -94,7 +95,7 @@ def coco(records: Sequence[Record], size_px: tuple[int, int], scene: str) -> dic
 
 
 def _data_yaml() -> str:
-    """Return the file that YOLO's trainers start from; `path` is where it lies."""
+    """Return the file with which YOLO's training starts; `path` is its own folder."""
     rows = [f'  {label.number}: {label.name}' for label in CLASSES.values()]
     splits = [f'{split}: images/{split}' for split in SPLITS]
     return '\n'.join(['path: .', *splits, f'nc: {len(rows)}', 'names:', *rows, ''])

@@ -1,116 +1,137 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From options to lines and drones."""
+"""From options to stations, drones and cameras."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
 from rocsafe_mavlink.bridge_options import BridgeOptions
-from rocsafe_mavlink.camera.camera_trigger import Photographer
-from rocsafe_mavlink.camera.numbering import Film
-from rocsafe_mavlink.camera.sources import open_source
+from rocsafe_mavlink.camera.folder_source import FolderSource
+from rocsafe_mavlink.camera.geotagging import Geotagger
+from rocsafe_mavlink.camera.numbering import ShotNumbering
+from rocsafe_mavlink.camera.source import ImageSource
+from rocsafe_mavlink.camera.video_source import VideoSource
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.drone.line import Line
 from rocsafe_mavlink.drone.station import Station
+from rocsafe_mavlink.drone.vehicle_session import VehicleSession
+from rocsafe_mavlink.drone_options import DroneFleet, DroneOptions
 from rocsafe_mavlink.flight.flight_journal import FlightJournal
-from rocsafe_mavlink.link.endpoint import parse_endpoint
+from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
 from rocsafe_mavlink.link.link import Link, LinkRules
 from rocsafe_mavlink.link.transport import address_of, open_transport
-from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.signing import SignatureGate, Signer, read_key
 from rocsafe_mavlink.wire.timestamp_store import TimestampStore
 
 LINK_ID = 0
+STREAM_PREFIXES = ('rtsp://', 'http://', 'https://', '/dev/video')
 
 
-def make_lines(options: BridgeOptions) -> dict[str, Line]:
-    """Return a line for each different link, opened.
+def make_stations(options: BridgeOptions, fleet: DroneFleet) -> dict[str, Station]:
+    """Return a station for each link, its transport open.
 
     Raises
     ------
-    MavlinkError: if a link is none or cannot be opened, or a key cannot be read.
-    ValueError: if vehicles on one link have different keys, or a file is damaged.
+    MavlinkError
+        If a link cannot be understood or opened, or a key cannot be read.
+    ValueError
+        If a file is damaged.
     """
-    lines: dict[str, Line] = {}
+    stations: dict[str, Station] = {}
     try:
-        for text in dict.fromkeys(options.links):
-            lines[text] = _line(text, options)
+        for link in fleet.links:
+            key_file = fleet.on(link)[0].signing_key_file
+            stations[link] = _station(link, key_file, options)
     except BaseException:
-        for line in lines.values():
-            line.close()
+        for station in stations.values():
+            station.close()
         raise
-    return lines
+    return stations
 
 
-def make_drones(options: BridgeOptions, lines: dict[str, Line]) -> list[Drone]:
-    """Return the drones, each listening on its line.
-
-    Raises
-    ------
-    ValueError: if a journal is damaged.
-    """
-    drones = []
-    for index, text in enumerate(options.links):
-        spec = options.spec(index)
-        folder = options.state_path(spec.name)
-        journal = FlightJournal(None if folder is None else folder / 'flight.json')
-        drones.append(Drone(spec, lines[text], journal))
-    return drones
-
-
-def make_photographer(
-    options: BridgeOptions, index: int, clock: Callable[[], float]
-) -> Photographer:
-    """Return who follows the camera of vehicle `index`.
+def make_drone(drone: DroneOptions, options: BridgeOptions, station: Station) -> Drone:
+    """Return a drone that `station` serves.
 
     Raises
     ------
-    ValueError: if its pictures are to come from nowhere.
-    SpoolError: if photographs of an earlier run cannot be read.
+    ValueError
+        If its journal is damaged.
     """
-    folder = options.state_path(options.vehicles[index])
-    return Photographer(
-        Film(None if folder is None else folder / 'shots'),
-        open_source(options.text_of('image_folders', index), clock),
+    identity, separation_m = options.identity, drone.geoid_separation_m
+    session = VehicleSession.of(
+        drone.target,
+        (identity.system, identity.component),
+        separation_m=math.nan if separation_m is None else separation_m,
+        position_rate_hz=options.position_rate_hz,
+    )
+    folder = options.state_path(drone.name)
+    journal = FlightJournal(None if folder is None else folder / 'flight.json')
+    made = Drone(options.spec(drone), session, journal)
+    station.add(made)
+    return made
+
+
+def make_geotagger(
+    drone: DroneOptions, options: BridgeOptions, clock: Callable[[], float]
+) -> Geotagger:
+    """Return what makes photographs of the images of a drone; `clock` is the time of day.
+
+    Raises
+    ------
+    ValueError
+        If its images cannot be found.
+    SpoolError
+        If photographs of an earlier run cannot be read.
+    """
+    folder = options.state_path(drone.name)
+    return Geotagger(
+        ShotNumbering(None if folder is None else folder / 'shots'),
+        open_source(drone.image_folder, clock),
         None if folder is None else folder / 'shots.csv',
     )
 
 
-def _line(text: str, options: BridgeOptions) -> Line:
-    endpoint = parse_endpoint(text, allow_network=options.allow_network)
-    members = [index for index, link in enumerate(options.links) if link == text]
-    is_listening = endpoint.host and not endpoint.peers and endpoint.kind.value == 'udp'
-    called = () if endpoint.kind.value == 'udp' else (address_of(endpoint),)
-    rules = LinkRules(
-        allowed=frozenset((*endpoint.peers, *called)),
-        called=frozenset(called),
-        is_discovering=bool(is_listening) and endpoint.is_loopback,
-        is_stream=endpoint.is_stream,
-    )
-    key_file = _key_file(options, members)
+def open_source(text: str, clock: Callable[[], float]) -> ImageSource | None:
+    """Return the source of images that `text` names; None if it is empty.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a folder nor a stream.
+    """
+    if not text:
+        return None
+    if text.startswith(STREAM_PREFIXES):
+        return VideoSource(text, clock)
+    folder = Path(text)
+    if not folder.is_dir():
+        raise ValueError(
+            f'image folder {text!r} is no folder, nor rtsp://..., http://... or /dev/video...'
+        )
+    return FolderSource(folder)
+
+
+def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
+    endpoint = parse_endpoint(link, allow_network=options.allow_network)
     gate = signer = None
     if key_file:
-        key, store = read_key(Path(key_file)), _store(Path(key_file))
+        key, store = read_key(Path(key_file)), _timestamps(Path(key_file))
         gate, signer = SignatureGate(key, store), Signer(key, LINK_ID, store)
-    link = Link(rules, options.identity, gate, signer)
-    station = Station(
-        link,
-        [options.targets[index] for index in members],
-        (options.source_system, options.source_component),
-        {options.targets[index]: options.separation_m(index) for index in members},
+    return Station(
+        open_transport(endpoint), Link(_rules(endpoint), options.identity, gate, signer)
     )
-    for index in members:
-        station.member(options.targets[index]).rates = StreamRates(options.position_rate_hz)
-    return Line(text, open_transport(endpoint), station)
 
 
-def _key_file(options: BridgeOptions, members: list[int]) -> str:
-    files = {options.text_of('signing_key_files', index) for index in members}
-    if len(files) > 1:
-        names = ', '.join(options.vehicles[index] for index in members)
-        raise ValueError(f'{names} share a link: must have one signing key')
-    return files.pop()
+def _rules(endpoint: Endpoint) -> LinkRules:
+    is_listening = endpoint.kind is EndpointKind.UDP
+    called = () if is_listening else (address_of(endpoint),)
+    return LinkRules(
+        allowed=frozenset((*endpoint.peers, *called)),
+        called=frozenset(called),
+        is_discovering=is_listening and not endpoint.peers and endpoint.is_loopback,
+        is_stream=endpoint.is_stream,
+    )
 
 
-def _store(key_file: Path) -> TimestampStore:
-    """Return the time stamps that go with a key: they outlive runs, as the key does."""
+def _timestamps(key_file: Path) -> TimestampStore:
+    """Return the time stamps of a key: they outlive runs, as the key does."""
     return TimestampStore(key_file.with_name(f'{key_file.name}.timestamps'))

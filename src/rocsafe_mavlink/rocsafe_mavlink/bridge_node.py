@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``bridge``: real vehicles, each in its own namespace, as if they were simulated."""
+"""The node ``bridge``: real vehicles, each in its own namespace, like simulated ones."""
 
 import os
 import time
@@ -10,17 +10,18 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import MissionState
-from rocsafe_mavlink.assembly import make_drones, make_lines, make_photographer
+from rocsafe_mavlink.assembly import make_drone, make_geotagger, make_stations
 from rocsafe_mavlink.bridge_options import BridgeOptions
-from rocsafe_mavlink.camera.camera_trigger import Photographer
-from rocsafe_mavlink.camera.video_stream import DECODER_OPTIONS
+from rocsafe_mavlink.camera.geotagging import Geotagger
+from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
+from rocsafe_mavlink.command_node import CommandServices
 from rocsafe_mavlink.conversions import link_status
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.drone_node import DroneTelemetry
+from rocsafe_mavlink.drone_node import TelemetryPublisher
+from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
 from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.knowledge.events import Event
-from rocsafe_mavlink.order_node import OrderServices
 from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -28,30 +29,31 @@ from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-# Between two looks at the sockets: most of the time from a datagram to its topic.
+# Period of reading the sockets: most of the time from a datagram to its topic.
 POLL_S = 0.005
-# Between two looks at what is due; nothing that a vehicle says waits for them.
+# Period of what is due by time; messages of vehicles do not wait for it.
 TICK_S = 0.02
 DIAGNOSE_S = 1.0
-# The mission says twice a second that it lives.
+# mission/state is published twice a second while the mission lives.
 SUPERVISOR_LEASE_S = 3.0
 
 
 class DroneInterface:
-    """Everything of a vehicle's namespace: topics, services and the action."""
+    """All topics, services and the action in a vehicle's namespace."""
 
     def __init__(
-        self, node: VehicleScopeNode, drone: Drone, photographer: Photographer, fov_rad: float
+        self, node: VehicleScopeNode, drone: Drone, geotagger: Geotagger, fov_rad: float
     ) -> None:
+        self.node = node
         self.drone = drone
-        self.shots = ShotSender(node, drone, photographer, fov_rad)
-        self._telemetry = DroneTelemetry(node, drone, lambda: self.shots.counts)
-        self._orders = OrderServices(node, drone, time.monotonic)
+        self.shots = ShotSender(node, drone, geotagger, fov_rad)
+        self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
+        self._commands = CommandServices(node, drone, time.monotonic)
         self._flights = FlyRouteServer(node, drone, lambda: self.shots.delivered)
+        drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:
         """Take a message of the vehicle."""
-        self.drone.on_message(message)
         self._telemetry.on_message(message, time.monotonic())
         self.shots.on_message(message)
 
@@ -60,20 +62,20 @@ class DroneInterface:
         self._telemetry.on_event(event)
 
     def follow(self) -> None:
-        """Publish what can wait until the fixes of all vehicles are out."""
+        """Publish what can wait until the fixes of all vehicles are published."""
         self._telemetry.follow()
 
     def step(self, now_s: float, time_s: float) -> None:
         """Let time pass."""
         self.drone.step(now_s)
-        self._flights.step(now_s, time_s)
-        self._orders.step()
+        self._flights.step(now_s)
+        self._commands.step()
         self._telemetry.step(now_s)
         self.shots.step(now_s, time_s)
 
 
 class BridgeNode(Node):
-    """Serves all vehicles of `vehicles`, each behind a lean node in its own namespace.
+    """Serves all drones of `drones_file`, each behind a node in its own namespace.
 
     Takes no part in lock-step: real vehicles fly by the clock on the wall. Subscribes:
     mission/state, if its supervisor is to be watched. Publishes: /diagnostics.
@@ -83,23 +85,13 @@ class BridgeNode(Node):
         super().__init__('bridge', **node_options)
         self._options = declare_options(self, BridgeOptions)
         try:
-            self._lines = make_lines(self._options)
-            drones = make_drones(self._options, self._lines)
-            photographers = [
-                make_photographer(self._options, index, time.time) for index in range(len(drones))
+            self._fleet = read_drones(self._options.drones_file)
+            self._stations = make_stations(self._options, self._fleet)
+            self._interfaces = [
+                self._interface(drone, node_options) for drone in self._fleet.drones
             ]
         except (MavlinkError, ValueError, OSError) as error:
             raise ParameterError(f'bridge: {error}') from error
-        self.vehicle_nodes = [self._vehicle_node(drone, node_options) for drone in drones]
-        self._interfaces = [
-            DroneInterface(node, drone, photographer, self._options.horizontal_fov_rad)
-            for node, drone, photographer in zip(
-                self.vehicle_nodes, drones, photographers, strict=True
-            )
-        ]
-        for interface, link in zip(self._interfaces, self._options.links, strict=True):
-            target = interface.drone.spec.target
-            self._lines[link].listen(target, interface.on_message, interface.on_event)
         self._supervised_s = self._ticked_s = time.monotonic()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
@@ -108,13 +100,24 @@ class BridgeNode(Node):
         self.create_timer(POLL_S, self._poll, clock=steady)
         self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
 
+    @property
+    def vehicle_nodes(self) -> list[VehicleScopeNode]:
+        """Nodes in the namespaces of the drones."""
+        return [interface.node for interface in self._interfaces]
+
     def destroy_node(self) -> None:
-        """Give sockets and devices back."""
-        for line in self._lines.values():
-            line.close()
+        """Close sockets, devices and cameras."""
+        for station in self._stations.values():
+            station.close()
         for interface in self._interfaces:
             interface.shots.close()
         super().destroy_node()
+
+    def _interface(self, options: DroneOptions, node_options: dict[str, Any]) -> DroneInterface:
+        drone = make_drone(options, self._options, self._stations[options.link])
+        geotagger = make_geotagger(options, self._options, time.time)
+        node = self._vehicle_node(drone, node_options)
+        return DroneInterface(node, drone, geotagger, self._options.horizontal_fov_rad)
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(
@@ -131,8 +134,8 @@ class BridgeNode(Node):
 
     def _poll(self) -> None:
         now_s, time_s = time.monotonic(), time.time()
-        for line in self._lines.values():
-            line.take(now_s, time_s)
+        for station in self._stations.values():
+            station.take(now_s, time_s)
         for interface in self._interfaces:
             interface.follow()
         if now_s - self._ticked_s >= TICK_S:
@@ -142,8 +145,8 @@ class BridgeNode(Node):
     def _tick(self, now_s: float, time_s: float) -> None:
         is_watched = self._options.needs_supervisor
         is_supervised = not is_watched or now_s - self._supervised_s < SUPERVISOR_LEASE_S
-        for line in self._lines.values():
-            line.tick(now_s, time_s, is_supervised=is_supervised)
+        for station in self._stations.values():
+            station.tick(now_s, time_s, is_supervised=is_supervised)
         for interface in self._interfaces:
             interface.step(now_s, time_s)
 
@@ -151,15 +154,14 @@ class BridgeNode(Node):
         now_s = time.monotonic()
         message = DiagnosticArray()
         message.header.stamp = self.get_clock().now().to_msg()
-        for link, line in self._lines.items():
+        for link, station in self._stations.items():
+            names = {drone.name for drone in self._fleet.on(link)}
             contacts = {
                 interface.drone.spec.name: interface.drone.vehicle.contact(now_s)
-                for interface, name in zip(self._interfaces, self._options.links, strict=True)
-                if name == link
+                for interface in self._interfaces
+                if interface.drone.spec.name in names
             }
-            message.status.append(
-                link_status(link, contacts, line.station.link.counters.by_name())
-            )
+            message.status.append(link_status(link, contacts, station.link.counters.by_name()))
         self._diagnostics.publish(message)
 
 

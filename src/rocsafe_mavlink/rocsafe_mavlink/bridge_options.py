@@ -1,67 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of the bridge: lists run in parallel, one entry a vehicle; an empty list is defaults."""
+"""Options of the bridge that are the same for all of its drones."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.drone_options import DroneOptions
 from rocsafe_mavlink.flight.preflight import FlightLimits
 from rocsafe_mavlink.link.link import LinkIdentity
 
-_LISTS = ('systems', 'components', 'speeds_mps', 'hovers_s', 'endurances_s', 'image_folders',
-          'signing_key_files', 'geoid_separations_m')  # fmt: skip
+_MOVED = {
+    'vehicles': 'a list, drones, in the file that drones_file names',
+    **{
+        old: f'{new} of a drone in the file that drones_file names'
+        for old, new in {
+            'links': 'link',
+            'systems': 'system',
+            'components': 'component',
+            'speeds_mps': 'speed_mps',
+            'hovers_s': 'hover_s',
+            'endurances_s': 'endurance_s',
+            'image_folders': 'image_folder',
+            'signing_key_files': 'signing_key_file',
+            'geoid_separations_m': 'geoid_separation_m',
+        }.items()
+    },
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BridgeOptions:
     """Parameters of the bridge."""
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'names of the vehicles, which are their namespaces'}
-    )
-    links: tuple[str, ...] = field(
-        default=(),
-        metadata={
-            'doc': 'link of each vehicle: udp://HOST:PORT, udpout://HOST:PORT, tcp://HOST:PORT or '
-            'serial:///dev/NAME?baud=N; vehicles may share one'
-        },
-    )
-    systems: tuple[int, ...] = field(
-        default=(), metadata={'doc': 'MAVLink system of each vehicle (1)', 'min': 1, 'max': 255}
-    )
-    components: tuple[int, ...] = field(
-        default=(), metadata={'doc': 'MAVLink component of each (1)', 'min': 1, 'max': 255}
-    )
-    speeds_mps: tuple[float, ...] = field(
-        default=(), metadata={'doc': 'speed of each over ground, m/s (5)', 'min': 0.1, 'max': 50.0}
-    )
-    hovers_s: tuple[float, ...] = field(
-        default=(),
-        metadata={'doc': 'standing time of each at a viewpoint, s (1)', 'min': 0.0, 'max': 600.0},
-    )
-    endurances_s: tuple[float, ...] = field(
-        default=(),
-        metadata={'doc': 'flight time of each on a full battery, s (1500)', 'min': 1.0},
-    )
-    image_folders: tuple[str, ...] = field(
-        default=(),
-        metadata={
-            'doc': 'folder of the JPEG files of each, rtsp://..., http://... or /dev/video...; '
-            'empty: none'
-        },
-    )
-    signing_key_files: tuple[str, ...] = field(
-        default=(),
-        metadata={
-            'doc': 'signing key of each, mode 0600; time stamps go beside it; empty: unsigned'
-        },
-    )
-    geoid_separations_m: tuple[float, ...] = field(
-        default=(),
-        metadata={'doc': 'geoid above the ellipsoid where each flies, m, if it does not tell'},
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = _MOVED
+
+    drones_file: str = field(
+        default='',
+        metadata={'doc': 'YAML file of the drones: name, link and more, see docs/real-drones.md'},
     )
     source_system: int = field(
         default=255, metadata={'doc': 'our own MAVLink system', 'min': 1, 'max': 255}
@@ -124,38 +104,14 @@ class BridgeOptions:
         metadata={'doc': 'angle across the image width, degrees', 'min': 5.0, 'max': 150.0},
     )
 
-    def __post_init__(self) -> None:
-        """Refuse lists that do not belong together."""
-        count = len(self.vehicles)
-        if len(set(self.vehicles)) != count:
-            raise ValueError(f'vehicles {list(self.vehicles)} must differ from each other')
-        if len(self.links) != count:
-            raise ValueError(
-                f'links has {len(self.links)} entries: must have {count}, as vehicles'
-            )
-        for name in _LISTS:
-            length = len(getattr(self, name))
-            if length not in (0, count):
-                raise ValueError(f'{name} has {length} entries: must have {count} or none')
-        places = list(zip(self.links, self.targets, strict=True))
-        if len(set(places)) != count:
-            raise ValueError('vehicles on one link must differ in systems or components')
-
-    @property
-    def targets(self) -> tuple[tuple[int, int], ...]:
-        """(system, component) of each vehicle."""
-        systems = self.systems or (1,) * len(self.vehicles)
-        components = self.components or (1,) * len(self.vehicles)
-        return tuple(zip(systems, components, strict=True))
-
     @property
     def identity(self) -> LinkIdentity:
-        """Who we are on the wire."""
+        """Our own MAVLink numbers."""
         return LinkIdentity(system=self.source_system, component=self.source_component)
 
     @property
     def frame(self) -> LocalFrame:
-        """Frame of the mission."""
+        """Local frame of the mission."""
         return LocalFrame(
             GeoPosition(
                 self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
@@ -164,42 +120,28 @@ class BridgeOptions:
 
     @property
     def horizontal_fov_rad(self) -> float:
-        """Angle across the image width."""
+        """Angle across the image width, radians."""
         return math.radians(self.camera_horizontal_fov_deg)
 
     def state_path(self, vehicle: str) -> Path | None:
-        """Return the folder that keeps what a vehicle must not forget; None: nowhere."""
+        """Return the folder that keeps what must survive a restart; None: nothing is kept."""
         return Path(self.state_directory) / vehicle if self.state_directory else None
 
-    def text_of(self, name: str, index: int) -> str:
-        """Return entry `index` of a list of texts, empty if the list is."""
-        values: tuple[str, ...] = getattr(self, name)
-        return values[index] if values else ''
-
-    def number_of(self, name: str, index: int, default: float) -> float:
-        """Return entry `index` of a list of numbers, `default` if the list is empty."""
-        values: tuple[float, ...] = getattr(self, name)
-        return values[index] if values else default
-
-    def separation_m(self, index: int) -> float:
-        """Return the geoid's height above the ellipsoid; NaN if nobody gave it."""
-        return self.number_of('geoid_separations_m', index, math.nan)
-
-    def spec(self, index: int) -> DroneSpec:
-        """Return what vehicle `index` is."""
+    def spec(self, drone: DroneOptions) -> DroneSpec:
+        """Return the fixed properties of a drone."""
         return DroneSpec(
-            name=self.vehicles[index],
-            target=self.targets[index],
+            name=drone.name,
+            target=drone.target,
             frame=self.frame,
-            speed_mps=self.number_of('speeds_mps', index, 5.0),
-            hover_s=self.number_of('hovers_s', index, 1.0),
+            speed_mps=drone.speed_mps,
+            hover_s=drone.hover_s,
             takes_photographs=self.takes_photographs,
             trigger_distance_m=self.trigger_distance_m,
             limits=FlightLimits(
                 lowest_m=self.lowest_m,
                 highest_m=self.highest_m,
                 furthest_m=self.furthest_m,
-                longest_s=self.number_of('endurances_s', index, 1500.0),
+                longest_s=drone.endurance_s,
                 smallest_charge=self.smallest_charge,
                 must_return_on_link_loss=self.must_return_on_link_loss,
             ),

@@ -22,13 +22,13 @@ from rocsafe_interfaces.msg import (
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.drone.drone import DroneSpec
-from rocsafe_mavlink.drone.observation import Observation
+from rocsafe_mavlink.drone.status import DroneStatus
 from rocsafe_mavlink.flight.fence import Ring
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
-from rocsafe_mavlink.flight.preflight import Check, Verdict
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
-from rocsafe_mavlink.knowledge.vehicle import Contact
+from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_ros.conversions import position_of_point
 
 STATES = {
@@ -44,28 +44,29 @@ STATES = {
     FlightState.LOST: VehicleState.LOST,
 }
 _VERDICTS = {
-    Verdict.PASS: PreflightCheck.PASS,
-    Verdict.WARN: PreflightCheck.WARN,
-    Verdict.FAIL: PreflightCheck.FAIL,
+    CheckVerdict.PASS: PreflightCheck.PASS,
+    CheckVerdict.WARN: PreflightCheck.WARN,
+    CheckVerdict.FAIL: PreflightCheck.FAIL,
 }
 # MAV_SEVERITY: 0 to 3 are errors, 4 a warning, 5 and 6 notes.
 _SEVERITIES = (VehicleEvent.ERROR,) * 4 + (VehicleEvent.WARN,) + (VehicleEvent.INFO,) * 2
-# A position of which nobody says how good it is.
+# Quantities that no autopilot reports.
 _UNKNOWN = math.nan
 
 
 def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assignment:
-    """Return what a route asks of a vehicle.
+    """Return the plan in a route message.
 
     Raises
     ------
-    ValueError: naming what cannot be flown.
+    ValueError
+        Naming what cannot be flown.
     """
     home = position_of_point(message.home)
     if not message.viewpoints:
         raise ValueError('the route has no viewpoint')
     _require_plain(message)
-    waypoints: list[Waypoint] = []
+    waypoints: list[FlightWaypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
     last = waypoints[-1]
@@ -82,7 +83,7 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
 
 
 def _require_plain(message: RouteMessage) -> None:
-    """Refuse what real vehicles do not fly: late, in several flights, to another place."""
+    """Refuse what real vehicles do not fly: a late start, several flights, another end."""
     if message.delay_s > 0.0:
         raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
     if len(message.flights) > 1:
@@ -92,14 +93,14 @@ def _require_plain(message: RouteMessage) -> None:
         raise ValueError('the route ends elsewhere: must end at home')
 
 
-def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[Waypoint]:
+def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[FlightWaypoint]:
     """Return the bends before a viewpoint, and the viewpoint."""
     place = position_of_point(viewpoint.position)
-    # Both altitudes have one datum, whichever it is: their difference has none.
+    # Both altitudes have the same datum, so their difference needs none.
     height_m = place.altitude_m - home.altitude_m
     if not math.isfinite(height_m):
         height_m = viewpoint.height_agl_m
-    stop = Waypoint(
+    stop = FlightWaypoint(
         position=_level(place),
         height_m=height_m,
         hold_s=hover_s,
@@ -108,8 +109,8 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
     return [*(_bend(point, stop) for point in viewpoint.approach), stop]
 
 
-def _bend(point: GeoPoint, stop: Waypoint) -> Waypoint:
-    """Return a bend of the way to or from `stop`: as high, and looking the same way."""
+def _bend(point: GeoPoint, stop: FlightWaypoint) -> FlightWaypoint:
+    """Return a bend of the way to or from `stop`, with the same height and heading."""
     place = _level(position_of_point(point))
     return replace(stop, position=place, hold_s=0.0, is_bend=True)
 
@@ -124,8 +125,8 @@ def ring_of(polygon: GeoPolygon) -> Ring:
     return places[:-1] if len(places) > 1 and places[0] == places[-1] else places
 
 
-def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFix | None:
-    """Return where a silent vehicle should be; None while it is heard."""
+def predicted_message(seen: DroneStatus, stamp: Time, frame_id: str) -> NavSatFix | None:
+    """Return the expected position of a silent vehicle; None while it is heard."""
     if seen.prediction is None:
         return None
     place, variance = seen.prediction.position, seen.prediction.spread_m**2
@@ -140,8 +141,8 @@ def predicted_message(seen: Observation, stamp: Time, frame_id: str) -> NavSatFi
     )
 
 
-def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatteryState:
-    """Return the charge; what the autopilot does not tell is NaN. Discharging is negative."""
+def battery_message(seen: DroneStatus, stamp: Time, frame_id: str) -> BatteryState:
+    """Return the charge; NaN where the autopilot does not tell. Discharging is negative."""
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
         voltage=seen.voltage_v,
@@ -163,9 +164,9 @@ def battery_message(seen: Observation, stamp: Time, frame_id: str) -> BatterySta
 
 
 def state_message(
-    seen: Observation, vehicle: str, stamp: Time, shots: tuple[int, int]
+    seen: DroneStatus, vehicle: str, stamp: Time, shots: tuple[int, int]
 ) -> VehicleState:
-    """Return the state; `shots` are those taken and those not yet stored."""
+    """Return the state; `shots` are the numbers taken and not yet stored."""
     return VehicleState(
         header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
         vehicle=vehicle,
@@ -183,7 +184,7 @@ def state_message(
 
 
 def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
-    """Return something that happened."""
+    """Return an event."""
     severity = _SEVERITIES[event.severity] if event.severity < 7 else VehicleEvent.DEBUG
     return VehicleEvent(
         header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
@@ -195,7 +196,7 @@ def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
 
 
 def check_message(check: Check) -> PreflightCheck:
-    """Return one look before a flight."""
+    """Return one check before a flight."""
     return PreflightCheck(
         name=check.name, verdict=_VERDICTS[check.verdict], value=check.value, limit=check.limit
     )
@@ -204,7 +205,7 @@ def check_message(check: Check) -> PreflightCheck:
 def link_status(
     name: str, contacts: dict[str, Contact], counts: dict[str, int]
 ) -> DiagnosticStatus:
-    """Return the health of a link: who is heard on it, and what was dropped and why."""
+    """Return the health of a link: who is heard, and how much was dropped and why."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
     return DiagnosticStatus(
         name=f'bridge: {name}',

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the namespace of a real vehicle says: fix, velocity, odom, battery, state, events."""
+"""Publishes the telemetry of a real vehicle: fix, velocity, odom, battery, state, events."""
 
 from collections.abc import Callable
 from typing import Any
@@ -15,9 +15,9 @@ from rocsafe_mavlink.conversions import (
     state_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.drone.observation import Observation, enu_of, fix_quality
+from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
-from rocsafe_mavlink.knowledge.vehicle import Motion
+from rocsafe_mavlink.knowledge.telemetry import Motion
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -32,13 +32,13 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
-# A track that grows for hours is thinned rather than kept whole.
+# Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
-# Texts of a vehicle that go to our log; all of them are events.
+# Texts of a vehicle that are logged each second; all of them are published as events.
 TEXTS_PER_S = 5
 
 
-class DroneTelemetry:
+class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
     Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
@@ -46,9 +46,12 @@ class DroneTelemetry:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs were taken, and how many are not yet stored.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs were taken, and how many are not yet stored.
     """
 
     def __init__(
@@ -73,7 +76,7 @@ class DroneTelemetry:
         self._following: list[tuple[Motion, Time]] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
-        """Publish the fix when a position has come; what else it says waits for `follow`."""
+        """Publish the fix of a position; the rest of it waits for `follow`."""
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
         if message.name != POSITION or motion is None:
             return
@@ -85,7 +88,7 @@ class DroneTelemetry:
         self._following.append((motion, stamp))
 
     def follow(self) -> None:
-        """Publish what else the positions said that have come: fixes of all vehicles go first."""
+        """Publish the rest of the positions that have come: the fixes of all vehicles go first."""
         following, self._following = self._following, []
         for motion, stamp in following:
             place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
@@ -97,7 +100,7 @@ class DroneTelemetry:
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 
     def on_event(self, event: Event) -> None:
-        """Publish something that happened."""
+        """Publish an event."""
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.EVENTS, event_message(event, self._name, stamp))
         if event.kind is EventKind.HOME and self._drone.home is not None:
@@ -111,7 +114,7 @@ class DroneTelemetry:
         is_slow = now_s - self._slow_s >= SLOW_S
         if not is_slow and self._drone.news() == self._said:
             return
-        seen = self._drone.observe(now_s)
+        seen = self._drone.status(now_s)
         if is_slow:
             self._slow_s, self._texts_left = now_s, TEXTS_PER_S
             self._publish_slow(seen)
@@ -119,7 +122,7 @@ class DroneTelemetry:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
 
-    def _publish_slow(self, seen: Observation) -> None:
+    def _publish_slow(self, seen: DroneStatus) -> None:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(
             topics.BATTERY_STATE, battery_message(seen, stamp, f'{self._name}/base_link')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong with a link to an autopilot, as its callers would tell it apart."""
+"""Errors of this package, as far as callers treat them differently."""
 
 
 class MavlinkError(Exception):
@@ -7,7 +7,7 @@ class MavlinkError(Exception):
 
 
 class EndpointError(MavlinkError):
-    """An address of a link is not one, or cannot be opened."""
+    """The address of a link cannot be understood or opened."""
 
 
 class KeyFileError(MavlinkError):
@@ -18,5 +18,9 @@ class NotAllowedError(MavlinkError):
     """A message or command is not among those that may be sent."""
 
 
-class OrderRefusedError(MavlinkError):
-    """An operator's order cannot be given now."""
+class CommandRefusedError(MavlinkError):
+    """A command of the operator cannot be given now."""
+
+
+class WaitError(MavlinkError):
+    """It is not known yet whether a route may be flown: ask again."""

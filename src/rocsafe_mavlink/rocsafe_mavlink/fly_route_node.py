@@ -9,8 +9,8 @@ from rclpy.action import ActionServer, CancelResponse
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_mavlink.conversions import assignment_of
-from rocsafe_mavlink.drone.drone import Drone, WaitError
-from rocsafe_mavlink.errors import OrderRefusedError
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.result_conversions import (
     cancelled_message,
@@ -21,7 +21,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
-# A vehicle that is being looked at, or whose motors still run, is waited for no longer.
+# A goal waits at most so long until a vehicle is read or its motors stand still.
 LARGEST_WAIT_S = 45.0
 
 
@@ -32,15 +32,18 @@ class FlyRouteServer:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    shots: returns how many photographs of the flight will be in the store.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    shots
+        Returns how many photographs of the flight will be in the store.
     """
 
     def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:
         self._drone = drone
         self._shots = shots
-        self._now_s = self._time_s = 0.0
+        self._now_s = 0.0
         self._feedback_s = 0.0
         self._early: list[tuple[Any, float]] = []
         self._flying: list[Any] = []
@@ -56,9 +59,9 @@ class FlyRouteServer:
             cancel_callback=self._on_cancel,
         )
 
-    def step(self, now_s: float, time_s: float) -> None:
-        """Let goals begin, give feedback, and end the goals of a flight that has ended."""
-        self._now_s, self._time_s = now_s, time_s
+    def step(self, now_s: float) -> None:
+        """Begin flights, give feedback, and end the goals of a flight that has ended."""
+        self._now_s = now_s
         early, self._early = self._early, []
         for goal, since_s in early:
             self._begin(goal, since_s)
@@ -77,7 +80,7 @@ class FlyRouteServer:
         self._early.append((goal, self._now_s or time.monotonic()))
 
     def _begin(self, goal: Any, since_s: float) -> None:
-        """Order the flight, or say why not; one that cannot be judged yet waits."""
+        """Begin the flight, or say why not; a goal that cannot be judged yet waits."""
         request, name = goal.request, self._drone.spec.name
         if request.route.vehicle not in ('', name):
             self._end(goal, refusal_message(f'{name}: the route is for {request.route.vehicle}'))
@@ -85,38 +88,36 @@ class FlyRouteServer:
         try:
             assignment = assignment_of(request.route, request.plan_id, self._drone.spec)
             if request.replace and self._drone.flies_another(assignment):
-                self._drone.fly_instead(assignment, self._now_s)
-                self._replacing = (goal, assignment, self._drone.orders.count)
+                self._drone.replace_route(assignment, self._now_s)
+                self._replacing = (goal, assignment, self._drone.commands.count)
                 return
-            self._drone.fly(assignment, self._now_s, self._time_s)
+            self._drone.fly(assignment, self._now_s)
         except WaitError as reason:
             if self._now_s - since_s > LARGEST_WAIT_S:
                 self._end(goal, refusal_message(f'{name}: {reason}'))
             else:
                 self._early.append((goal, since_s))
             return
-        except (OrderRefusedError, ValueError) as error:
+        except (CommandRefusedError, ValueError) as error:
             self._end(goal, refusal_message(f'{name}: {error}'))
             return
         self._flying.append(goal)
 
     def _watch_replacement(self) -> None:
-        """Hand over to the new route when it is flown, or say why it is not."""
-        errand = self._drone.orders.errand
-        if self._replacing is None or errand is None:
+        """Switch to the new route when it is flown, or say why it is not."""
+        if self._replacing is None:
             return
         goal, assignment, number = self._replacing
-        is_ours = self._drone.orders.count == number
-        if is_ours and not errand.is_over:
+        error = self._drone.commands.outcome(number)
+        if error is None:
             return
         self._replacing = None
-        if not is_ours or errand.error:
-            reason = errand.error if is_ours else 'another order took its place'
-            self._end(goal, refusal_message(f'{self._drone.spec.name}: {reason}'))
+        if error:
+            self._end(goal, refusal_message(f'{self._drone.spec.name}: {error}'))
             return
         text = f'plan {assignment.plan_id} is flown in its place'
         self._end_all(FlyRoute.Result(outcome=FlyRoute.Result.ABORTED, error_msg=text))
-        self._drone.take_over(assignment)
+        self._drone.switch_to(assignment)
         self._flying.append(goal)
 
     def _end_all(self, result: FlyRoute.Result) -> None:
@@ -139,30 +140,29 @@ class FlyRouteServer:
         return result
 
     def _on_cancel(self, goal: Any) -> CancelResponse:
-        """Hold where it is; the goal ends when the vehicle holds, or has refused to."""
+        """Hold; the goal ends when the vehicle holds, or has refused to."""
         if goal not in self._flying:
             return CancelResponse.REJECT
         try:
-            self._drone.orders.hold(self._now_s)
-        except OrderRefusedError:
+            self._drone.commands.hold(self._now_s)
+        except CommandRefusedError:
             return CancelResponse.REJECT
-        self._cancelling.append((goal, self._drone.orders.count))
+        self._cancelling.append((goal, self._drone.commands.count))
         return CancelResponse.ACCEPT
 
     def _watch_cancelling(self) -> None:
         waiting, self._cancelling = self._cancelling, []
         for goal, number in waiting:
-            errand = self._drone.orders.errand
-            is_ours = self._drone.orders.count == number
-            if is_ours and errand is not None and not errand.is_over:
+            error = self._drone.commands.outcome(number)
+            if error is None:
                 self._cancelling.append((goal, number))
             elif goal in self._flying:
                 self._flying.remove(goal)
-                reason = errand.error if is_ours and errand is not None else ''
-                self._end(goal, cancelled_message(self._drone.left(), self._shots(), reason))
+                remaining = self._drone.remaining()
+                self._end(goal, cancelled_message(remaining, self._shots(), error))
 
     def _feedback(self) -> FlyRoute.Feedback:
-        left = self._drone.left()
+        left = self._drone.remaining()
         return FlyRoute.Feedback(
             viewpoint_index=left.visited,
             viewpoint_count=left.count,

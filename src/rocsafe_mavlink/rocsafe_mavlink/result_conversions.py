@@ -2,25 +2,26 @@
 """How flights ended -> results of fly_route."""
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_mavlink.drone.observation import FlightSummary, Left
-from rocsafe_mavlink.flight.flight_outcome import Outcome
+from rocsafe_mavlink.drone.flight_record import FlightSummary
+from rocsafe_mavlink.drone.status import RemainingRoute
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 
 OUTCOMES = {
-    Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
-    Outcome.ABORTED_BY_OPERATOR: FlyRoute.Result.RETURNED_EARLY,
-    Outcome.FAILSAFE_BATTERY: FlyRoute.Result.BATTERY_LOW,
-    Outcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
-    Outcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
-    Outcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
-    Outcome.REJECTED: FlyRoute.Result.REJECTED,
-    Outcome.RESTARTED: FlyRoute.Result.ABORTED,
-    Outcome.LOST: FlyRoute.Result.LOST,
+    FlightOutcome.COMPLETED: FlyRoute.Result.COMPLETED,
+    FlightOutcome.ABORTED_BY_OPERATOR: FlyRoute.Result.RETURNED_EARLY,
+    FlightOutcome.FAILSAFE_BATTERY: FlyRoute.Result.BATTERY_LOW,
+    FlightOutcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
+    FlightOutcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
+    FlightOutcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
+    FlightOutcome.REJECTED: FlyRoute.Result.REJECTED,
+    FlightOutcome.RESTARTED: FlyRoute.Result.ABORTED,
+    FlightOutcome.LOST: FlyRoute.Result.LOST,
 }
 
 
 def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
     """Return the result of a flight that has ended."""
-    is_complete = summary.outcome is Outcome.COMPLETED
+    is_complete = summary.outcome is FlightOutcome.COMPLETED
     words = ': '.join(filter(None, (summary.outcome.value, summary.text)))
     return FlyRoute.Result(
         outcome=OUTCOMES[summary.outcome],
@@ -32,13 +33,13 @@ def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
     )
 
 
-def cancelled_message(left: Left, shots: int, reason: str) -> FlyRoute.Result:
-    """Return the result of a flight that was cancelled; `reason`: why it does not even hold."""
+def cancelled_message(remaining: RemainingRoute, shots: int, reason: str) -> FlyRoute.Result:
+    """Return the result of a cancelled flight; `reason` says why it does not even hold."""
     outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
     return FlyRoute.Result(
         outcome=outcome,
         error_msg=reason or 'cancelled by request: the vehicle holds',
-        viewpoints_visited=left.visited,
+        viewpoints_visited=remaining.visited,
         shots_taken=shots,
     )
 

@@ -6,7 +6,7 @@ import time
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
-from rocsafe_mavlink.camera.camera_trigger import Exposure, Photographer
+from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -19,9 +19,9 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.shot_delivery_node import ShotDelivery
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-# A folder is looked at this often.
-DEVELOP_S = 0.25
-# Of an autopilot's attitude in quiet flight.
+# Period of looking for new images.
+LOOK_S = 0.25
+# Standard deviation of an autopilot's attitude in quiet flight.
 ATTITUDE_STD_RAD = 0.02
 
 
@@ -30,61 +30,65 @@ class ShotSender:
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    drone: the vehicle.
-    photographer: follows its camera.
-    horizontal_fov_rad: of the camera.
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    geotagger
+        Makes the photographs of its camera.
+    horizontal_fov_rad
+        Angle across the image width.
     """
 
     def __init__(
         self,
         node: VehicleScopeNode,
         drone: Drone,
-        photographer: Photographer,
+        geotagger: Geotagger,
         horizontal_fov_rad: float,
     ) -> None:
         self._node = node
         self._drone = drone
-        self._photographer = photographer
+        self._geotagger = geotagger
         self._fov_rad = horizontal_fov_rad
         self._due_s = 0.0
         self._compressed = topics.create_publisher(node, topics.CAMERA_IMAGE_COMPRESSED)
         self._info = topics.create_publisher(node, topics.CAMERA_INFO)
-        self._delivery = ShotDelivery(node, photographer.film.store, self._message_of)
+        self._delivery = ShotDelivery(node, geotagger.numbering.store, self._message_of)
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Photographs taken, and those not yet stored."""
-        return self._photographer.shot_count, len(self._photographer.film.store)
+        """Number of photographs taken, and of those not yet stored."""
+        return self._geotagger.shot_count, len(self._geotagger.numbering.store)
 
     @property
     def delivered(self) -> int:
-        """Photographs that are, or will be, in the store."""
-        return self._photographer.delivered
+        """Number of photographs that are, or will be, in the store."""
+        return self._geotagger.delivered
 
     def on_message(self, message: Message) -> None:
         """Take a message of the vehicle."""
-        self._photographer.on_message(message, self._drone.vehicle, time.time())
+        self._geotagger.on_message(message, self._drone.vehicle, time.time())
 
     def step(self, now_s: float, time_s: float) -> None:
         """Publish what has come."""
         if now_s < self._due_s:
             return
-        self._due_s = now_s + DEVELOP_S
-        exposure = Exposure(
+        self._due_s = now_s + LOOK_S
+        context = GeotagContext(
             vehicle=self._drone.spec.name,
             assignment=self._drone.assignment,
             gps=self._drone.vehicle.gps,
             clock_s=self._node.get_clock().now().nanoseconds / 1e9 - time_s,
         )
-        for shot in self._photographer.develop(exposure, self._node.get_logger().error):
+        for shot in self._geotagger.tagged(context, self._node.get_logger().error):
             self._info.publish(camera_info_message(self._lens_of(shot), shot_header(shot)))
             self._compressed.publish(compressed_message(shot))
             self._delivery.send(shot)
 
     def close(self) -> None:
-        """Give the source of pictures back."""
-        self._photographer.close()
+        """Close the source of images."""
+        self._geotagger.close()
 
     def _lens_of(self, shot: Shot) -> PinholeCamera:
         return PinholeCamera(self._fov_rad, shot.width_px, shot.height_px)

@@ -5,6 +5,7 @@ import argparse
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from rocsafe_orchestrator.command_line import (
     check,
@@ -16,19 +17,20 @@ from rocsafe_orchestrator.command_line import (
     run,
 )
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
+from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
 
 DESCRIPTION = """\
 ROCSAFE surveys a region with a fleet of unmanned vehicles: it plans who photographs what, flies
 the plan over simulated or real vehicles, measures radiation on the way, and hands over a map and
-a report. A scenario file says what to survey with whom; config/scenarios/ has two to begin with.
+a report. A scenario file says what to survey with which vehicles; config/scenarios/ has examples.
 """
 
 EPILOG = """\
 examples:
-  rocsafe check config/scenarios/derailment.yaml    is it valid, and what would fly?
-  rocsafe plan config/scenarios/derailment.yaml     plan it, without flying
-  rocsafe run config/scenarios/derailment.yaml      fly it as fast as this machine can
+  rocsafe check config/scenarios/derailment.yaml    check it and print what would fly
+  rocsafe plan config/scenarios/derailment.yaml     plan it; nothing flies
+  rocsafe run config/scenarios/derailment.yaml      fly it as fast as possible
   rocsafe run config/scenarios/derailment.yaml --speed 1    fly it in real time
   rocsafe localize readings.csv                     find the sources in a file of readings
 
@@ -36,7 +38,7 @@ exit codes:
   0    done; for `run`: the mission is complete
   1    the mission failed, or the plan is not possible; the reason is printed
   2    wrong arguments, or a scenario that cannot be flown as written
-  3    the workspace is not set up, a process cannot start, or another run is in the way
+  3    the workspace is not set up, a process cannot start, or another run is active
   129  the terminal was closed    130  ended by Ctrl-C    143  ended by SIGTERM
 """
 
@@ -75,6 +77,18 @@ def _obey(words: Sequence[str]) -> int:
     return command(arguments)
 
 
+class _Version(argparse.Action):
+    """Prints the version; git is asked only then."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_arguments: object) -> None:
+        """Print it and end."""
+        print(version_text())
+        parser.exit()
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='rocsafe',
@@ -82,6 +96,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     for module in (run, check, plan, replan, preflight, report, passed_on):
         module.add_to(commands)

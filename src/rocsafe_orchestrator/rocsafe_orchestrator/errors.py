@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong with a run, each with the exit code of the `rocsafe` command for it."""
+"""Errors of a run and the exit codes of the `rocsafe` command."""
 
 EXIT_COMPLETE = 0
 EXIT_FAILED = 1

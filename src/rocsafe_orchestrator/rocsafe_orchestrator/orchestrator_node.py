@@ -20,7 +20,7 @@ from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
-from rocsafe_orchestrator.processes.processes import Endpoint, ProcessSpec
+from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
@@ -33,7 +33,7 @@ ANSWER_PERIOD_S = 0.02
 
 
 class OrchestratorNode(Node):
-    """Sees and shows the mission: what the nodes say, which are ready, what phase it is.
+    """Receives the state of the nodes and publishes the state of the mission.
 
     Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
     ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
@@ -160,7 +160,8 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
 
     Raises
     ------
-    SetupError: if ROS cannot start.
+    SetupError
+        If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
     arguments = ['--ros-args', '-p', 'use_sim_time:=true']

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a run comes from: command, versions, revision of the source; and how it ended."""
+"""Origin of a run: command, versions, git revision, machine."""
 
 import json
 import os
@@ -34,6 +34,17 @@ def provenance(command: list[str], started: datetime) -> dict[str, Any]:
         'cpu_count': os.cpu_count(),
         'outcome': None,
     }
+
+
+def version_text() -> str:
+    """Return the version of ROCSAFE, with the git revision of its source where there is one."""
+    source = Path(__file__).resolve().parent
+    version = metadata.version('rocsafe_orchestrator')
+    revision = git_revision(source)
+    if revision is None:
+        return f'rocsafe {version}'
+    changed = ', with changes that are not committed' if git_is_dirty(source) else ''
+    return f'rocsafe {version} (git {revision[:12]}{changed})'
 
 
 def versions() -> dict[str, str]:

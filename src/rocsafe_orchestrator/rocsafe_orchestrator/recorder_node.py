@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The recorder of a run: every topic worth keeping, as received, into MCAP segments."""
+"""Node that records the topics of a run as MCAP segments."""
 
 import sys
 from dataclasses import dataclass, field
@@ -17,16 +17,16 @@ from rocsafe_orchestrator.recording.recorded_topics import (
     channel_of,
     recorded_topics,
 )
-from rocsafe_orchestrator.recording.recording import SegmentWriter
+from rocsafe_orchestrator.recording.segments import SegmentWriter
 from rocsafe_ros import topics
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 
-# Wall time between looks at who is heard, and between flushes of a recorder outside lock-step.
+# Periods of wall time: checks for publishers, and flushes outside lock-step.
 POLL_S = 0.05
 FLUSH_S = 0.2
-# Wall time after which a recorder takes part without having heard every vehicle.
+# Wall time after which the recorder takes part without all vehicles.
 JOIN_DEADLINE_S = 5.0
 
 
@@ -56,9 +56,9 @@ class RecorderOptions:
 class RecorderNode(Node):
     """Writes raw messages of the topics in `recorded_topics`.
 
-    In lock-step a step is reported done when all that came before it is with the kernel. A
-    restarted recorder takes part again only when it hears every vehicle, or after a deadline, so
-    that time stands still while it is deaf.
+    In lock-step it reports a step as done when all earlier messages are flushed. A restarted
+    recorder takes part again only when all vehicles are connected, or after a deadline, so that
+    simulated time waits for it.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -80,13 +80,13 @@ class RecorderNode(Node):
         self.get_logger().info(f'recording to {self._segment.path}')
 
     def destroy_node(self) -> None:
-        """End the segment in good order."""
+        """Finish and close the segment."""
         self._write_early()
         self._segment.close()
         super().destroy_node()
 
     def _subscribe(self) -> list[Subscription]:
-        """Subscribe to all topics; return the subscriptions that a vehicle feeds all the time."""
+        """Subscribe to all topics; return the subscriptions with a permanent publisher."""
         awaited = []
         for spec, vehicle in recorded_topics(self._options.vehicles, self._options.other_cameras):
             full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
@@ -104,7 +104,7 @@ class RecorderNode(Node):
         elif self._now_ns:
             self._segment.write(number, data, self._now_ns)
         else:
-            # Latched messages may come before the first time does.
+            # Latched messages may arrive before the first clock message.
             self._early.append((number, data))
 
     def _on_step(self, time_ns: int) -> bool:

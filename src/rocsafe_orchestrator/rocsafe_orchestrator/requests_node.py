@@ -17,7 +17,7 @@ from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.processes.processes import Endpoint
+from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 
@@ -30,8 +30,10 @@ class Requests:
 
     Parameters
     ----------
-    node: whose clients these are.
-    monitor: told how many photographs the plan wants.
+    node
+        Node that owns the clients.
+    monitor
+        Receives the number of photographs of the plan.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:
@@ -125,7 +127,7 @@ class Requests:
             self._mission.answered(order)
 
     def _pause(self, order: Order) -> None:
-        """Let time stand still; not where a real vehicle takes part."""
+        """Pause simulated time, unless a real vehicle takes part."""
         if not self._scenario.linked:
             self._call(topics.WORLD_RUN, SetBool.Request(data=False), order)
         elif self._mission is not None:
@@ -140,7 +142,7 @@ class Requests:
 
     def _on_advice(self, _order: Order, future: Any) -> None:
         answer = future.result()
-        # What is being evaluated is asked for again.
+        # The localizer is still working: the request is repeated.
         if self._mission is None or answer is None or answer.status == answer.NOT_YET:
             return
         self._viewpoints = list(answer.viewpoints)
@@ -177,7 +179,7 @@ class Requests:
             self._photographed += len(visited)
             del self._plans[self._plan.plan_id]
         self._plan = self._plans[result.plan.plan_id] = result.plan
-        # who is in the air without a viewpoint left flies home
+        # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
@@ -186,7 +188,7 @@ class Requests:
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
         result = future.result().result
-        # A request sent twice is answered twice, the second time perhaps when all fly again.
+        # A repeated request is answered twice; the second answer may come in the next round.
         is_current = self._plan is not None and self._plan.plan_id == plan_id
         if self._mission is not None and is_current:
             fault = conversions.fault_of_flight(result)

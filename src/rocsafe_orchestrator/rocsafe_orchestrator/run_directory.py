@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The folder of a run: the only module that knows the names of files on disk."""
+"""The directory of a run: the names of its files and folders."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -11,7 +11,7 @@ from rocsafe_orchestrator.errors import SetupError
 
 @dataclass(frozen=True, slots=True)
 class RunDirectory:
-    """Where everything that a run needs and makes lies, below `path`."""
+    """Paths of the files and folders of a run below `path`."""
 
     path: Path
 
@@ -42,7 +42,7 @@ class RunDirectory:
 
     @property
     def spool(self) -> Path:
-        """Folder in which simulated vehicles keep what they have not handed over."""
+        """Folder in which simulated vehicles keep data until it is received."""
         return self.path / 'spool'
 
     @property
@@ -72,12 +72,12 @@ class RunDirectory:
 
     @property
     def summary(self) -> Path:
-        """Figures of the run, for programs."""
+        """Figures of the run as JSON."""
         return self.path / 'summary.json'
 
     @property
     def report(self) -> Path:
-        """Figures and map of the run, for people."""
+        """Report of the run as HTML."""
         return self.path / 'report.html'
 
     def log_of(self, process: str) -> Path:
@@ -100,7 +100,8 @@ def create_run_directory(parent: Path, scenario: str, now: datetime) -> RunDirec
 
     Raises
     ------
-    SetupError: if the folder cannot be made.
+    SetupError
+        If the folder cannot be made.
     """
     stem = f'{scenario}-{now:%Y%m%d-%H%M%S}'
     for suffix in ('', *(f'-{number}' for number in range(2, 100))):

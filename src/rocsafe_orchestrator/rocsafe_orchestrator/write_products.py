@@ -22,13 +22,14 @@ from rocsafe_orchestrator.run_directory import RunDirectory
 def write_products(run_directory: Path) -> RunSummary:
     """Write or renew all products of the run in `run_directory`, and return its figures.
 
-    Works on a run that was cut off anywhere: what is missing is told in summary and report. May
-    be repeated.
+    Works on an interrupted run: summary and report list what is missing. May be repeated.
 
     Raises
     ------
-    ValueError: if there is no such directory.
-    OSError: if a product cannot be written.
+    ValueError
+        If there is no such directory.
+    OSError
+        If a product cannot be written.
     """
     run = RunDirectory(run_directory.resolve())
     if not run.path.is_dir():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture -> messages: sources, dose map, cordons, beliefs, viewpoints wanted."""
+"""An assessment -> messages: sources, dose map, cordons, belief map, suggested viewpoints."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from rocsafe_radiation.belief.belief_search import BeliefMap
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
-from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.assessment import Assessment
 from rocsafe_radiation.products.cordon import MEAN, Cordon
 from rocsafe_radiation.products.dose_map import DoseMap
 from rocsafe_radiation.products.level_colours import level_rgb
@@ -29,15 +29,17 @@ from rocsafe_ros.conversions import point_of_position, stamp_of_ns
 # Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
 LOWEST_CELL_USVH, DECADES = 0.1, 6.0
 MAP_FRAME = 'map'
-# Lines in the ground could not be seen.
+# Lines lie above the ground, so that they can be seen.
 LINE_HEIGHT_M = 0.1
 LINE_WIDTH_M = {True: 1.0, False: 0.4}
 
 
-def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) -> HazardSourceArray:
-    """Return what was found, with the stamp of the newest reading."""
-    found, rule = picture.found, picture.options.rule
-    kernel = picture.options.known.kernel
+def sources_message(
+    assessment: Assessment, frame: LocalFrame | None, time_ns: int
+) -> HazardSourceArray:
+    """Return the sources found, with the stamp of the newest reading."""
+    found, rule = assessment.found, assessment.options.rule
+    kernel = assessment.options.known.kernel
     message = HazardSourceArray(
         sources=[
             _source_message(number, source, found, frame)
@@ -49,10 +51,10 @@ def sources_message(picture: Picture, frame: LocalFrame | None, time_ns: int) ->
         background_std_usvh=found.background_std_usvh,
         method=found.method,
         model=AIR_MODEL if kernel.is_lossy else PAPER_MODEL,
-        is_enough=picture.verdict.is_enough,
+        is_enough=assessment.verdict.is_enough,
         false_alarm_probability=rule.false_alarm,
         missed_probability=rule.missed,
-        verdict=picture.verdict.reason,
+        verdict=assessment.verdict.reason,
         misfit_standard_deviations=found.dispersion,
         doubts=list(found.doubts),
     )
@@ -90,7 +92,7 @@ def belief_message(found: BeliefMap, time_ns: int) -> OccupancyGrid:
 def _grid_message(
     percent: FloatArray, corner_m: tuple[float, float], cell_m: float, time_ns: int
 ) -> OccupancyGrid:
-    """Return values of 0 to 100 at nodes as cells about them, in the frame of the mission."""
+    """Return values of 0 to 100 at nodes as cells around these, in the frame of the mission."""
     rows, columns = percent.shape
     cells = np.clip(np.round(percent), 0, 100).astype(np.int8)
     message = OccupancyGrid(data=cells.ravel().tolist())
@@ -98,7 +100,7 @@ def _grid_message(
     message.header.frame_id = MAP_FRAME
     message.info.resolution = float(cell_m)
     message.info.width, message.info.height = columns, rows
-    # The origin is the corner of a cell, a node its middle.
+    # The origin of a message is the corner of a cell, a node is its middle.
     message.info.origin.position.x = corner_m[0] - cell_m / 2.0
     message.info.origin.position.y = corner_m[1] - cell_m / 2.0
     message.info.origin.orientation.w = 1.0
@@ -106,9 +108,9 @@ def _grid_message(
 
 
 def cordon_markers(found: Sequence[Cordon], ground: Ground, time_ns: int) -> MarkerArray:
-    """Return each cordon as lines on the ground, thick by the mean, thin by the upper 95 %.
+    """Return each cordon as lines on the ground: thick for the mean, thin for the upper 95 %.
 
-    The first marker takes away those of the message before.
+    The first marker deletes those of the last message.
     """
     stamp = stamp_of_ns(time_ns)
     clear = Marker(action=Marker.DELETEALL)
@@ -137,14 +139,14 @@ def _ring_marker(cordon: Cordon, corners: FloatArray, number: int, stamp: Time) 
 
 def fill_suggestion(
     response: SuggestViewpoints.Response,
-    picture: Picture,
+    assessment: Assessment,
     waypoints: Sequence[Waypoint],
     frame: LocalFrame,
 ) -> SuggestViewpoints.Response:
-    """Return `response` with what to measure next and why."""
+    """Return `response` with the places to measure at next and the reason."""
     response.status = SuggestViewpoints.Response.OK
-    response.is_enough = picture.verdict.is_enough
-    response.reason = picture.verdict.reason
+    response.is_enough = assessment.verdict.is_enough
+    response.reason = assessment.verdict.reason
     response.viewpoints = [
         point_of_position(frame.position_of(np.array(one.position_enu_m))) for one in waypoints
     ]

@@ -41,7 +41,7 @@ def coordinates_of_points(
 def reading_of(
     fix: NavSatFix, vehicle: str, model: str, dose_rate_usvh: float
 ) -> RadiationReading:
-    """Return what an ideal detector of `vehicle` reads at the time of `fix`.
+    """Return the reading of an ideal detector of `vehicle` at the time of `fix`.
 
     The position is where the vehicle believes it is, NaN without a fix.
     """
@@ -60,7 +60,7 @@ def reading_of(
 
 
 def sample_of(fix: NavSatFix, truth: NavSatFix) -> Sample:
-    """Return the moment of `fix`, with the place that it states and the true one."""
+    """Return the moment of `fix` with its place and the true one."""
     return Sample(
         time_ns=ns_of_stamp(fix.header.stamp),
         place=coordinates_of_fix(truth),
@@ -71,7 +71,7 @@ def sample_of(fix: NavSatFix, truth: NavSatFix) -> Sample:
 def counted_reading_of(
     window: WindowReading, vehicle: str, model: str, detector: str
 ) -> RadiationReading:
-    """Return what `detector` of `vehicle` reads at the end of `window`."""
+    """Return the reading of `detector` of `vehicle` at the end of `window`."""
     measured = window.measurement
     reading = RadiationReading(
         detector=detector,
@@ -95,7 +95,7 @@ def counted_reading_of(
 
 
 def flight_reading_of(vehicle: str, reading: RadiationReading) -> FlightReading:
-    """Return `reading` of `vehicle`."""
+    """Return the reading of `vehicle` in a message."""
     return FlightReading(
         vehicle=vehicle,
         time_ns=ns_of_stamp(reading.header.stamp),

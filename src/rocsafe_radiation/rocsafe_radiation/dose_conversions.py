@@ -13,7 +13,7 @@ SV_PER_USV = 1e-6
 
 
 def exposure_of(reading: FlightReading) -> Exposure:
-    """Return what `reading` adds to a dose; a value that is none adds nothing."""
+    """Return the part of a dose that `reading` adds; an invalid value adds nothing."""
     is_value = math.isfinite(reading.dose_rate_usvh) and reading.dose_rate_usvh >= 0.0
     return Exposure(
         time_ns=reading.time_ns,
@@ -24,7 +24,7 @@ def exposure_of(reading: FlightReading) -> Exposure:
 
 
 def dose_rate_message(reading: RadiationReading) -> DoseRate:
-    """Return `reading` as radiation_msgs says it."""
+    """Return `reading` with the fields of radiation_msgs."""
     return DoseRate(
         header=reading.header,
         radiation_type=reading.radiation_type,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong in radiation, as its callers would tell it apart."""
+"""Errors of this package."""
 
 
 class RadiationError(Exception):
@@ -7,4 +7,4 @@ class RadiationError(Exception):
 
 
 class UnknownPointError(RadiationError):
-    """A dose rate is asked for at a place that is not a place."""
+    """A dose rate is asked for at a place that is not finite or out of range."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``radiation_field``: what the vehicles' detectors read in a simulated field."""
+"""The node ``radiation_field``: readings of the vehicles' detectors in a simulated field."""
 
 from functools import partial
 from typing import Any
@@ -33,7 +33,7 @@ from rocsafe_ros.run import run
 class Detector:
     """The detector of one vehicle: readings from its fixes, in the order of stamps.
 
-    The ideal one gives a reading for each fix, the others one for each window of time.
+    The ideal detector gives a reading for each fix, others one for each window of time.
     """
 
     def __init__(
@@ -104,17 +104,16 @@ class Detector:
 
 
 class FieldNode(Node):
-    """Answers fixes with readings of the dose rate at the vehicle's true position.
+    """Publishes readings of the dose rate at the vehicles' true positions.
 
-    Subscribes: for each vehicle ``fix`` and ``ground_truth/fix``. Publishes: for each vehicle
-    ``radiation``: of the ideal detector one a fix with its stamp, of others one a window with the
-    stamp of its end. Service: ``radiation_field/query``.
+    Subscribes for each vehicle: ``fix`` and ``ground_truth/fix``. Publishes for each vehicle:
+    ``radiation``, by the ideal detector with the stamp of each fix, by others with the stamp of
+    the end of each window. Service: ``radiation_field/query``.
 
-    In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due,
-    so it reports a step done at once; a fix that comes later still gets a reading with its own
-    stamp. Before its first report it waits until it hears all vehicles: what they send before
-    that may be lost. What it publishes depends on stamps and positions alone, never on the order
-    of arrival.
+    In lock-step it is the participant ``radiation_field``. It cannot know whether a fix is due, so
+    it reports a step as done at once; a later fix still gets a reading with its own stamp. Before
+    its first report it waits for a connection to all vehicles, because earlier fixes may be lost.
+    Its readings depend on stamps and positions, not on the order of arrival.
     """
 
     def __init__(self, **node_options: Any) -> None:

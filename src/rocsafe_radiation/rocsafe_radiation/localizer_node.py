@@ -17,10 +17,10 @@ from rocsafe_radiation.assessment_conversions import (
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.decision.assessment_steps import Inquiry
+from rocsafe_radiation.decision.assessment_steps import PendingRequest
 from rocsafe_radiation.localization.localize import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
-from rocsafe_radiation.products.assessment import Picture, picture_of, suggested_waypoints
+from rocsafe_radiation.products.assessment import Assessment, assess, suggested_waypoints
 from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
@@ -30,20 +30,20 @@ from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
-# How often a running fit is looked at, on the wall clock: simulated time may stand still.
+# Period of looks at a running fit, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1
 
 
 class LocalizerNode(Node):
-    """Localises sources from the readings of all vehicles, and adds up their doses.
+    """Localises sources from the readings of all vehicles and adds up their doses.
 
     Subscribes: for each vehicle ``radiation``, and ``region``. Publishes: ``hazard/sources``,
     ``hazard/dose_map``, ``hazard/cordons`` and ``hazard/belief`` (all latched), after each fit;
     for each vehicle what `VehicleWatch` says. Service: ``hazard/suggest_viewpoints``.
 
-    A fit begins when the last is done, the period has passed and there are new readings, so the
-    last one covers all readings; those in between depend on how fast this machine is. A node that
-    is started again knows the readings in its spool directory.
+    A fit begins when the last one is done, the period has passed and there are new readings. The
+    last fit covers all readings; which ones the others cover depends on the speed of the machine.
+    A node that is started again has the readings in its spool directory.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -55,10 +55,10 @@ class LocalizerNode(Node):
             raise ParameterError(f'{self.get_name()}: {error}') from error
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
-        self._job: Future[Picture] | None = None
-        self._picture: Picture | None = None
+        self._job: Future[Assessment] | None = None
+        self._assessment: Assessment | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._inquiry = Inquiry()
+        self._request = PendingRequest()
         self._fitted = self._evaluated = self._looks_to_wait = 0
         self._publish_to()
         levels = self._options.levels()
@@ -90,7 +90,7 @@ class LocalizerNode(Node):
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         reading = self._watches[vehicle].take(message)
         if reading is not None:
-            self._inquiry.news(self._steady.now().nanoseconds)
+            self._request.news(self._steady.now().nanoseconds)
             self._log.add(reading)
             self._spool.keep(reading)
 
@@ -116,39 +116,41 @@ class LocalizerNode(Node):
             self.get_logger().error(f'nothing localized: {error}', once=True)
             return
         self._fitted = len(self._log)
-        options = self._options.picture(self._log.models)
-        work = partial(picture_of, survey, options, self._log.vehicles)
+        options = self._options.assessment(self._log.models)
+        work = partial(assess, survey, options, self._log.vehicles)
         self._job = start_job(work, 'localizing')
 
-    def _publish(self, job: 'Future[Picture]') -> None:
+    def _publish(self, job: 'Future[Assessment]') -> None:
         try:
-            self._picture = picture = job.result()
+            self._assessment = assessment = job.result()
         except TooFewReadingsError:
             return
         time_ns = self._log.newest_ns
-        self._sources.publish(sources_message(picture, self._log.frame, time_ns))
-        self._maps.publish(dose_map_message(picture.dose, time_ns))
-        self._cordons.publish(cordon_markers(picture.cordons, picture.survey.ground, time_ns))
-        if picture.belief is not None:
-            self._beliefs.publish(belief_message(picture.belief, time_ns))
+        self._sources.publish(sources_message(assessment, self._log.frame, time_ns))
+        self._maps.publish(dose_map_message(assessment.dose, time_ns))
+        self._cordons.publish(
+            cordon_markers(assessment.cordons, assessment.survey.ground, time_ns)
+        )
+        if assessment.belief is not None:
+            self._beliefs.publish(belief_message(assessment.belief, time_ns))
 
     def _on_suggest(
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
     ) -> SuggestViewpoints.Response:
         self._begin_fit()
         now_ns = self._steady.now().nanoseconds
-        if not self._inquiry.is_answerable(now_ns, len(self._log), self._evaluated):
+        if not self._request.is_answerable(now_ns, len(self._log), self._evaluated):
             response.status = SuggestViewpoints.Response.NOT_YET
             return response
-        picture, frame = self._picture, self._log.frame
-        if picture is None or frame is None:
+        assessment, frame = self._assessment, self._log.frame
+        if assessment is None or frame is None:
             response.status = SuggestViewpoints.Response.TOO_FEW_READINGS
             response.reason = 'too few readings'
             return response
         area = None if self._region is None else area_of_region(self._region).polygon(frame)
-        count = 0 if picture.verdict.is_enough else request.count
-        waypoints = suggested_waypoints(picture, count, area)
-        return fill_suggestion(response, picture, waypoints, frame)
+        count = 0 if assessment.verdict.is_enough else request.count
+        waypoints = suggested_waypoints(assessment, count, area)
+        return fill_suggestion(response, assessment, waypoints, frame)
 
 
 def main() -> int:

@@ -19,7 +19,7 @@ from rocsafe_radiation.localization.source_count import LARGEST_ORDER
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
-from rocsafe_radiation.products.assessment import PictureOptions
+from rocsafe_radiation.products.assessment import AssessmentOptions
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.readings.reading_log import ReadingLog
 
@@ -44,9 +44,11 @@ class LocalizerOptions:
     )
     model: str = field(
         default=AUTO_MODEL,
-        metadata={'doc': 'law of the dose rate: paper, air, or auto: what the readings say'},
+        metadata={'doc': 'law of the dose rate: paper, air, or auto: that of the readings'},
     )
-    nuclide: str = field(default=DEFAULT_NUCLIDE, metadata={'doc': 'whose photons air attenuates'})
+    nuclide: str = field(
+        default=DEFAULT_NUCLIDE, metadata={'doc': 'nuclide whose photons air attenuates'}
+    )
     origin_latitude_deg: float = field(
         default=0.0,
         metadata={'doc': 'WGS84 latitude of the mission origin, degrees; 0, 0: the first reading'},
@@ -90,7 +92,7 @@ class LocalizerOptions:
     )
     method: str = field(
         default=ML_METHOD,
-        metadata={'doc': f'way to find sources: {", ".join(METHODS)}'},
+        metadata={'doc': f'method to find sources: {", ".join(METHODS)}'},
     )
     false_alarm: float = field(
         default=0.01,
@@ -111,7 +113,7 @@ class LocalizerOptions:
     ellipse_95_m: float = field(
         default=5.0,
         metadata={
-            'doc': 'longest half axis of a 95 % ellipse that is enough, metres',
+            'doc': 'longest half axis of a 95 % ellipse that is precise enough, metres',
             'min': 1e-3,
             'max': 1e4,
         },
@@ -146,7 +148,7 @@ class LocalizerOptions:
     )
     spool_directory: str = field(
         default='',
-        metadata={'doc': 'where readings are kept for a restart; empty: in memory alone'},
+        metadata={'doc': 'where readings are kept for a restart; empty: in memory only'},
     )
     largest_order: int = field(
         default=LARGEST_ORDER,
@@ -163,7 +165,7 @@ class LocalizerOptions:
         nuclide(self.nuclide)
         self.origin()
         self.levels()
-        self.picture(frozenset())
+        self.assessment(frozenset())
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -194,7 +196,7 @@ class LocalizerOptions:
         return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, heights)
 
     def looks_a_fit(self, look_period_s: float) -> int:
-        """Return how many looks make a period."""
+        """Return the number of looks in a period."""
         return math.ceil(self.period_s / look_period_s)
 
     def levels(self) -> AlarmLevels:
@@ -203,7 +205,7 @@ class LocalizerOptions:
         Raises
         ------
         ValueError
-            Naming the level that is none.
+            Naming the level that is not valid.
         """
         return AlarmLevels(
             dose_rates_usvh=self.alarm_dose_rates_usvh,
@@ -211,8 +213,8 @@ class LocalizerOptions:
             largest_gap_s=self.largest_gap_s,
         )
 
-    def picture(self, models: Set[str]) -> PictureOptions:
-        """Return how readings that were made by the laws `models` are assessed."""
+    def assessment(self, models: Set[str]) -> AssessmentOptions:
+        """Return the options by which readings of the laws `models` are assessed."""
         is_paper = self.model == PAPER_MODEL or (
             self.model == AUTO_MODEL and models == {PAPER_MODEL}
         )
@@ -228,6 +230,6 @@ class LocalizerOptions:
             ellipse_95_m=self.ellipse_95_m,
             smallest_usvh=self.smallest_source_usvh,
         )
-        return PictureOptions(
+        return AssessmentOptions(
             known=known, method=self.method, rule=rule, levels_usvh=self.cordon_levels_usvh
         )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a node tells of the readings of one vehicle: dose rate, dose and alarms."""
+"""Topics from the readings of one vehicle: dose rate, dose and alarms."""
 
 from rclpy.node import Node
 
@@ -17,7 +17,7 @@ from rocsafe_ros import topics
 
 
 class VehicleWatch:
-    """Keeps the dose of one vehicle.
+    """Adds up the dose of one vehicle and publishes it.
 
     Publishes, in the namespace of the vehicle: ``dose_rate`` and ``accumulated_dose`` with each
     reading, ``dose_alarm`` when a level is reached or left.
@@ -32,11 +32,11 @@ class VehicleWatch:
         self._alarms = topics.create_publisher(node, topics.DOSE_ALARM, vehicle)
 
     def restore(self, reading: FlightReading) -> None:
-        """Count a reading of which everybody was told before."""
+        """Add a reading that was published before."""
         self._dosimeter.add(exposure_of(reading))
 
     def take(self, message: RadiationReading) -> FlightReading | None:
-        """Tell of a reading and return it, None if it is no news."""
+        """Publish a reading and return it, None if it is not new."""
         reading = flight_reading_of(self._vehicle, message)
         alarms = self._dosimeter.add(exposure_of(reading))
         if alarms is None:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stand-in for the `ros2` command on machines whose ROS 2 comes from wheels, which bring none.
+"""Small replacement of the `ros2` command for machines whose ROS 2 comes from wheels.
 
-It takes the words of the real command and answers with its output, so that what is written for
-one kind of machine holds on the other: `python -m rocsafe_ros2cli topic list` is
-`ros2 topic list`. Set-up puts it on the PATH as `ros2` only where no other `ros2` is found.
+The wheels bring no `ros2` command. This one takes the same words and prints the same output for
+the verbs that the documents and tests of ROCSAFE use; `python -m rocsafe_ros2cli topic list` is
+`ros2 topic list`. Set-up installs it as `ros2` only where no other `ros2` is on the PATH.
 
-`cli` holds the table of commands, one module each (`topic_command` and so on); a command is a row
-of verbs. `command_node` gives a verb its node, `discovery` tells when it has met the others.
+`cli` parses the arguments. Each command has a module of its own (`topic_command` and so on) with
+a table of verbs. `command_node` makes the node of a verb, `discovery` waits until it knows the
+other nodes.
 """

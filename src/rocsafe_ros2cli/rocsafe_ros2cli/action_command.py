@@ -1,94 +1,111 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ros2 action`."""
 
-from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from argparse import Namespace
 from typing import Any
 
-from rclpy.action import (
-    get_action_client_names_and_types_by_node,
-    get_action_names_and_types,
-    get_action_server_names_and_types_by_node,
-)
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionClient, get_action_names_and_types
 
-from rocsafe_ros2cli import action_send_goal
-from rocsafe_ros2cli.command import Command, Verb
-from rocsafe_ros2cli.command_node import add_node_arguments, graph_node
-from rocsafe_ros2cli.node_names import full_node_name
-from rocsafe_ros2cli.topic_graph import full_topic_name
+from rocsafe_ros2cli.command import CommandError, Verb, argument, flag
+from rocsafe_ros2cli.command_node import CommandNode, command_node, graph_node
+from rocsafe_ros2cli.interfaces import interface_class
+from rocsafe_ros2cli.message_fill import filled_message
+from rocsafe_ros2cli.message_text import yaml_text
+from rocsafe_ros2cli.names import full_name, print_names
+
+CANCEL_LIMIT_S = 5.0
+"""Longest wait for the server to confirm that a goal is being cancelled."""
+
+STATUS_NAMES = {
+    GoalStatus.STATUS_SUCCEEDED: 'SUCCEEDED',
+    GoalStatus.STATUS_CANCELED: 'CANCELED',
+    GoalStatus.STATUS_ABORTED: 'ABORTED',
+}
 
 
-def _add_list_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of `list`."""
-    add_node_arguments(parser)
-    parser.add_argument('-t', '--show-types', action='store_true', help='Show the types too')
-    parser.add_argument('-c', '--count-actions', action='store_true', help='Show only the number')
-
-
-def _list(options: Namespace) -> int:
+def _list(options: Namespace) -> None:
     """List actions."""
-    with graph_node(options) as node:
-        actions = get_action_names_and_types(node)
-    if options.count_actions:
-        print(len(actions))
-        return 0
-    for name, types in actions:
-        print(_row(name, types, options))
-    return 0
+    with graph_node() as node:
+        print_names(get_action_names_and_types(node), show_types=options.show_types)
 
 
-def _add_info_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of `info`."""
-    add_node_arguments(parser)
-    parser.add_argument('action_name', help="Name of the action (e.g. '/rav1/fly_route')")
-    parser.add_argument('-t', '--show-types', action='store_true', help='Show the types too')
-    parser.add_argument('-c', '--count', action='store_true', help='Show only the numbers')
-
-
-def _info(options: Namespace) -> int:
-    """Print the clients and servers of an action."""
-    with graph_node(options) as node:
-        name = full_topic_name(node, options.action_name)
-        clients = _nodes_with(node, name, get_action_client_names_and_types_by_node)
-        servers = _nodes_with(node, name, get_action_server_names_and_types_by_node)
-    print(f'Action: {options.action_name}')
-    for title, nodes in (('clients', clients), ('servers', servers)):
-        print(f'Action {title}: {len(nodes)}')
-        if not options.count:
-            for node_name, types in nodes:
-                print('    ' + _row(node_name, types, options))
-    return 0
-
-
-def _nodes_with(node: Any, action: str, endpoints: Callable[..., Any]) -> list[Any]:
-    """Return full name and types of each node that has such an endpoint of the action."""
-    return [
-        (full_node_name(name, namespace), types)
-        for name, namespace in node.get_node_names_and_namespaces()
-        for found, types in endpoints(node, name, namespace)
-        if found == action
-    ]
-
-
-def _row(name: str, types: list[str], options: Namespace) -> str:
-    """Return the name, with the types if they are wanted."""
-    return f'{name} [{", ".join(types)}]' if options.show_types else name
-
-
-COMMAND = Command(
-    verbs=(
-        Verb(
-            name='info',
-            summary='Print information about an action',
-            add_arguments=_add_info_arguments,
-            run=_info,
-        ),
-        Verb(
-            name='list',
-            summary='Output a list of action names',
-            add_arguments=_add_list_arguments,
-            run=_list,
-        ),
-        action_send_goal.VERB,
+def _send_goal(options: Namespace) -> None:
+    """Send a goal and wait for its result; Ctrl-C cancels it."""
+    action_type = interface_class(
+        options.action_type, 'action', 'The passed action type is invalid'
     )
+    goal = filled_message(action_type.Goal, options.goal)
+    with command_node() as holder:
+        client = ActionClient(
+            holder.node, action_type, full_name(holder.node, options.action_name)
+        )
+        try:
+            _run_goal(holder, client, goal, with_feedback=options.feedback)
+        finally:
+            holder.stop()
+            client.destroy()
+
+
+def _run_goal(holder: CommandNode, client: Any, goal: Any, *, with_feedback: bool) -> None:
+    """Send the goal and print its result."""
+    print('Waiting for an action server to become available...')
+    holder.spin_until(client.server_is_ready)
+    print(f'Sending goal:\n     {yaml_text(goal)}')
+    sent = client.send_goal_async(goal, _print_feedback if with_feedback else None)
+    try:
+        _follow(holder, sent)
+    except BaseException:
+        _cancel(holder, sent)
+        raise
+
+
+def _follow(holder: CommandNode, sent: Any) -> None:
+    """Print whether the goal was accepted, and its result."""
+    handle = holder.answer(sent, 'sending goal')
+    if not handle.accepted:
+        print('Goal was rejected.')
+        return
+    print(f'Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n')
+    response = holder.answer(handle.get_result_async(), 'getting result')
+    print(f'Result:\n    {yaml_text(response.result)}')
+    print(f'Goal finished with status: {STATUS_NAMES.get(response.status, "UNKNOWN")}')
+
+
+def _print_feedback(message: Any) -> None:
+    """Print one feedback."""
+    print(f'Feedback:\n    {yaml_text(message.feedback)}')
+
+
+def _cancel(holder: CommandNode, sent: Any) -> None:
+    """Cancel a goal whose result nobody waits for any more, also one not yet accepted."""
+    holder.spin_until(sent.done, CANCEL_LIMIT_S)
+    handle = sent.result() if sent.done() else None
+    if handle is None or not handle.accepted or handle.status in STATUS_NAMES:
+        return
+    print('Canceling goal...')
+    response = holder.answer(handle.cancel_goal_async(), 'canceling goal', CANCEL_LIMIT_S)
+    if not any(goal.goal_id == handle.goal_id for goal in response.goals_canceling):
+        raise CommandError('Failed to cancel goal')
+    print('Goal canceled.')
+
+
+VERBS = (
+    Verb(
+        name='list',
+        summary='Output a list of action names',
+        arguments=(flag('-t', '--show-types', text='Show the types too'),),
+        run=_list,
+    ),
+    Verb(
+        name='send_goal',
+        summary='Send an action goal',
+        arguments=(
+            argument('action_name', help="Name of the action (e.g. '/rav1/fly_route')"),
+            argument('action_type', help='Type of the action (package/action/Name)'),
+            argument('goal', nargs='?', default='{}', help="YAML (e.g. '{order: 10}')"),
+            flag('-f', '--feedback', text='Show the feedback'),
+        ),
+        run=_send_goal,
+    ),
 )

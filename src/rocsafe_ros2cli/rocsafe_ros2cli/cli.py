@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: finds the command, parses its arguments, runs it, ends quietly."""
+"""The command line: finds the command, parses its arguments, runs it."""
 
 import argparse
 import importlib
@@ -9,11 +9,12 @@ import re
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
-from rocsafe_ros2cli.command import Command, CommandError, Verb
+from rocsafe_ros2cli.command import CommandError, Verb
+from rocsafe_ros2cli.run_command import add_run_arguments, run
 
 PROGRAM = 'ros2'
 
@@ -27,7 +28,7 @@ COMMANDS = {
     'service': 'Various service related sub-commands',
     'topic': 'Various topic related sub-commands',
 }
-"""Name of each command and its summary; module `<name>_command` holds it as `COMMAND`."""
+"""Name and summary of each command. Module `<name>_command` holds its `VERBS`, except for run."""
 
 
 class Terminated(BaseException):
@@ -40,14 +41,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        What the real command exits with: 0 done, 1 failed, 2 wrong arguments or Ctrl-C,
-        15 SIGTERM; 141 when the reader of our output went away. `run` returns the status of its
+        Exit status of the real command: 0 done, 1 failed, 2 wrong arguments or Ctrl-C,
+        15 SIGTERM; 141 if the reader of the output went away. `run` returns the status of its
         node.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _sigterm_raises():
-            return _run(words)
+            options = _parser(words).parse_args(words)
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                # Print each message at once, also into a pipe or a file.
+                sys.stdout.reconfigure(line_buffering=True)
+            return int(options.run(options) or 0)
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except Terminated:
@@ -56,20 +61,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _discard_output()
         return 128 + int(signal.SIGPIPE)
     except (CommandError, RuntimeError, OSError) as error:
-        # RuntimeError: what rcl refuses, such as a wrong ROS_DOMAIN_ID, with a place in its code.
+        # RuntimeError: rcl appends the place in its code to refusals, e.g. of ROS_DOMAIN_ID.
         print(re.sub(r', at /\S+:\d+$', '', str(error)), file=sys.stderr)
         return 1
-
-
-def _run(words: list[str]) -> int:
-    """Parse the words and run what they ask for."""
-    options = _parser(words).parse_args(words)
-    if not options.use_python_default_buffering and isinstance(sys.stdout, io.TextIOWrapper):
-        # Each message is out at once, also into a pipe or a file.
-        sys.stdout.reconfigure(line_buffering=True)
-    status = int(options.run(options))
-    sys.stdout.flush()
-    return status
 
 
 def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
@@ -77,24 +71,23 @@ def _parser(words: Sequence[str]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description='ros2 is an extensible command-line tool for ROS 2. '
-        '(Stand-in of ROCSAFE for machines without a ROS 2 installation.)',
+        '(Replacement by ROCSAFE for machines without a ROS 2 installation.)',
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        '--use-python-default-buffering', action='store_true', help='Do not force line buffering'
-    )
-    parser.set_defaults(run=_HelpAction(parser))
-    chosen = next((word for word in words if not word.startswith('-')), None)
     rows = _add_rows(parser, PROGRAM, COMMANDS)
-    if chosen in COMMANDS:
-        _fill(rows[chosen], chosen)
+    add_run_arguments(rows['run'])
+    rows['run'].set_defaults(run=run)
+    chosen = next((word for word in words if not word.startswith('-')), None)
+    if chosen in COMMANDS and chosen != 'run':
+        _add_verbs(rows[chosen], chosen)
     return parser
 
 
 def _add_rows(
-    parser: argparse.ArgumentParser, prog: str, summaries: dict[str, str]
+    parser: argparse.ArgumentParser, prog: str, summaries: Mapping[str, str]
 ) -> dict[str, argparse.ArgumentParser]:
-    """Add a sub-parser for each name; its summary stands in the help of the parent."""
+    """Add a sub-parser for each name; its summary is shown in the help of the parent."""
+    parser.set_defaults(run=lambda _options: parser.print_help())
     width = max(map(len, summaries))
     lines = [f'{name:{width}}  {summary}' for name, summary in summaries.items()]
     group = parser.add_subparsers(
@@ -113,40 +106,19 @@ def _add_rows(
     }
 
 
-def _fill(parser: argparse.ArgumentParser, name: str) -> None:
-    """Give the parser of command `name` its arguments and verbs."""
-    module = importlib.import_module(f'rocsafe_ros2cli.{name}_command')
-    command: Command = module.COMMAND
-    command.add_arguments(parser)
-    parser.set_defaults(run=command.run or _HelpAction(parser))
-    if command.verbs:
-        summaries = {verb.name: verb.summary for verb in command.verbs}
-        rows = _add_rows(parser, f'{PROGRAM} {name}', summaries)
-        for verb in command.verbs:
-            _fill_verb(rows[verb.name], verb)
-
-
-def _fill_verb(parser: argparse.ArgumentParser, verb: Verb) -> None:
-    """Give the parser of a verb its arguments."""
-    verb.add_arguments(parser)
-    parser.set_defaults(run=verb.run)
-
-
-class _HelpAction:
-    """Action of a command without a verb."""
-
-    def __init__(self, parser: argparse.ArgumentParser) -> None:
-        self._parser = parser
-
-    def __call__(self, _options: argparse.Namespace) -> int:
-        """Print the help."""
-        self._parser.print_help()
-        return 0
+def _add_verbs(parser: argparse.ArgumentParser, command: str) -> None:
+    """Give the parser of a command its verbs and their arguments."""
+    verbs: tuple[Verb, ...] = importlib.import_module(f'rocsafe_ros2cli.{command}_command').VERBS
+    rows = _add_rows(parser, f'{PROGRAM} {command}', {verb.name: verb.summary for verb in verbs})
+    for verb in verbs:
+        for add_to in verb.arguments:
+            add_to(rows[verb.name])
+        rows[verb.name].set_defaults(run=verb.run)
 
 
 @contextmanager
 def _sigterm_raises() -> Iterator[None]:
-    """Turn SIGTERM into an exception, so that nodes are taken down and goals cancelled."""
+    """Turn SIGTERM into an exception, so that nodes are destroyed and goals are cancelled."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -162,7 +134,7 @@ def _sigterm_raises() -> Iterator[None]:
 
 
 def _discard_output() -> None:
-    """Let the interpreter's last flush go nowhere: nobody reads our output any more."""
+    """Send the interpreter's last flush to nowhere: nobody reads the output any more."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

@@ -3,7 +3,6 @@
 
 import os
 import time
-from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -20,23 +19,6 @@ from rocsafe_ros2cli.discovery import await_discovery
 
 SLICE_S = 0.1
 """Longest time inside rcl, which Ctrl-C and SIGTERM do not interrupt."""
-
-NAME_PREFIX = '_ros2cli'
-
-
-def add_node_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of verbs that look at the graph."""
-    parser.add_argument(
-        '--spin-time',
-        type=float,
-        help='Seconds to wait for discovery (default: until all nodes of this machine are found)',
-    )
-    parser.add_argument(
-        '-s', '--use-sim-time', action='store_true', help='Enable ROS simulation time'
-    )
-    parser.add_argument(
-        '--no-daemon', action='store_true', help='Accepted and without effect: there is no daemon'
-    )
 
 
 def open_context() -> Context:
@@ -60,16 +42,13 @@ class CommandNode:
         The rclpy node.
     """
 
-    def __init__(self, name: str = '', *, use_sim_time: bool = False) -> None:
+    def __init__(self) -> None:
         self._context = open_context()
         self.node: Any = rclpy.create_node(
-            name or f'{NAME_PREFIX}_{os.getpid()}',
+            f'_ros2cli_{os.getpid()}',
             context=self._context,
             start_parameter_services=False,
-            parameter_overrides=[
-                Parameter('use_sim_time', value=use_sim_time),
-                Parameter('start_type_description_service', value=False),
-            ],
+            parameter_overrides=[Parameter('start_type_description_service', value=False)],
         )
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
@@ -83,26 +62,40 @@ class CommandNode:
             self._executor.spin_once(timeout_sec=SLICE_S)
         return True
 
-    def stop(self) -> None:
-        """Wait for nothing any more: only then may what was waited for be destroyed.
+    def answer(self, future: Any, question: str, limit_s: float = float('inf')) -> Any:
+        """Return the result of a future.
 
-        A client of an action that goes before damages the memory of the process, if its server
-        was killed.
+        Raises
+        ------
+        CommandError
+            If it failed or did not come within `limit_s`; the text names `question`.
+        """
+        if not self.spin_until(future.done, limit_s):
+            raise CommandError(f'No answer within {limit_s:g} s while {question}')
+        if future.result() is None:
+            raise CommandError(f'Exception while {question}: {future.exception()!r}')
+        return future.result()
+
+    def stop(self) -> None:
+        """Stop the executor; only then may the clients that it waits for be destroyed.
+
+        An action client that is destroyed earlier corrupts the memory of the process if its
+        server was killed.
         """
         self._executor.shutdown(timeout_sec=1.0)
 
     def close(self) -> None:
-        """Take the node down."""
+        """Destroy the node and leave the graph."""
         self.stop()
         self.node.destroy_node()
         close_context(self._context)
 
 
 @contextmanager
-def command_node(name: str = '', *, use_sim_time: bool = False) -> Iterator[CommandNode]:
-    """Make a node for one verb and take it down afterwards."""
+def command_node() -> Iterator[CommandNode]:
+    """Make a node for one verb and destroy it afterwards."""
     try:
-        holder = CommandNode(name, use_sim_time=use_sim_time)
+        holder = CommandNode()
         try:
             yield holder
         finally:
@@ -112,8 +105,8 @@ def command_node(name: str = '', *, use_sim_time: bool = False) -> Iterator[Comm
 
 
 @contextmanager
-def graph_node(options: Namespace) -> Iterator[Any]:
-    """Make a node that has met the others; yields the rclpy node."""
-    with command_node(use_sim_time=getattr(options, 'use_sim_time', False)) as holder:
-        await_discovery(holder.node, getattr(options, 'spin_time', None))
+def graph_node() -> Iterator[Any]:
+    """Make a node that knows the others; yields the rclpy node."""
+    with command_node() as holder:
+        await_discovery(holder.node)
         yield holder.node

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a new node has met the others: no daemon remembers the graph for us.
+"""Waits until a new node knows the others: there is no daemon that remembers the graph.
 
-A fixed wait (0.5 s in the real command) is too long when all is found and too short when it is
-not: a participant answers our first announcement once, that answer is lost if it arrives before we
-listen, and the next one comes 3 s later. On Linux the participants of this machine can be counted
-without talking to them, by the ports they hold, so we wait until as many have answered. Other
-machines cannot be counted; they get a short fixed time.
+A fixed wait (0.5 s in the real command) is often too long and sometimes too short: a participant
+answers the first announcement once, that answer is lost if it arrives too early, and the next one
+comes 3 s later. On Linux the participants of this machine can be counted by the UDP ports that
+they hold, so the wait ends when as many have answered. Participants of other machines cannot be
+counted; they get a short fixed time.
 """
 
 import os
@@ -15,16 +15,16 @@ from pathlib import Path
 from typing import Any
 
 OTHERS_LIMIT_S = 3.3
-"""Longest wait for what may not be there: participants announce themselves every 3 s."""
+"""Longest wait for a name that may not exist: participants announce themselves every 3 s."""
 
 COUNTED_LIMIT_S = 6.5
-"""Longest wait for participants of this machine that are known to be there.
+"""Longest wait for participants of this machine, whose number is known.
 
-On a busy machine the first announcement may be late, or be lost before we listen.
+On a busy machine the first announcement may be late or lost.
 """
 
 REMOTE_WAIT_S = 0.3
-"""Wait for participants of other machines, which answer our first announcement."""
+"""Wait for participants of other machines, which answer the first announcement."""
 
 QUIET_S = 0.1
 """Topics and services of a participant follow within this time of each other."""
@@ -39,11 +39,8 @@ PORTS_PER_DOMAIN = 250
 DISCOVERY_OFFSET = 10
 
 
-def await_discovery(node: Any, spin_time_s: float | None) -> None:
-    """Wait until the node has met the others: for `spin_time_s`, or as long as is needed."""
-    if spin_time_s is not None:
-        time.sleep(spin_time_s)
-        return
+def await_discovery(node: Any) -> None:
+    """Wait until the node knows the others, at most `COUNTED_LIMIT_S`."""
     start = time.monotonic()
     minimum_s = REMOTE_WAIT_S if may_reach_other_machines() else 0.0
     domain_id = int(os.environ.get('ROS_DOMAIN_ID') or 0)
@@ -79,9 +76,9 @@ def local_participants(udp_table: str, domain_id: int) -> int:
 
     Parameters
     ----------
-    udp_table : str
-        Text of `/proc/net/udp`: a head, then a line a socket, its local port in hexadecimal.
-    domain_id : int
+    udp_table
+        Text of `/proc/net/udp`: a head, then one line per socket, its local port in hexadecimal.
+    domain_id
         Domain whose participants are counted.
     """
     first = PORT_BASE + PORTS_PER_DOMAIN * domain_id + DISCOVERY_OFFSET
@@ -105,7 +102,7 @@ def _has_met_all(node: Any, domain_id: int) -> bool:
 
 
 def _graph(node: Any) -> tuple[Any, ...]:
-    """Return the known graph, to be compared with what is known later."""
+    """Return the graph as it is known now, to be compared with a later one."""
     return (
         node.get_node_names_and_namespaces(),
         node.get_topic_names_and_types(),

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Interface types by name: their Python classes, their names in the index, their files."""
+"""Interface types by name: their Python classes and their definitions as text."""
 
 import importlib
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ament_index_python import get_resource, get_resources, has_resource
+from ament_index_python import has_resource
 
 from rocsafe_ros2cli.command import CommandError
 
@@ -14,7 +16,14 @@ PARTS = {
     'srv': ('Request', 'Response'),
     'action': ('Goal', 'Result', 'Feedback'),
 }
-"""What the classes of each kind of interface have."""
+"""Attributes that the classes of each kind of interface have."""
+
+NUMBERS = (f'{kind}{bits}' for kind in ('int', 'uint') for bits in (8, 16, 32, 64))
+PRIMITIVES = {'bool', 'byte', 'char', 'float32', 'float64', 'string', 'wstring', *NUMBERS}
+FIELD = re.compile(
+    r'(?P<type>[A-Za-z][\w/]*)(<=\d+)?(\[(<=)?\d*\])?\s+(?P<name>\w+)\s*(?P<rest>.*)'
+)
+UNIT = re.compile(r'\s*\[[^,\]]+\]')
 
 
 def interface_class(name: str, kind: str, complaint: str, other_kind: str = '') -> Any:
@@ -22,14 +31,14 @@ def interface_class(name: str, kind: str, complaint: str, other_kind: str = '') 
 
     Parameters
     ----------
-    name : str
+    name
         `package/Name` or `package/kind/Name`.
-    kind : str
+    kind
         `msg`, `srv` or `action`.
-    complaint : str
-        What to say if there is no such interface.
-    other_kind : str
-        What to say if it is an interface of another kind; empty: the same.
+    complaint
+        Error text if there is no such interface.
+    other_kind
+        Error text if it is an interface of another kind; empty: the same.
 
     Raises
     ------
@@ -53,27 +62,62 @@ def message_class(name: str) -> Any:
     return interface_class(name, 'msg', 'The passed message type is invalid')
 
 
-def interface_names(kind: str) -> list[str]:
-    """Return `package/kind/Name` of every interface of one kind in the index, in order."""
-    names = set()
-    for package in get_resources('rosidl_interfaces'):
-        content, _ = get_resource('rosidl_interfaces', package)
-        for line in content.splitlines():
-            stem, _, suffix = line.rpartition('.')
-            # Parts of services and actions, such as Name_Request, are not for users.
-            if stem.startswith(f'{kind}/') and '_' not in line and suffix in ('idl', kind):
-                names.add((package, stem))
-    return [f'{package}/{stem}' for package, stem in sorted(names)]
+def definition_lines(name: str, *, comments: bool = True, depth: int = 0) -> Iterator[str]:
+    """Yield the definition of `package/kind/Name`, nested messages indented below their fields.
 
-
-def interface_file(name: str) -> Path:
-    """Return the file that defines the interface `package/kind/Name`.
+    As in the real command, nested definitions have no comments. What is left of a comment behind
+    a field is its `#`, and a comment that holds only a unit in brackets stays.
 
     Raises
     ------
     CommandError
-        If the name is malformed, or the package or the interface is not there.
+        If an interface does not exist.
     """
+    path = _interface_file(name)
+    for raw in path.read_text(encoding='utf-8').splitlines():
+        line = raw.rstrip()
+        text = line if comments else _without_comment(line)
+        if text or comments:
+            yield '\t' * depth + text if text else ''
+        nested = None if path.suffix == '.idl' else nested_type(line, name.split('/')[0])
+        if nested is not None:
+            yield from definition_lines(nested, comments=False, depth=depth + 1)
+
+
+def nested_type(line: str, package: str) -> str | None:
+    """Return the message type of the field in this line; None if it holds no message.
+
+    Parameters
+    ----------
+    line
+        One line of a definition.
+    package
+        Package of types that are named without one.
+    """
+    match = FIELD.fullmatch(line.partition('#')[0].strip())
+    if match is None or match['rest'].startswith('=') or match['type'] in PRIMITIVES:
+        return None
+    owner, _, message = match['type'].rpartition('/')
+    return f'{owner or package}/msg/{message}'
+
+
+def _without_comment(line: str) -> str:
+    """Return the line as it is shown without comments; empty: not at all."""
+    definition, mark, rest = line.partition('#')
+    units = UNIT.findall(rest)
+    comment = (rest.replace(units[0], '') if len(units) == 1 else rest).lstrip('#').lstrip()
+    if not mark or not comment:
+        return line
+    if not definition:
+        return ''
+    if not definition.strip():
+        return line
+    start = line.find(comment, len(definition))
+    return (line[: start - 1] if start >= 0 else f'{definition}#').strip()
+
+
+def _interface_file(name: str) -> Path:
+    """Return the file that defines the interface `package/kind/Name`."""
     parts = name.split('/')
     if len(parts) != 3:
         raise CommandError(f"Invalid name '{name}'. Expected three parts separated by '/'")
@@ -86,8 +130,7 @@ def interface_file(name: str) -> Path:
     if not prefix:
         raise CommandError(f"Unknown package '{package}'")
     stem = Path(prefix) / 'share' / name
-    suffixes = ('',) if '.' in stem.name else (f'.{kind}', '.idl')
-    candidates = [stem.with_name(stem.name + suffix) for suffix in suffixes]
+    candidates = [stem.with_name(stem.name + suffix) for suffix in (f'.{kind}', '.idl')]
     for candidate in candidates:
         if candidate.exists():
             return candidate

@@ -2,7 +2,7 @@
 """`ros2 node`."""
 
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from typing import Any
 
 from rclpy.action import (
@@ -10,26 +10,15 @@ from rclpy.action import (
     get_action_server_names_and_types_by_node,
 )
 
-from rocsafe_ros2cli.command import Command, CommandError, Verb
-from rocsafe_ros2cli.command_node import add_node_arguments, graph_node
-from rocsafe_ros2cli.node_names import node_names, split_node_name
-from rocsafe_ros2cli.topic_graph import without_hidden
+from rocsafe_ros2cli.command import CommandError, Verb, argument
+from rocsafe_ros2cli.command_node import graph_node
+from rocsafe_ros2cli.names import node_names, split_node_name, without_hidden
 
 
-def _add_list_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of `list`."""
-    add_node_arguments(parser)
-    parser.add_argument('-a', '--all', action='store_true', help='Show hidden nodes too')
-    parser.add_argument('-c', '--count-nodes', action='store_true', help='Show only the number')
-
-
-def _list(options: Namespace) -> int:
+def _list(_options: Namespace) -> None:
     """List nodes."""
-    with graph_node(options) as node:
-        names = sorted(node_names(node, with_hidden=options.all))
-    if options.count_nodes:
-        print(len(names))
-        return 0
+    with graph_node() as node:
+        names = sorted(node_names(node))
     if len(set(names)) < len(names):
         print(
             'WARNING: Be aware that there are nodes in the graph that share an exact name, '
@@ -38,21 +27,13 @@ def _list(options: Namespace) -> int:
         )
     for name in names:
         print(name)
-    return 0
 
 
-def _add_info_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of `info`."""
-    add_node_arguments(parser)
-    parser.add_argument('node_name', help='Name of the node')
-    parser.add_argument('--include-hidden', action='store_true', help='Show hidden names too')
-
-
-def _info(options: Namespace) -> int:
-    """Print what a node publishes, subscribes, serves and calls."""
+def _info(options: Namespace) -> None:
+    """Print the topics, services and actions of a node."""
     wanted = options.node_name
-    with graph_node(options) as node:
-        count = node_names(node, with_hidden=options.include_hidden).count(wanted)
+    with graph_node() as node:
+        count = node_names(node).count(wanted)
         if count == 0:
             raise CommandError(f"Unable to find node '{wanted}'")
         if count > 1:
@@ -63,10 +44,9 @@ def _info(options: Namespace) -> int:
             )
         print(wanted)
         for title, names_and_types in _endpoints(node, wanted).items():
-            shown = without_hidden(names_and_types, keep=options.include_hidden)
+            shown = without_hidden(names_and_types)
             print(f'  {title}:')
             print('\n'.join(f'    {name}: {", ".join(types)}' for name, types in shown))
-    return 0
 
 
 def _endpoints(node: Any, name: str) -> dict[str, Any]:
@@ -82,19 +62,12 @@ def _endpoints(node: Any, name: str) -> dict[str, Any]:
     }
 
 
-COMMAND = Command(
-    verbs=(
-        Verb(
-            name='info',
-            summary='Output information about a node',
-            add_arguments=_add_info_arguments,
-            run=_info,
-        ),
-        Verb(
-            name='list',
-            summary='Output a list of available nodes',
-            add_arguments=_add_list_arguments,
-            run=_list,
-        ),
-    )
+VERBS = (
+    Verb(
+        name='info',
+        summary='Output information about a node',
+        arguments=(argument('node_name', help='Name of the node'),),
+        run=_info,
+    ),
+    Verb(name='list', summary='Output a list of available nodes', run=_list),
 )

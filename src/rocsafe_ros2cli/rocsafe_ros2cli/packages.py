@@ -14,8 +14,8 @@ def package_names() -> list[str]:
     return sorted(get_packages_with_prefixes())
 
 
-def package_prefix(package: str) -> Path:
-    """Return the folder a package is installed in.
+def executables(package: str) -> list[Path]:
+    """Return the executables below `lib/<package>`, in order, without those in hidden folders.
 
     Raises
     ------
@@ -23,21 +23,11 @@ def package_prefix(package: str) -> Path:
         If there is no such package.
     """
     try:
-        return Path(get_package_prefix(package))
+        prefix = Path(get_package_prefix(package))
     except (PackageNotFoundError, ValueError) as error:
         raise CommandError(f"Package '{package}' not found") from error
-
-
-def executables(package: str) -> list[Path]:
-    """Return the executables of a package, in order: those below `lib/<package>`, dot-folders not.
-
-    Raises
-    ------
-    CommandError
-        If there is no such package.
-    """
     found = []
-    for folder, folders, names in os.walk(package_prefix(package) / 'lib' / package):
+    for folder, folders, names in os.walk(prefix / 'lib' / package):
         folders[:] = [name for name in folders if not name.startswith('.')]
         paths = (Path(folder) / name for name in names)
         found += [path for path in paths if os.access(path, os.X_OK)]
@@ -50,7 +40,7 @@ def executable(package: str, name: str) -> Path:
     Raises
     ------
     CommandError
-        If the package is not there, or has none or several of this name.
+        If there is no such package, or it has none or several of this name.
     """
     found = [path for path in executables(package) if path.name == name]
     if not found:

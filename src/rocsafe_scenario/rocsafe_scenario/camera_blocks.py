@@ -38,8 +38,9 @@ class MountBlock(Block):
 class CameraBlock(MountBlock):
     """The camera of every vehicle for the survey: it looks straight down.
 
-    `backend` flat photographs `ground` with the scene painted on it; engine looks into the scene
-    of `scene_file`, by default ``../scenes/<scene>.yaml`` from the scenario's file.
+    `backend` flat photographs `ground`: level, with the photograph of the scenario's scene, or a
+    GeoTIFF. `backend` engine looks into the scene of `scene_file`, by default
+    ``../scenes/<scene>.yaml`` from the scenario's file.
     """
 
     backend: Literal['flat', 'engine'] = 'flat'
@@ -49,7 +50,7 @@ class CameraBlock(MountBlock):
     image_width_px: int = Field(default=640, ge=16, le=8192)
     image_height_px: int = Field(default=480, ge=16, le=8192)
     jpeg_quality: int = Field(default=90, ge=1, le=100)
-    ground: str = 'procedural'
+    ground: str = 'scene'
 
 
 class OtherCameraBlock(MountBlock):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be wrong with a scenario."""
+"""Errors of scenarios."""
 
 
 class ScenarioError(Exception):
-    """A scenario, or a file that it names, cannot be flown as written; a line for each fault."""
+    """A scenario or a file that it names is not valid; one line for each mistake."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scenario: what one mission surveys, with which vehicles, over which ground and sources."""
+"""A scenario: region, vehicles, ground and sources of one mission."""
 
 from typing import Annotated, Any, Literal
 
@@ -68,7 +68,8 @@ class Scenario(Block):
 
         Raises
         ------
-        ValueError: saying what is wrong with the polygon.
+        ValueError
+            Saying what is wrong with the polygon.
         """
         return SurveyArea(
             boundary=_ring(self.region.polygon or ()),
@@ -81,7 +82,8 @@ class Scenario(Block):
 
         Raises
         ------
-        ValueError: naming the key, and saying what is wrong with its polygon.
+        ValueError
+            Naming the key, and saying what is wrong with its polygon.
         """
         return _areas('exclusions', self.exclusions)
 
@@ -90,7 +92,8 @@ class Scenario(Block):
 
         Raises
         ------
-        ValueError: naming the key, and saying what is wrong with its polygon.
+        ValueError
+            Naming the key, and saying what is wrong with its polygon.
         """
         return _areas('other_regions', self.other_regions)
 

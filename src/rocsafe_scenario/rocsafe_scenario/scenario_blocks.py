@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The blocks of a scenario file, each with its keys, units, limits and defaults.
 
-Values are taken as written: a text is no number, an unknown key is refused.
+Values are not converted: a string is not a number, and an unknown key is refused.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
-# Names of ROS nodes and namespaces, which a vehicle may not take.
+# Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
      'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
@@ -38,7 +38,7 @@ _COVERAGE, _AIRSPACE = _defaults(CoverageOptions), _defaults(AirspaceOptions)
 _SEPARATION, _EFFORT = _defaults(SeparationOptions), _defaults(Effort)
 _VEHICLE, _AUTOPILOT = _defaults(Vehicle), _defaults(Autopilot)
 
-# What the planner needs to know of a vehicle, and the simulation does not.
+# Keys that only the planner needs.
 PLANNING_KEYS = (
     'battery_swap_s', 'end', 'is_open', 'sensors', 'cruise_power_w', 'hover_power_w',
 )  # fmt: skip

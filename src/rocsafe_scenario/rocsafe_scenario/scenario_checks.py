@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a scenario's blocks say together: polygons, names, distances, size of the survey."""
+"""Checks across the blocks of a scenario: polygons, names, distances, size of the survey."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import PLANNING_KEYS
 from rocsafe_scenario.survey_size import fewest_viewpoints
 
-# The local frame is flat: beyond this its error grows above the noise of a GPS fix.
+# Beyond this distance the error of the flat local frame exceeds the noise of a GPS fix.
 LARGEST_DISTANCE_M = 20_000.0
 # On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
 MOST_VEHICLE_PROCESSES = 20
@@ -69,7 +69,7 @@ def _double_cameras(scenario: Scenario) -> Iterator[str]:
 
 
 def _unequal_fleet(scenario: Scenario) -> Iterator[str]:
-    """One process simulates vehicles of one kind."""
+    """Refuse unlike vehicles in one process."""
     if scenario.simulation.processes != 'fleet':
         return
     simulated = [i for i, vehicle in enumerate(scenario.vehicles) if not vehicle.link]
@@ -185,7 +185,7 @@ def _unused_shields(scenario: Scenario) -> Iterator[str]:
 
 
 def _far_places(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
-    """Catch swapped coordinates, and missions for which the flat frame is wrong."""
+    """Find swapped coordinates and missions that are too large for the flat frame."""
     centroid = area.centroid()
     places = {f'vehicles[{i}].home': v.home for i, v in enumerate(scenario.vehicles) if v.has_home}
     for index, source in enumerate(scenario.radiation.sources):
@@ -226,7 +226,7 @@ def _too_large(scenario: Scenario, area: SurveyArea) -> Iterator[str]:
 
 
 def flight_mistakes(scenario: Scenario) -> list[str]:
-    """Return one line for each thing that can be planned, but that real vehicles do not fly."""
+    """Return one line for each setting that can be planned but not flown by real vehicles."""
     lines = []
     for index, vehicle in enumerate(scenario.vehicles):
         for key in ('battery_swap_s', 'end', 'is_open', 'fails_after_s') if vehicle.link else ():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading a scenario file, with everything that it names, and refusing what cannot be flown."""
+"""Reader of scenario files and of the files that they name."""
 
 from pathlib import Path
 from typing import Any
@@ -15,19 +15,20 @@ from rocsafe_scenario.scenario_blocks import LatLon, RegionBlock
 from rocsafe_scenario.scenario_checks import mistakes
 from rocsafe_scenario.validation_text import error_lines
 
-# Above this nobody reads on; the rest is counted.
+# Most mistakes that are listed; the rest is counted.
 MOST_LINES = 10
 
 
 def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = None) -> Scenario:
     """Read and check the scenario at `path`; `speed` and `seed` replace those of the file.
 
-    Regions of files become part of the scenario, and the paths of other files become absolute:
-    what is returned stands for itself.
+    Regions of files become part of the scenario, and the paths of other files become absolute, so
+    that the result does not depend on the file.
 
     Raises
     ------
-    ScenarioError: one line for each mistake, naming key path, value and limit.
+    ScenarioError
+        One line for each mistake, naming key path, value and limit.
     """
     try:
         content = read_yaml(path)
@@ -114,12 +115,12 @@ def _places(ring: Any) -> tuple[LatLon, ...]:
 def _with_files(scenario: Scenario, path: Path) -> Scenario:
     """Return `scenario` with the absolute paths of the other files that it names."""
     camera, radiation = scenario.camera, scenario.radiation
-    ground = None if camera.ground == 'procedural' else camera.ground
+    ground = None if camera.ground == 'scene' else camera.ground
     scene = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
     drawn = scene if camera.backend == 'engine' else None
     terrain = scenario.survey.terrain_file or None
     for block, key, named, what in (
-        ('camera', 'ground', ground, 'procedural or the path of a GeoTIFF'),
+        ('camera', 'ground', ground, 'scene or the path of a GeoTIFF'),
         ('camera', 'scene_file', drawn, 'the path of a scene'),
         ('survey', 'terrain_file', terrain, 'the path of a GeoTIFF of heights'),
         ('radiation', 'scene_file', radiation.scene_file or None, 'the path of a scene'),

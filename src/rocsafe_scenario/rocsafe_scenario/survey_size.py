@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How large a survey is, before the planner is asked."""
+"""Size of a survey: spacing, area and number of viewpoints, before it is planned."""
 
 import math
 
@@ -33,9 +33,9 @@ def area_m2(area: SurveyArea) -> float:
 
 
 def fewest_viewpoints(area: SurveyArea, survey: SurveyBlock, camera: CameraBlock) -> int:
-    """Return a number of viewpoints below which no grid covers `area`.
+    """Return a lower bound of the number of viewpoints of a grid that covers `area`.
 
-    Tiles that touch the boundary are flown too, so that the plan has more: by about half the
-    boundary's length over the spacing.
+    A plan has more, because tiles that touch the boundary count too: by about half the length of
+    the boundary over the spacing.
     """
     return math.ceil(area_m2(area) / math.prod(spacings_m(survey, camera)))

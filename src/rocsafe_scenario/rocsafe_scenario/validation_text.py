@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What pydantic found wrong, as one line each: key path, value, limit."""
+"""Errors of pydantic as one line each: key path, value, limit."""
 
 import difflib
 from collections.abc import Mapping

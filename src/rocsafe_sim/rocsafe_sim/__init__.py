@@ -1,2 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated world and vehicles of ROCSAFE."""
+"""Simulated time and simulated vehicles, with their batteries, cameras and sensor errors.
+
+A vehicle has three layers: `SimulatedVehicle` (room ``vehicle``) obeys commands and flies; `Rav`
+(room ``rav``) adds sensors, cameras and files to it; `VehicleInterface` gives a `Rav` its topics,
+services and action. The nodes ``rav`` and ``fleet`` hold one or many of these.
+"""

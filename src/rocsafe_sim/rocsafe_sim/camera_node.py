@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS side of one camera of a simulated vehicle."""
+"""ROS interface of one camera of a simulated vehicle."""
 
 from rclpy.publisher import Publisher
 from std_msgs.msg import Header, String
@@ -10,7 +10,7 @@ from rocsafe_ros.conversions import jpeg_message
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
-from rocsafe_sim.cameras.mounted_camera import MountedCamera, Picture
+from rocsafe_sim.cameras.mounted_camera import CameraPicture, MountedCamera
 from rocsafe_sim.clock.cadence import Cadence, period_ns
 from rocsafe_sim.picture_conversions import (
     depth_message,
@@ -23,21 +23,21 @@ from rocsafe_sim.picture_conversions import (
     pose_message,
 )
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.vehicle.observation import Observation
+from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 
 GIMBAL_PERIOD_NS = 1_000_000_000
-# Who records does not look: for it alone nothing is streamed.
+# Subscriptions of these nodes do not start a stream.
 RECORDERS = frozenset({'recorder'})
 
 
 class CameraInterface:
-    """Publishes all topics of a camera, below its name, and obeys those of its gimbal.
+    """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
     gimbal/state. Subscribes: gimbal/command.
 
-    Pictures come when the vehicle takes them at viewpoints, and `stream_rate_hz` times a simulated
-    second for as long as anybody looks.
+    Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
+    simulated second as long as anybody but a recorder subscribes.
     """
 
     def __init__(self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera) -> None:
@@ -59,24 +59,24 @@ class CameraInterface:
 
     @property
     def name(self) -> str:
-        """Of the camera."""
+        """Name of the camera."""
         return self._camera.name
 
-    def after_step(self, seen: Observation) -> None:
-        """Publish what is due at a step besides the pictures of viewpoints."""
+    def after_step(self, seen: VehicleSnapshot) -> None:
+        """Publish what is due at a step, but for the images of viewpoints."""
         if self._stream is not None and self._stream.is_due(seen.time_ns) and self._is_watched():
             self._publish_look(seen)
         if self._camera.gimbal is not None:
             self._publish_gimbal(seen.time_ns)
 
-    def publish(self, picture: Picture, jpeg: bytes | None = None) -> None:
-        """Publish the picture of a viewpoint, as `jpeg` if that is made already."""
+    def publish(self, picture: CameraPicture, jpeg: bytes | None = None) -> None:
+        """Publish the image of a viewpoint; `jpeg` is its file, if that exists."""
         self._publish(picture, jpeg or self._jpeg_of(picture))
 
-    def _jpeg_of(self, picture: Picture) -> bytes:
+    def _jpeg_of(self, picture: CameraPicture) -> bytes:
         return jpeg_of(picture.image, self._camera.settings.jpeg_quality)
 
-    def _publish(self, picture: Picture, jpeg: bytes | None) -> None:
+    def _publish(self, picture: CameraPicture, jpeg: bytes | None) -> None:
         header = picture_header(self._vehicle, picture)
         self._info.publish(info_message(self._camera.settings, header))
         if jpeg is not None:
@@ -87,7 +87,7 @@ class CameraInterface:
             self._pose.publish(pose_message(picture))
         self._publish_truth(picture, header)
 
-    def _publish_truth(self, picture: Picture, header: Header) -> None:
+    def _publish_truth(self, picture: CameraPicture, header: Header) -> None:
         if picture.truth is None:
             return
         if _is_heard(self._depth):
@@ -95,7 +95,7 @@ class CameraInterface:
         if _is_heard(self._labels):
             self._labels.publish(labels_message(picture.truth, header))
 
-    def _publish_look(self, seen: Observation) -> None:
+    def _publish_look(self, seen: VehicleSnapshot) -> None:
         if any(picture.time_ns == seen.time_ns for picture in self._rav.pictures_of(self._camera)):
             return
         try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of the simulated vehicles <-> messages."""
+"""Conversions between values of the simulated vehicles and messages."""
 
 import math
 from itertools import accumulate
@@ -15,10 +15,10 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_ros.conversions import position_of_point
-from rocsafe_sim.flight.route import Route, Swap, Waypoint
+from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import Outcome
-from rocsafe_sim.vehicle.observation import FlightSummary, Observation
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
 
 STATES = {
     Mode.DISARMED: VehicleState.DISARMED,
@@ -33,28 +33,30 @@ STATES = {
     Mode.CRASHED: VehicleState.CRASHED,
 }
 OUTCOMES = {
-    Outcome.COMPLETED: FlyRoute.Result.COMPLETED,
-    Outcome.CANCELLED: FlyRoute.Result.CANCELLED,
-    Outcome.RETURNED_EARLY: FlyRoute.Result.RETURNED_EARLY,
-    Outcome.BATTERY_LOW: FlyRoute.Result.BATTERY_LOW,
-    Outcome.FAILED: FlyRoute.Result.ABORTED,
-    Outcome.COLLIDED: FlyRoute.Result.COLLISION,
+    FlightOutcome.COMPLETED: FlyRoute.Result.COMPLETED,
+    FlightOutcome.CANCELLED: FlyRoute.Result.CANCELLED,
+    FlightOutcome.RETURNED_EARLY: FlyRoute.Result.RETURNED_EARLY,
+    FlightOutcome.BATTERY_LOW: FlyRoute.Result.BATTERY_LOW,
+    FlightOutcome.FAILED: FlyRoute.Result.ABORTED,
+    FlightOutcome.COLLIDED: FlyRoute.Result.COLLISION,
 }
 _UNKNOWN = math.nan
 
 
-def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
+def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> FlightRoute:
     """Return the route of a message.
 
-    Over level ground home is at height 0 of the frame; else heights are differences of altitude.
+    Over level ground home is at height 0 of the frame; otherwise heights are differences of
+    altitude.
 
     Raises
     ------
-    ValueError: if it has a position that is none, or a viewpoint not above the ground.
+    ValueError
+        If a position is invalid, or a viewpoint is not above the ground.
     """
     places = _Places(frame, is_level=not message.follows_terrain)
     flights = message.flights[:-1]
-    return Route(
+    return FlightRoute(
         plan_id=plan_id,
         home_enu=places.ground(message.home),
         waypoints=tuple(_waypoint(viewpoint, places) for viewpoint in message.viewpoints),
@@ -63,7 +65,7 @@ def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
         clearance_m=message.clearance_m,
         delay_s=message.delay_s,
         swaps=tuple(
-            Swap(after=after, homeward_enu=places.all(flight.homeward))
+            BatterySwap(after=after, homeward_enu=places.all(flight.homeward))
             for flight, after in zip(
                 flights, accumulate(len(flight.viewpoints) for flight in flights), strict=True
             )
@@ -75,8 +77,8 @@ def route_of(message: RouteMessage, plan_id: str, frame: LocalFrame) -> Route:
     )
 
 
-def _waypoint(viewpoint: Viewpoint, places: '_Places') -> Waypoint:
-    waypoint = Waypoint(
+def _waypoint(viewpoint: Viewpoint, places: '_Places') -> RouteWaypoint:
+    waypoint = RouteWaypoint(
         viewpoint_id=viewpoint.id,
         position_enu=places.place(viewpoint.position),
         yaw_rad=viewpoint.yaw_rad,
@@ -91,7 +93,7 @@ def _waypoint(viewpoint: Viewpoint, places: '_Places') -> Waypoint:
 
 
 def waiting_text(number: int, waits_s: float) -> str:
-    """Return what a vehicle on the ground waits for before flight `number`; empty: nothing."""
+    """Return the reason why a vehicle waits before flight `number`; empty if it does not wait."""
     if waits_s <= 0.0:
         return ''
     why = 'gets a new battery' if number else 'keeps away from others'
@@ -99,21 +101,21 @@ def waiting_text(number: int, waits_s: float) -> str:
 
 
 def battery_message(
-    observation: Observation, power: PowerModel, stamp: Time, frame_id: str
+    snapshot: VehicleSnapshot, power: PowerModel, stamp: Time, frame_id: str
 ) -> BatteryState:
-    """Return charge left and current; what is not simulated is NaN."""
-    airborne = observation.mode.is_airborne
+    """Return charge and current; fields that are not simulated are NaN."""
+    airborne = snapshot.mode.is_airborne
     capacity_ah = power.capacity_ah
     return BatteryState(
         header=Header(stamp=stamp, frame_id=frame_id),
         voltage=VOLTAGE_V,
         temperature=_UNKNOWN,
         # REP 147 and sensor_msgs: negative while it discharges
-        current=-observation.power_w / VOLTAGE_V,
-        charge=capacity_ah * observation.battery_fraction,
+        current=-snapshot.power_w / VOLTAGE_V,
+        charge=capacity_ah * snapshot.battery_fraction,
         capacity=capacity_ah,
         design_capacity=capacity_ah,
-        percentage=observation.battery_fraction,
+        percentage=snapshot.battery_fraction,
         power_supply_status=(
             BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
             if airborne
@@ -127,7 +129,7 @@ def battery_message(
 
 def result_message(summary: FlightSummary) -> FlyRoute.Result:
     """Return the result of a flight that has ended."""
-    is_complete = summary.outcome is Outcome.COMPLETED
+    is_complete = summary.outcome is FlightOutcome.COMPLETED
     return FlyRoute.Result(
         outcome=OUTCOMES[summary.outcome],
         error_msg='' if is_complete else f'{summary.outcome.value}: {summary.text}',
@@ -139,7 +141,7 @@ def result_message(summary: FlightSummary) -> FlyRoute.Result:
 
 
 def refusal_message(reason: str) -> FlyRoute.Result:
-    """Return the result of a route that is not flown."""
+    """Return the result of a refused route."""
     return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)
 
 
@@ -151,7 +153,7 @@ class _Places:
         self.is_level = is_level
 
     def place(self, point: GeoPoint) -> Enu:
-        """Return where a place in the air is."""
+        """Return a place in the air."""
         position = position_of_point(point)
         east, north, up = self._frame.enu_of(position).tolist()
         if not self.is_level:
@@ -159,12 +161,12 @@ class _Places:
         return east, north, up
 
     def ground(self, point: GeoPoint) -> Enu:
-        """Return where a place on the ground is."""
+        """Return a place on the ground."""
         east, north, up = self.place(point)
         return east, north, 0.0 if self.is_level else up
 
     def all(self, points: list[GeoPoint]) -> tuple[Enu, ...]:
-        """Return where places in the air are."""
+        """Return places in the air."""
         return tuple(self.place(point) for point in points)
 
     def outline(self, zone: GeoPolygon) -> tuple[tuple[float, float], ...]:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Failures of the simulation that a caller may want to treat."""
+"""Errors of the simulation that callers handle."""
 
 
 class SimError(Exception):
-    """Base of all failures of this package."""
+    """Base of all errors of this package."""
 
 
 class CommandRefusedError(SimError):
-    """A vehicle will not do what it was told; the text says why."""
+    """A vehicle refuses a command; the text states why."""
 
 
 class JournalError(SimError):

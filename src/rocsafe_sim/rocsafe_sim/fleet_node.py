@@ -64,7 +64,7 @@ class FleetNode(Node):
 
 
 def _ravs(options: FleetOptions) -> list[Rav]:
-    """Return the vehicles; they share what draws, and with it the ground or the scene."""
+    """Return the vehicles, which share their cameras' renderer."""
     spool = Path(options.spool_directory) if options.spool_directory else None
     try:
         shared = make_shared(options)

@@ -13,26 +13,26 @@ from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.vehicle.flight_record import Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome
 
 FEEDBACK_PERIOD_NS = 1_000_000_000
 
 
 class FlyRouteServer:
-    """Serves fly_route: any number of goals may join one flight, and all end with it.
+    """Serves fly_route. Several goals of one route join one flight and end with it.
 
     A goal that replaces the route being flown ends those of that route.
 
-    A goal is executed, as rclpy calls it, when its flight has ended. No coroutine waits for that:
-    rclpy's executors resume a waiting coroutine again and again, which takes a processor.
+    A goal is executed, in the terms of rclpy, when its flight has ended. No coroutine waits for
+    that, because the executors of rclpy resume a waiting coroutine all the time.
 
-    `on_order` is called after the vehicle was given an order.
+    `on_command` is called after the vehicle got a command.
     """
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, on_order: Callable[[], None]) -> None:
+    def __init__(self, node: VehicleScopeNode, rav: Rav, on_command: Callable[[], None]) -> None:
         self._node = node
         self._rav = rav
-        self._on_order = on_order
+        self._on_command = on_command
         self._has_time = False
         self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
         self._early: list[Any] = []
@@ -48,7 +48,7 @@ class FlyRouteServer:
         )
 
     def after_step(self, time_ns: int) -> None:
-        """Let goals begin, give feedback, and end the goals of a flight that has ended."""
+        """Begin accepted goals, publish feedback, and end the goals of an ended flight."""
         self._has_time = True
         while self._early:
             self._on_goal(self._early.pop(0))
@@ -77,7 +77,7 @@ class FlyRouteServer:
         self.end_goals()
 
     def _begin(self, request: FlyRoute.Goal) -> FlyRoute.Result | None:
-        """Order the flight; return why not, if it is refused."""
+        """Command the flight; return the reason if it is refused."""
         name = self._rav.parts.name
         if request.route.vehicle not in ('', name):
             return refusal_message(f'{name}: the route is for {request.route.vehicle}')
@@ -89,11 +89,11 @@ class FlyRouteServer:
             return refusal_message(f'{name}: {error}')
         if before is not None and before.route != route:
             self._end_replaced(request.plan_id)
-        self._on_order()
+        self._on_command()
         return None
 
     def _end_replaced(self, plan_id: str) -> None:
-        """End the goals of a route that is flown no more."""
+        """End the goals of a replaced route."""
         text = f'plan {plan_id} is flown in its place'
         ended, self._flying = self._flying, []
         for goal in ended:
@@ -111,7 +111,7 @@ class FlyRouteServer:
             return known or refusal_message(f'{self._rav.parts.name}: the flight goes on')
         if goal.is_cancel_requested:
             goal.canceled()
-        elif summary.outcome is Outcome.COMPLETED:
+        elif summary.outcome is FlightOutcome.COMPLETED:
             goal.succeed()
         else:
             goal.abort()
@@ -119,8 +119,8 @@ class FlyRouteServer:
 
     def _on_cancel(self, _goal: Any) -> CancelResponse:
         self._rav.vehicle.cancel()
-        self._on_order()
-        # The goal is not yet marked as being cancelled: that follows this callback.
+        self._on_command()
+        # rclpy marks the goal as being cancelled only after this callback.
         self._node.executor.create_task(self.end_goals)
         return CancelResponse.ACCEPT
 

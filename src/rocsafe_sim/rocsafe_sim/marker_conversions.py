@@ -1,26 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Routes and scenes -> markers for RViz and Foxglove."""
+"""Markers of routes and scenes for RViz and Foxglove."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from geometry_msgs.msg import Point, Vector3
+from geometry_msgs.msg import Point, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_geo.motion.state import Enu
-from rocsafe_ros.conversions import MAP_FRAME, yaw_quaternion
-from rocsafe_scene.scenery.scene import Scene, Thing
-from rocsafe_sim.flight.route import Route
+from rocsafe_ros.conversions import MAP_FRAME
+from rocsafe_scene.flat_ground.scene_box import SceneBox
+from rocsafe_scene.mesh.classes import CLASSES
+from rocsafe_sim.flight.route import FlightRoute
 
 _LINE_WIDTH_M = 0.5
 _DOT_WIDTH_M = 1.2
 _ROUTE_COLOUR = ColorRGBA(r=0.12, g=0.47, b=0.71, a=1.0)
 _DOT_COLOUR = ColorRGBA(r=1.0, g=0.5, b=0.05, a=1.0)
-_THING_ALPHA = 0.9
+_BOX_ALPHA = 0.9
 
 
-def route_markers(route: Route) -> MarkerArray:
-    """Return the planned route as a line from home to home and a dot a viewpoint."""
+def route_markers(route: FlightRoute) -> MarkerArray:
+    """Return the planned route as a line from home to home, and a dot for each viewpoint."""
     stops = [waypoint.position_enu for waypoint in route.waypoints]
     line = _marker('route', 0, Marker.LINE_STRIP, _ROUTE_COLOUR)
     line.scale = Vector3(x=_LINE_WIDTH_M, y=0.0, z=0.0)
@@ -31,7 +32,7 @@ def route_markers(route: Route) -> MarkerArray:
     return MarkerArray(markers=[line, dots])
 
 
-def _track(route: Route) -> Iterator[Enu]:
+def _track(route: FlightRoute) -> Iterator[Enu]:
     """Yield the corners of the planned track."""
     yield route.home_enu
     for waypoint in route.waypoints:
@@ -41,23 +42,22 @@ def _track(route: Route) -> Iterator[Enu]:
     yield route.home_enu
 
 
-def scene_markers(scene: Scene) -> MarkerArray:
-    """Return a box, with a name, for each thing of a scene."""
-    solid = [thing for thing in scene.things if thing.size_m[2] > 0.0]
-    return MarkerArray(markers=[_box(number, thing) for number, thing in enumerate(solid)])
+def scene_markers(boxes: Iterable[SceneBox]) -> MarkerArray:
+    """Return a marker for each box, with the name of its object, in the colour of its class."""
+    return MarkerArray(markers=[_box(number, box) for number, box in enumerate(boxes)])
 
 
-def _box(number: int, thing: Thing) -> Marker:
-    red, green, blue = (part / 255.0 for part in thing.colour)
-    colour = ColorRGBA(r=red, g=green, b=blue, a=_THING_ALPHA)
-    box = _marker(thing.kind, number, Marker.CUBE, colour)
-    length, width, height = thing.size_m
-    box.scale = Vector3(x=length, y=width, z=height)
-    position = (thing.placing.east_m, thing.placing.north_m, 0.5 * height)
-    box.pose.position = _point(position)
-    box.pose.orientation = yaw_quaternion(thing.placing.yaw_rad)
-    box.text = thing.name
-    return box
+def _box(number: int, box: SceneBox) -> Marker:
+    red, green, blue = (part / 255.0 for part in CLASSES[box.label].colour)
+    colour = ColorRGBA(r=red, g=green, b=blue, a=_BOX_ALPHA)
+    marker = _marker(box.label, number, Marker.CUBE, colour)
+    length, width, height = box.size_m
+    marker.scale = Vector3(x=length, y=width, z=height)
+    marker.pose.position = _point(box.position_enu)
+    x, y, z, w = box.quaternion
+    marker.pose.orientation = Quaternion(x=x, y=y, z=z, w=w)
+    marker.text = box.name
+    return marker
 
 
 def _marker(namespace: str, number: int, kind: int, colour: ColorRGBA) -> Marker:

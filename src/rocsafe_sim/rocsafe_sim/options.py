@@ -11,31 +11,35 @@ from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_scene.scenery.catalogue import SCENES
+from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 
-PROCEDURAL = 'procedural'
+SCENE_GROUND = 'scene'
 FLAT, ENGINE = 'flat', 'engine'
 LARGEST_VIEW_ANGLE_DEG = 70.0
 IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WorldOptions(OriginOptions):
+class WorldOptions:
     """Options of the node `world`."""
 
+    MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ('seed', *(setting.name for setting in fields(OriginOptions))),
+        'a parameter of rav and fleet only',
+    )
+
     step_s: float = option(0.1, 'simulated time between two steps, s', 1e-3, 10.0)
-    speed: float = option(0.0, 'simulated seconds a second; 0: as fast as possible', 0.0, 1e3)
-    participants: tuple[str, ...] = option((), 'names waited for at every step')
-    autostart: bool = option(True, 'let time run from the start; else world/run does')
+    speed: float = option(0.0, 'simulated seconds per second; 0: as fast as possible', 0.0, 1e3)
+    participants: tuple[str, ...] = option((), 'names of those who must finish each step')
+    autostart: bool = option(True, 'let time run from the start; otherwise world/run starts it')
     pause_when_idle: bool = option(False, 'pause when all participants have become idle')
     start_time_s: float = option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
-    scene: str = option('none', f'what lies on the ground: {", ".join(SCENES)}')
-    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
+    scene: str = option(NO_SCENE, f'objects shown as markers: {", ".join(SCENE_NAMES)}')
 
     def __post_init__(self) -> None:
         require_between('step_s', self.step_s, 1e-3, 10.0)
@@ -82,18 +86,18 @@ class VehicleOptions(FlightOptions):
     gps_vertical_std_m: float = option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
     tilt_std_deg: float = option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
     attitude_std_deg: float = option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
-    fix_rate_hz: float = option(5.0, 'of fix, velocity and odom, Hz', 0.01, 1e3)
+    fix_rate_hz: float = option(5.0, 'rate of fix, velocity and odom, Hz', 0.01, 1e3)
     camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
     scene_file: str = option('', 'path of the scene, for the engine')
     scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
-    ground: str = option(PROCEDURAL, 'procedural, or path of a GeoTIFF orthophoto')
-    scene: str = option('none', f'painted on procedural ground: {", ".join(SCENES)}')
-    seed: int = option(1, 'of all that is random', 0, 2**31 - 1)
-    spool_directory: str = option('', 'of journal and photographs; empty: memory only')
-    lock_step: bool = option(True, 'step with the world; else with the wall clock')
+    ground: str = option(SCENE_GROUND, 'scene: its photograph, or path of a GeoTIFF')
+    scene: str = option(NO_SCENE, f'on the ground scene: {", ".join(SCENE_NAMES)}')
+    seed: int = option(1, 'seed of all random numbers', 0, 2**31 - 1)
+    spool_directory: str = option('', 'folder of journal and photographs; empty: memory only')
+    lock_step: bool = option(True, 'step with the world; otherwise with the wall clock')
 
     def __post_init__(self) -> None:
         require_positive('fix_rate_hz', self.fix_rate_hz)
@@ -108,6 +112,8 @@ class VehicleOptions(FlightOptions):
         self._require_backend()
 
     def _require_backend(self) -> None:
+        if self.ground == 'procedural':
+            raise ValueError(f"ground is 'procedural': is called {SCENE_GROUND!r} now")
         if self.camera_backend not in (FLAT, ENGINE):
             raise ValueError(
                 f'camera_backend is {self.camera_backend!r}: must be {FLAT} or {ENGINE}'
@@ -218,8 +224,8 @@ class FleetOptions(VehicleOptions):
 
 
 def _require_scene(scene: str) -> None:
-    if scene not in SCENES:
-        raise ValueError(f'scene is {scene!r}: must be one of {", ".join(SCENES)}')
+    if scene not in SCENE_NAMES:
+        raise ValueError(f'scene is {scene!r}: must be one of {", ".join(SCENE_NAMES)}')
 
 
 def _require_names(option: str, names: tuple[str, ...]) -> None:

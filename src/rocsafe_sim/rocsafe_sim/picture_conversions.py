@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of cameras and states of gimbals -> messages, and orders back."""
+"""Messages of images and gimbals, and commands to gimbals."""
 
 from array import array
 from typing import Any
@@ -21,11 +21,11 @@ from rocsafe_ros.conversions import (
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
-from rocsafe_sim.cameras.mounted_camera import Picture
+from rocsafe_sim.cameras.mounted_camera import CameraPicture
 
 
-def picture_header(vehicle: str, picture: Picture) -> Header:
-    """Return the header of all messages about a picture."""
+def picture_header(vehicle: str, picture: CameraPicture) -> Header:
+    """Return the header of all messages about an image."""
     stamp = stamp_of_ns(picture.time_ns)
     return Header(stamp=stamp, frame_id=f'{vehicle}/{picture.camera}_optical')
 
@@ -35,8 +35,8 @@ def info_message(settings: CameraSettings, header: Header) -> CameraInfo:
     return camera_info_message(settings.lens, header, settings.effects.distortion)
 
 
-def image_message(picture: Picture, header: Header) -> Image:
-    """Return the picture itself, 8 bits blue, green, red."""
+def image_message(picture: CameraPicture, header: Header) -> Image:
+    """Return the pixels, 8 bits blue, green, red."""
     return _plane_message(picture.image, 'bgr8', header)
 
 
@@ -46,11 +46,11 @@ def depth_message(truth: Truth, header: Header) -> Image:
 
 
 def labels_message(truth: Truth, header: Header) -> Image:
-    """Return instance numbers, 16 bits; those beyond 65535 show as 65535."""
+    """Return instance numbers, 16 bits; larger ones become 65535."""
     return _plane_message(np.minimum(truth.numbers, 65_535).astype('<u2'), 'mono16', header)
 
 
-def pose_message(picture: Picture) -> PoseStamped:
+def pose_message(picture: CameraPicture) -> PoseStamped:
     """Return the true pose of the optical frame in the mission's frame."""
     message = PoseStamped(header=Header(stamp=stamp_of_ns(picture.time_ns), frame_id=MAP_FRAME))
     place = message.pose.position
@@ -61,18 +61,19 @@ def pose_message(picture: Picture) -> PoseStamped:
 
 
 def direction_of(command: GimbalCommand) -> Direction:
-    """Return where a gimbal is told to point.
+    """Return the direction of a command to a gimbal.
 
     Raises
     ------
-    ValueError: naming what is out of its limits.
+    ValueError
+        If a value is outside its limits; it names the value.
     """
     return Direction(pitch_rad=command.pitch_rad, yaw_rad=command.yaw_rad)
 
 
 def gimbal_message(vehicle: str, camera: str, gimbal: Gimbal, time_ns: int) -> GimbalState:
-    """Return where a gimbal points at a time."""
-    points, target = gimbal.direction(time_ns), gimbal.order.target
+    """Return the state of a gimbal at a time."""
+    points, target = gimbal.direction(time_ns), gimbal.turn.target
     return GimbalState(
         header=Header(stamp=stamp_of_ns(time_ns), frame_id=f'{vehicle}/base_link'),
         camera=camera,

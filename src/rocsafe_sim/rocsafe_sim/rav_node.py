@@ -19,10 +19,10 @@ from rocsafe_sim.vehicle_node import VehicleInterface
 
 
 class RavNode(VehicleScopeNode):
-    """Simulates the vehicle in whose namespace it stands, see `VehicleInterface`.
+    """Simulates the vehicle named by its namespace, see `VehicleInterface`.
 
-    In lock-step it is the participant named like the vehicle. Without, it steps at its fix rate
-    by its own clock.
+    In lock-step it is a participant with the name of the vehicle. Otherwise it steps at its fix
+    rate by its own clock.
     """
 
     def __init__(self, **node_options: Any) -> None:

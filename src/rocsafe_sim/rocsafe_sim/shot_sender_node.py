@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sends a simulated vehicle's photographs of the survey."""
+"""Delivery of the photographs of a simulated vehicle."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ from rocsafe_sim.rav.rav import Rav
 def make_shot_delivery(
     node: VehicleScopeNode, rav: Rav, on_receipt: Callable[[], None]
 ) -> ShotDelivery:
-    """Return what sends the photographs of `rav`; `on_receipt` is called after each receipt."""
+    """Return the sender of the photographs of `rav`; `on_receipt` is called after each receipt."""
     camera, noise = rav.parts.cameras[0].settings, rav.parts.noise
 
     def message_of(shot: Shot) -> GeotaggedImage:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a simulated vehicle's node says of itself at each step."""
+"""Telemetry of a simulated vehicle."""
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
@@ -19,15 +19,15 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import STATES, battery_message, waiting_text
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.route import FlightRoute
 from rocsafe_sim.marker_conversions import route_markers
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.vehicle.observation import Observation
+from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 
 SLOW_PERIOD_NS = 1_000_000_000
-# A track nobody looks at is published this seldom, for those who come later.
+# Period of a track without subscribers, for those who subscribe later.
 UNSEEN_PATH_PERIOD_NS = 10_000_000_000
-# Standard deviations of the truth.
+# Standard deviations of the ground truth.
 EXACT_M = (0.0, 0.0)
 
 
@@ -50,9 +50,9 @@ class Telemetry:
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
-        self._shown: Route | None = None
+        self._shown: FlightRoute | None = None
 
-    def publish(self, seen: Observation) -> None:
+    def publish(self, seen: VehicleSnapshot) -> None:
         """Publish what is due at a step, position first."""
         stamp = stamp_of_ns(seen.time_ns)
         if self._fixes.is_due(seen.time_ns):
@@ -66,12 +66,12 @@ class Telemetry:
             self._publish_state(seen, stamp)
         self._publish_markers()
 
-    def publish_state(self, seen: Observation) -> None:
-        """Publish the state between two steps, if an order or a receipt changed it."""
+    def publish_state(self, seen: VehicleSnapshot) -> None:
+        """Publish the state between two steps, if a command or a receipt changed it."""
         if self._news(seen) != self._said:
             self._publish_state(seen, stamp_of_ns(seen.time_ns))
 
-    def _publish_motion(self, seen: Observation, stamp: Time) -> None:
+    def _publish_motion(self, seen: VehicleSnapshot, stamp: Time) -> None:
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
         gps, noise, pose = f'{self._name}/gps', self._rav.parts.noise, seen.pose
         std_m = (noise.gps_horizontal_std_m, noise.gps_vertical_std_m)
@@ -82,7 +82,7 @@ class Telemetry:
             odometry_message(fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name)
         )
 
-    def _publish_state(self, seen: Observation, stamp: Time) -> None:
+    def _publish_state(self, seen: VehicleSnapshot, stamp: Time) -> None:
         self._said = self._news(seen)
         flight = self._rav.vehicle.flight
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
@@ -102,15 +102,15 @@ class Telemetry:
         if flight is not None:
             message.plan_id = flight.route.plan_id
             message.viewpoint_count = len(flight.route.waypoints)
-            message.text = flight.text or waiting_text(flight.order.number, seen.waits_s)
+            message.text = flight.text or waiting_text(flight.command.number, seen.waits_s)
         self._state.publish(message)
 
-    def _news(self, seen: Observation) -> tuple[object, ...]:
+    def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight
         why = None if flight is None else (flight.route.plan_id, flight.text)
         return seen.mode, seen.viewpoints_visited, seen.shots_taken, len(self._rav.shots), why
 
-    def _publish_path(self, seen: Observation, stamp: Time) -> None:
+    def _publish_path(self, seen: VehicleSnapshot, stamp: Time) -> None:
         if not seen.mode.is_airborne:
             return
         self._track.header.stamp = stamp

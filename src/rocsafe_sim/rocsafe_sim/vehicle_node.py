@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS side of one simulated vehicle, whichever process it lives in."""
+"""ROS interface of one simulated vehicle, in the node `rav` or `fleet`."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ from rocsafe_sim.telemetry_node import Telemetry
 
 
 class VehicleInterface:
-    """Everything of a vehicle's namespace: topics, services and the action.
+    """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
     camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
@@ -25,10 +25,14 @@ class VehicleInterface:
 
     Parameters
     ----------
-    node : in the vehicle's namespace.
-    rav : the vehicle.
-    fix_period_ns : simulated time between fixes.
-    on_busy : called when an order wakes an idle vehicle.
+    node
+        Node in the namespace of the vehicle.
+    rav
+        The vehicle with its sensors.
+    fix_period_ns
+        Simulated time between fixes, nanoseconds.
+    on_busy
+        Called when a command wakes an idle vehicle.
     """
 
     def __init__(
@@ -44,7 +48,7 @@ class VehicleInterface:
         self._telemetry = Telemetry(node, rav, fix_period_ns)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
         self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
-        self._flights = FlyRouteServer(node, rav, self._after_order)
+        self._flights = FlyRouteServer(node, rav, self._after_command)
         self._add_service(node, topics.HOLD, rav.vehicle.hold)
         self._add_service(node, topics.RESUME, rav.vehicle.resume)
         self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
@@ -66,7 +70,7 @@ class VehicleInterface:
         return vehicle.is_idle
 
     def _publish_pictures(self, shots: list[Shot]) -> None:
-        """Publish what was taken at viewpoints; the photographs are those of the first camera."""
+        """Publish the images of viewpoints; the first camera takes the photographs."""
         jpegs: dict[int, bytes | None] = {shot.time_ns: shot.jpeg for shot in shots}
         for camera, own in zip(self._cameras, self._rav.parts.cameras, strict=True):
             for picture in self._rav.pictures_of(own):
@@ -78,22 +82,22 @@ class VehicleInterface:
     def _publish_state(self) -> None:
         self._telemetry.publish_state(self._rav.vehicle.observe())
 
-    def _after_order(self) -> None:
+    def _after_command(self) -> None:
         self._rav.keep_journal()
         self._publish_state()
         if not self._rav.vehicle.is_idle:
             self._on_busy()
 
     def _add_service(
-        self, node: VehicleScopeNode, spec: topics.CallSpec, order: Callable[[], None]
+        self, node: VehicleScopeNode, spec: topics.CallSpec, command: Callable[[], None]
     ) -> None:
         def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             try:
-                order()
+                command()
             except CommandRefusedError as refusal:
                 response.message = f'{self._rav.parts.name}: {refusal}'
                 return response
-            self._after_order()
+            self._after_command()
             response.success = True
             return response
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``world``: simulated time in lock-step, and what lies on the ground."""
+"""The node ``world``: simulated time in lock-step, and markers of the scene."""
 
 import time
 from typing import Any
@@ -15,18 +15,18 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
-from rocsafe_scene.scenery.catalogue import make_scene
+from rocsafe_scene.flat_ground.ground_photograph import read_boxes
 from rocsafe_sim.clock.clockwork import Clockwork, Pace
 from rocsafe_sim.marker_conversions import scene_markers
 from rocsafe_sim.options import WorldOptions
 
-# How often waiting is looked at where no report comes in.
+# Wall period of the check whether the next time is due.
 TICK_S = 0.1
 DIAGNOSE_S = 1.0
 
 
 class WorldNode(Node):
-    """Publishes /clock, each time when all participants have done the one before.
+    """Publishes /clock: the next time when all participants have finished the last one.
 
     Subscribes: sim/step_done. Publishes: /clock, scene/markers, /diagnostics. Service: world/run.
     """
@@ -45,7 +45,7 @@ class WorldNode(Node):
         self._clock_out = topics.create_publisher(self, topics.CLOCK)
         self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
         self._markers = topics.create_publisher(self, topics.SCENE_MARKERS)
-        self._markers.publish(scene_markers(make_scene(options.scene, options.seed)))
+        self._markers.publish(scene_markers(read_boxes(options.scene)))
         topics.create_subscription(self, topics.STEP_DONE, self._on_step_done)
         self.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
         steady = Clock(clock_type=ClockType.STEADY_TIME)

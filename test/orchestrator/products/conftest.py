@@ -181,7 +181,7 @@ class SyntheticRun:
 
         from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
         from rocsafe_orchestrator.recording.recorded_topics import channel_of
-        from rocsafe_orchestrator.recording.recording import SegmentWriter
+        from rocsafe_orchestrator.recording.segments import SegmentWriter
 
         writer = SegmentWriter(self.path, MessageDefinitions.of_environment())
         numbers = {}

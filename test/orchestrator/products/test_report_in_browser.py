@@ -18,6 +18,7 @@ OPTIONS = (
 )  # fmt: skip
 
 
+@pytest.mark.all
 @pytest.mark.system
 @pytest.mark.skipif(CHROMIUM is None, reason='no chromium on this machine')
 def test_script_runs_and_fills_the_page(flown_run, tmp_path):

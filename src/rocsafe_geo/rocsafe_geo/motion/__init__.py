@@ -7,7 +7,6 @@ simulated vehicle flies them, so that both agree. The model is that of ArduCopte
 """
 
 from rocsafe_geo.motion.leg import leg_duration_s
-from rocsafe_geo.motion.leg_table import leg_progress_m, leg_speed_mps
 from rocsafe_geo.motion.limits import MotionLimits
 
-__all__ = ['MotionLimits', 'leg_duration_s', 'leg_progress_m', 'leg_speed_mps']
+__all__ = ['MotionLimits', 'leg_duration_s']

@@ -6,13 +6,11 @@ polynomial of fourth degree in the time since its begin.
 """
 
 from bisect import bisect_right
-from typing import overload
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
-from rocsafe_geo.motion.leg import Legs, as_given, limit_arrays, solve_legs
-from rocsafe_geo.motion.limits import MotionLimits
+from rocsafe_geo.motion.leg import Legs
 
 PIECES = 15
 # Jerk at the begin of each piece and its change, both as parts of the jerk of the leg.
@@ -69,13 +67,6 @@ class LegTable:
         is_done = elapsed_s >= self.legs.duration_s[leg]
         return np.where(is_done, distance, np.clip(progress, 0.0, distance))
 
-    def speed_mps(self, leg: IndexArray, elapsed_s: FloatArray) -> FloatArray:
-        """Return the speeds along legs, arrays (k,)."""
-        t, (_, v, a, j, s) = self._pieces_at(leg, elapsed_s)
-        speed = v + t * (2.0 * a + t * (3.0 * j + t * 4.0 * s))
-        is_done = elapsed_s >= self.legs.duration_s[leg]
-        return np.where(is_done, 0.0, np.clip(speed, 0.0, self.legs.speed_mps[leg]))
-
     def _pieces_at(self, leg: IndexArray, elapsed_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return time since the begin of the piece, and its coefficients, shape (5, k)."""
         elapsed = np.maximum(elapsed_s, 0.0)
@@ -83,62 +74,6 @@ class LegTable:
         piece = (begins <= elapsed[:, None]).sum(axis=1) - 1
         time = elapsed - begins[np.arange(len(leg)), piece]
         return time, self.coefficients[leg, piece].T
-
-
-@overload
-def leg_progress_m(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
-@overload
-def leg_progress_m(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray: ...
-def leg_progress_m(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray:
-    """Return the distance flown along a leg `elapsed_s` seconds after its start, in metres.
-
-    It is 0 before the start and exactly `distance_m` after the end. Arguments are scalars or
-    arrays that broadcast.
-
-    Raises
-    ------
-    ValueError
-        If a distance is negative or NaN.
-    """
-    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
-    return as_given(table.progress_m(leg, elapsed).reshape(shape))
-
-
-@overload
-def leg_speed_mps(elapsed_s: float, distance_m: float, limits: MotionLimits) -> float: ...
-@overload
-def leg_speed_mps(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray: ...
-def leg_speed_mps(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> float | FloatArray:
-    """Return the speed `elapsed_s` seconds after a leg's start, in m/s; 0 outside the leg.
-
-    Arguments are scalars or arrays that broadcast.
-
-    Raises
-    ------
-    ValueError
-        If a distance is negative or NaN.
-    """
-    table, leg, elapsed, shape = _tabled(elapsed_s, distance_m, limits)
-    return as_given(table.speed_mps(leg, elapsed).reshape(shape))
-
-
-def _tabled(
-    elapsed_s: float | FloatArray, distance_m: float | FloatArray, limits: MotionLimits
-) -> tuple[LegTable, IndexArray, FloatArray, tuple[int, ...]]:
-    """Return a table of the legs, and the leg and the time of each value."""
-    distance = np.asarray(distance_m, float)
-    table = LegTable(solve_legs(distance.ravel(), limit_arrays(limits)))
-    number = np.arange(distance.size).reshape(distance.shape)
-    elapsed, leg = np.broadcast_arrays(np.asarray(elapsed_s, float), number)
-    return table, leg.ravel(), elapsed.ravel(), elapsed.shape
 
 
 def _durations(legs: Legs) -> FloatArray:

@@ -3,8 +3,9 @@
 
 A node that wants sources, cameras or drones is given a file by one parameter. The file is read
 into a frozen dataclass whose field types say what is allowed: other dataclasses, ``float``,
-``int``, ``bool``, ``str``, ``datetime``, ``Literal[...]``, ``X | None``, ``tuple[X, ...]`` and
-``tuple[X, Y]``. A dataclass checks its own values in ``__post_init__``. Needs no pydantic.
+``int``, ``bool``, ``str``, ``datetime``, an ``Enum``, ``Literal[...]``, ``X | None``,
+``tuple[X, ...]`` and ``tuple[X, Y]``. A dataclass checks its own values in ``__post_init__``.
+Needs no pydantic.
 """
 
 import dataclasses
@@ -13,6 +14,7 @@ import types
 import typing
 from collections.abc import Iterator, Mapping
 from datetime import datetime, timezone
+from enum import Enum
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -162,6 +164,8 @@ def _single(path: str, content: object, kind: type) -> object:
         return float(content)
     if kind is datetime:
         return _moment(path, content)
+    if issubclass(kind, Enum):
+        return kind(_choice(path, content, tuple(each.value for each in kind)))
     if type(content) is not kind:
         raise _Mistakes(_line(path, content, f'must be {_NAMES.get(kind, kind.__name__)}'))
     return content

@@ -39,7 +39,7 @@ COPTER = Autopilot(
     modes={
         Verb.GUIDED: GUIDED,
         Verb.MISSION: AUTO,
-        # LOITER obeys the throttle stick, which may lie at its bottom.
+        # Not LOITER: it follows the throttle stick, which may be at its lowest position.
         Verb.HOLD: BRAKE,
         Verb.RETURN: RTL,
         Verb.LAND: LAND,
@@ -54,7 +54,7 @@ COPTER = Autopilot(
         LAND: FlightState.LANDING,
     },
     is_mode_packed=False,
-    # It refuses to arm in AUTO, and elsewhere its pre-arm bit says too much.
+    # It refuses to arm in AUTO; in other modes its pre-arm bit is too optimistic.
     arms_in=Verb.GUIDED,
     pauses_missions=True,
     repositions_itself=False,

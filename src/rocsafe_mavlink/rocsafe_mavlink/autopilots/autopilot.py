@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What differs between autopilots, as tables; `ardupilot` and `px4` fill them."""
+"""Differences between autopilots, as tables; `ardupilot` and `px4` fill them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from rocsafe_mavlink.knowledge.vehicle import Contact, Landed, MissionPhase, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import command
 from rocsafe_mavlink.wire.authority import DO_SET_MODE
 from rocsafe_mavlink.wire.dialect import Message
@@ -29,7 +29,7 @@ class FlightState(Enum):
 
 
 class Verb(Enum):
-    """What a mode is wanted for."""
+    """Purposes of modes."""
 
     GUIDED = 'guided'
     MISSION = 'mission'
@@ -44,21 +44,36 @@ class Autopilot:
 
     Attributes
     ----------
-    name: for people.
-    number: MAV_AUTOPILOT in its heartbeats.
-    is_tested: whether this was tried against the real one.
-    has_home_item: whether item 0 of a mission is home, not the first thing to do.
-    mode_names: by custom mode.
-    modes: custom mode for each verb.
-    states: what an airborne vehicle does in a custom mode; others fly.
-    is_mode_packed: whether a custom mode holds a main and a sub mode.
-    arms_in: mode in which to arm for a mission.
-    pauses_missions: whether it can stand still within a mission, by DO_PAUSE_CONTINUE.
-    repositions_itself: whether DO_REPOSITION changes the mode, and wants a height above the sea.
-    flies_to_takeoff: whether it flies to the place of a take-off item once it has climbed.
-    turns_at_waypoints: whether a waypoint says which way to look; else CONDITION_YAW does.
-    starts_anywhere: whether MISSION_START begins with the item that it names, in the air too.
-    unsent: messages of `stream_rates.WANTED` that it does not have.
+    name
+        Name for people.
+    number
+        MAV_AUTOPILOT in its heartbeats.
+    is_tested
+        Whether the bridge was tried with the real one.
+    has_home_item
+        Whether item 0 of a mission is home, not the first thing to do.
+    mode_names
+        Names by custom mode.
+    modes
+        Custom mode for each purpose.
+    states
+        State of an airborne vehicle by custom mode; in other modes it is flying.
+    is_mode_packed
+        Whether a custom mode holds a main and a sub mode.
+    arms_in
+        Purpose of the mode in which it is armed for a mission.
+    pauses_missions
+        Whether it can stop within a mission, by DO_PAUSE_CONTINUE.
+    repositions_itself
+        Whether DO_REPOSITION changes the mode and takes an altitude above the sea.
+    flies_to_takeoff
+        Whether it flies to the place of a take-off item once it has climbed.
+    turns_at_waypoints
+        Whether a waypoint holds the heading; otherwise CONDITION_YAW does.
+    starts_anywhere
+        Whether MISSION_START begins with the item that it names, also in the air.
+    unsent
+        Messages of `stream_rates.WANTED` that it does not have.
     """
 
     name: str
@@ -77,22 +92,27 @@ class Autopilot:
     starts_anywhere: bool
     unsent: frozenset[str]
 
+    @property
+    def first_own_item(self) -> int:
+        """Number of the first mission item that is ours; item 0 may be the autopilot's home."""
+        return 1 if self.has_home_item else 0
+
     def mode_name(self, custom_mode: int) -> str:
-        """Return the name of a mode; an unknown one is never taken for its neighbour."""
+        """Return the name of a mode; ``UNKNOWN(n)`` for one without a name."""
         return self.mode_names.get(custom_mode, f'UNKNOWN({custom_mode})')
 
-    def is_in(self, vehicle: Vehicle, verb: Verb) -> bool:
-        """Whether the vehicle's heartbeat says that it is in the mode for `verb`."""
+    def is_in(self, vehicle: VehicleTelemetry, verb: Verb) -> bool:
+        """Whether the heartbeat of the vehicle shows the mode for `verb`."""
         return vehicle.custom_mode == self.modes[verb]
 
     def mode_command(self, verb: Verb, target: tuple[int, int]) -> Message:
-        """Return the command that asks `target` (system, component) for the mode of `verb`."""
+        """Return the command that switches `target` (system, component) to the mode for `verb`."""
         mode = self.modes[verb]
         main, sub = (mode >> 16 & 0xFF, mode >> 24) if self.is_mode_packed else (mode, 0)
         return command(DO_SET_MODE, target, CUSTOM_MODE_ENABLED, main, sub)
 
-    def state_of(self, vehicle: Vehicle, now_s: float) -> FlightState:
-        """Return what `vehicle` does, as far as it can be told at `now_s`."""
+    def state_of(self, vehicle: VehicleTelemetry, now_s: float) -> FlightState:
+        """Return what `vehicle` does at `now_s`, as far as telemetry tells."""
         contact = vehicle.contact(now_s)
         if contact in (Contact.NONE, Contact.LOST):
             return FlightState.UNKNOWN if contact is Contact.NONE else FlightState.LOST
@@ -102,7 +122,7 @@ class Autopilot:
             return FlightState.ARMED
         return self._airborne(vehicle)
 
-    def _airborne(self, vehicle: Vehicle) -> FlightState:
+    def _airborne(self, vehicle: VehicleTelemetry) -> FlightState:
         if vehicle.landed is Landed.TAKEOFF:
             return FlightState.TAKING_OFF
         if vehicle.landed is Landed.LANDING:

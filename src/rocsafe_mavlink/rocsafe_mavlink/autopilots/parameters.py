@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of autopilots, read only: asked for by each of their spellings, in SI units.
+"""Parameters of autopilots, read only: each is asked for by all of its names, in SI units.
 
-ArduPilot 4.7 renamed and rescaled many; a name that has two spellings is asked for by both, and
-the unit follows from the spelling that answered.
+ArduPilot 4.7 renamed and rescaled many. A parameter that has two names is asked for by both, and
+the unit follows from the name that answered.
 """
 
 import math
@@ -17,12 +17,12 @@ from rocsafe_mavlink.wire.dialect import Message, addressed
 
 ASK_AGAIN_S = 1.0
 LARGEST_ASK_COUNT = 5
-# Integer types of a parameter that PX4 copies bit by bit into the float of its message.
+# MAV_PARAM_TYPE of integers, whose bits PX4 copies into the float of its message.
 _INTEGER_FORMATS: Mapping[int, str] = {1: '<B', 2: '<b', 3: '<H', 4: '<h', 5: '<I', 6: '<i'}
 
 
 class Parameter(Enum):
-    """What is read, by what it means."""
+    """Parameters that are read, by their meaning."""
 
     CRUISE_SPEED_MPS = 'cruise speed'
     ACCELERATION_MPS2 = 'acceleration'
@@ -34,7 +34,7 @@ class Parameter(Enum):
     STATION = 'station that may command'
 
 
-# Spellings with the factor that makes SI of their unit, the newest first.
+# Names of each parameter, the newest first, with the factor from their unit to SI.
 SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
     ARDUPILOT: {
         Parameter.CRUISE_SPEED_MPS: (('WP_SPD', 1.0), ('WPNAV_SPEED', 0.01)),
@@ -63,11 +63,16 @@ class ParameterReader:
 
     Attributes
     ----------
-    autopilot: MAV_AUTOPILOT.
-    target: (system, component).
-    found: value by spelling, in the unit of the spelling.
-    asks: rounds of questions.
-    asked_s: steady time of the last round.
+    autopilot
+        MAV_AUTOPILOT.
+    target
+        (system, component).
+    found
+        Value by name, in the unit that goes with the name.
+    asks
+        Rounds of questions so far.
+    asked_s
+        Steady time of the last round.
     """
 
     autopilot: int
@@ -78,24 +83,24 @@ class ParameterReader:
 
     @property
     def is_over(self) -> bool:
-        """Whether everything is known, or was asked for often enough."""
+        """Whether everything is known or was asked for often enough."""
         return not self._missing() or self.asks > LARGEST_ASK_COUNT
 
     def value(self, parameter: Parameter) -> float:
-        """Return a parameter in SI units; NaN if no spelling of it was answered."""
+        """Return a parameter in SI units; NaN if it was not answered."""
         for spelling, factor in SPELLINGS[self.autopilot].get(parameter, ()):
             if spelling in self.found:
                 return self.found[spelling] * factor
         return math.nan
 
     def spelling(self, parameter: Parameter) -> str:
-        """Return how the vehicle spells a parameter; the newest way if it has not said."""
+        """Return the vehicle's name for a parameter; the newest one if it has not answered."""
         spellings = SPELLINGS[self.autopilot].get(parameter, ())
         known = (name for name, _ in spellings if name in self.found)
         return next(known, spellings[0][0] if spellings else parameter.value)
 
     def on_message(self, message: Message) -> 'ParameterReader':
-        """Take a message; only a PARAM_VALUE of a name that was asked for changes anything."""
+        """Take a message; only a PARAM_VALUE that was asked for changes anything."""
         if message.name != 'PARAM_VALUE' or message['param_id'] not in self._names():
             return self
         value = decoded_value(self.autopilot, message)
@@ -104,7 +109,7 @@ class ParameterReader:
         return replace(self, found={**self.found, message['param_id']: value})
 
     def on_tick(self, now_s: float) -> tuple['ParameterReader', list[Message]]:
-        """Ask for what is missing, now and then."""
+        """Ask for what is missing, once in a while."""
         if self.is_over or now_s - self.asked_s < ASK_AGAIN_S:
             return self, []
         asked = replace(self, asks=self.asks + 1, asked_s=now_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""PX4's multicopters: flown in its own simulator, SIH, as of August 2025 (1.17 in the making)."""
+"""PX4's multicopters, as flown in its simulator SIH of August 2025 (before version 1.17)."""
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
 

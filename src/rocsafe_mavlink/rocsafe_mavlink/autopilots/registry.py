@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which autopilots are known: chosen by the heartbeat, never by a parameter alone."""
+"""The known autopilots: chosen by the heartbeat, never by a parameter."""
 
 from rocsafe_mavlink.autopilots.ardupilot import COPTER
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 
 AUTOPILOTS = {kind.number: kind for kind in (COPTER, MULTICOPTER)}
-# MAV_TYPE: quadrotor, coaxial, helicopter, hexa, octo, tri, and their larger kin.
+# MAV_TYPE: quadrotor, coaxial, helicopter, hexa, octo, tri, dodeca and decarotor.
 ROTORCRAFT = frozenset({2, 3, 4, 13, 14, 15, 29, 35})
 
 
@@ -15,7 +15,8 @@ def autopilot_of(number: int, vehicle_type: int) -> Autopilot:
 
     Raises
     ------
-    ValueError: if it is of no kind that is known here.
+    ValueError
+        If the autopilot is not known, or the vehicle is no multicopter.
     """
     if number not in AUTOPILOTS:
         known = ', '.join(f'{kind.number} ({kind.name})' for kind in AUTOPILOTS.values())

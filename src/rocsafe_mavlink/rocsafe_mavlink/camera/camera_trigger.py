@@ -1,200 +1,186 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From shots and pictures to photographs of a plan, and a table of the shots of each flight."""
+"""Camera triggers as autopilots report them: three messages, one value.
 
-import csv
-import io
-from collections.abc import Callable
+CAMERA_IMAGE_CAPTURED comes from a camera, CAMERA_FEEDBACK from an autopilot that saw the shutter,
+CAMERA_TRIGGER from one that only triggered it. Where better ones come, the others are not counted.
+Reports that were lost are filled in from the track, and marked.
+"""
+
+import math
+from collections import deque
 from dataclasses import dataclass
-from pathlib import Path
 
-from PIL import Image
-
-from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
-from rocsafe_geo.position import distance_m
-from rocsafe_geo.storage.shot import Shot
-from rocsafe_geo.storage.shot_store import SpoolError
-from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_mavlink.camera.camera_shot import CameraShot, ShotLog
-from rocsafe_mavlink.camera.numbering import Film
-from rocsafe_mavlink.camera.pairing import Pair, PicturePairing
-from rocsafe_mavlink.camera.source import PictureSource
-from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.knowledge.vehicle import Gps, Vehicle
+from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.knowledge.telemetry import Attitude, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.units import m_of_mm, position_of_e7
 
-COLUMNS = ('index', 'unix_s', 'latitude_deg', 'longitude_deg', 'altitude_ellipsoid_m',
-           'height_above_home_m', 'roll_rad', 'pitch_rad', 'yaw_rad', 'source',
-           'is_interpolated')  # fmt: skip
-# A report is under way for less; clocks that differ by more are not set by the same source.
-SET_ALIKE_S = 5.0
+TRIGGER, FEEDBACK, CAPTURED = 'CAMERA_TRIGGER', 'CAMERA_FEEDBACK', 'CAMERA_IMAGE_CAPTURED'
+RANKS = {TRIGGER: 1, FEEDBACK: 2, CAPTURED: 3}
+# A larger gap means that the camera counts anew, not a loss.
+LARGEST_GAP = 50
+TRACK_LENGTH = 1200
+# An earlier time of day was never set.
+EARLIEST_UNIX_S = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Exposure:
-    """What a photograph takes from its vehicle at the moment.
+class CameraTrigger:
+    """One photograph that was taken.
 
     Attributes
     ----------
-    vehicle: its name.
-    assignment: the plan it flies; None: none.
-    gps: how good its position is.
-    clock_s: time of the mission less the time of day.
+    index
+        Number by the camera's count.
+    unix_s
+        Time of day of the exposure.
+    position
+        Altitude above the ellipsoid, NaN if not known.
+    height_m
+        Height above home.
+    attitude
+        Attitude of the vehicle; None if it was not told.
+    source
+        Name of the message that reported it.
+    is_interpolated
+        Whether no report came and it is filled in from the track.
     """
 
-    vehicle: str
-    assignment: Assignment | None
-    gps: Gps
-    clock_s: float
+    index: int
+    unix_s: float
+    position: GeoPosition
+    height_m: float
+    attitude: Attitude | None
+    source: str
+    is_interpolated: bool = False
 
 
-class Photographer:
-    """Follows the camera of one vehicle.
+class TriggerLog:
+    """Collects the camera triggers of one vehicle, each index once and in order."""
 
-    Parameters
-    ----------
-    film: numbers and keeps the photographs.
-    source: where the pictures come from; None: there are none, only shots are counted.
-    table: CSV file of the shots; None: none is written.
-    """
-
-    def __init__(self, film: Film, source: PictureSource | None, table: Path | None) -> None:
-        self.film = film
-        self._source = source
-        self._table = table
-        self._log = ShotLog()
-        self._pairing = PicturePairing()
-        self._new: list[tuple[CameraShot, float]] = []
-        self.shot_count = 0
-
-    @property
-    def delivered(self) -> int:
-        """Photographs that are, or will be, in the image store."""
-        return self.film.next_sequence
-
-    def on_message(self, message: Message, vehicle: Vehicle, unix_s: float) -> list[CameraShot]:
-        """Take a message of the vehicle; return the shots that it tells of."""
-        shots = self._log.take(message, vehicle, unix_s)
-        self.shot_count += len(shots)
-        self._new += [(shot, unix_s) for shot in shots]
-        for shot in shots:
-            self._note(shot)
-        return shots
-
-    def develop(self, exposure: Exposure, refuse: Callable[[str], None]) -> list[Shot]:
-        """Return the photographs whose picture and shot are both here now; they are kept.
-
-        One that cannot be kept is told to `refuse`: its picture stays where the camera wrote it.
-        So is a shot of which a stream has no frame.
-        """
-        if self._source is None:
-            self._new.clear()
-            return []
-        made = []
-        for pair in self._pairs(self._source, exposure.vehicle, refuse):
-            photograph = self._photograph(pair, exposure)
-            if photograph is None:
-                refuse(f'{exposure.vehicle}: {pair.picture.name} is no image')
-                continue
-            try:
-                self.film.add(photograph)
-                made.append(photograph)
-            except SpoolError as error:
-                refuse(f'{exposure.vehicle}: {pair.picture.name} is not sent: {error}')
-        return made
-
-    def _pairs(
-        self, source: PictureSource, vehicle: str, refuse: Callable[[str], None]
-    ) -> list[Pair]:
-        new, self._new = self._new, []
-        if not source.is_stream:
-            return self._pairing.add([shot for shot, _ in new], source.take())
-        pairs = []
-        for shot, arrived_s in new:
-            picture = source.at(_moment_of(shot, arrived_s))
-            if picture is None:
-                refuse(f'{vehicle}: shot {shot.index} has no picture: the camera sent none then')
-            else:
-                pairs.append(Pair(shot, picture))
-        return pairs
-
-    def close(self) -> None:
-        """Give the source back."""
-        if self._source is not None:
-            self._source.close()
-
-    def _photograph(self, pair: Pair, exposure: Exposure) -> Shot | None:
-        size = _size_of(pair.picture.jpeg)
-        if size is None:
-            return None
-        shot, attitude = pair.shot, pair.shot.attitude
-        angles = (0.0, 0.0, 0.0)
-        if attitude is not None:
-            angles = (attitude.yaw_rad, attitude.pitch_rad, attitude.roll_rad)
-        x, y, z, w = quaternion_of_rotation(rotation_enu_from_optical(*angles)).tolist()
-        return Shot(
-            vehicle=exposure.vehicle,
-            sequence=self.film.next_sequence,
-            viewpoint_id=viewpoint_of(shot, exposure.assignment),
-            time_ns=round((shot.unix_s + exposure.clock_s) * NS_PER_S),
-            position=shot.position,
-            horizontal_std_m=exposure.gps.horizontal_std_m,
-            vertical_std_m=exposure.gps.vertical_std_m,
-            height_m=shot.height_m,
-            quaternion_xyzw=(x, y, z, w),
-            width_px=size[0],
-            height_px=size[1],
-            jpeg=pair.picture.jpeg,
+    def __init__(self) -> None:
+        self._rank = 0
+        self._last: CameraTrigger | None = None
+        self._track: deque[tuple[float, GeoPosition, float, Attitude | None]] = deque(
+            maxlen=TRACK_LENGTH
         )
 
-    def _note(self, shot: CameraShot) -> None:
-        if self._table is None:
-            return
-        is_new = not self._table.exists()
-        self._table.parent.mkdir(parents=True, exist_ok=True)
-        attitude = shot.attitude
-        angles = ('', '', '')
-        if attitude is not None:
-            angles = tuple(  # type: ignore[assignment]
-                f'{angle:.5f}'
-                for angle in (attitude.roll_rad, attitude.pitch_rad, attitude.yaw_rad)
-            )
-        with self._table.open('a', encoding='utf-8', newline='') as file:
-            writer = csv.writer(file)
-            if is_new:
-                writer.writerow(COLUMNS)
-            place = shot.position
-            writer.writerow(
-                [
-                    shot.index,
-                    f'{shot.unix_s:.3f}',
-                    f'{place.latitude_deg:.7f}',
-                    f'{place.longitude_deg:.7f}',
-                    f'{place.altitude_m:.3f}',
-                    f'{shot.height_m:.3f}',
-                    *angles,
-                    shot.source,
-                    int(shot.is_interpolated),
-                ]
-            )
+    def take(
+        self, message: Message, vehicle: VehicleTelemetry, unix_s: float
+    ) -> list[CameraTrigger]:
+        """Take a message that came at `unix_s`; return the triggers that it reports."""
+        motion = vehicle.motion
+        if message.name == 'GLOBAL_POSITION_INT' and motion is not None:
+            place = (unix_s, motion.position, motion.height_above_home_m, vehicle.attitude)
+            self._track.append(place)
+        rank = RANKS.get(message.name, 0)
+        if not rank or rank < self._rank:
+            return []
+        self._rank = rank
+        trigger = self._trigger(message, vehicle, unix_s)
+        last = self._last
+        if trigger is None or (last is not None and 0 <= last.index - trigger.index < LARGEST_GAP):
+            return []
+        self._last = trigger
+        return [*self._missing(last, trigger), trigger]
+
+    def _trigger(
+        self, message: Message, vehicle: VehicleTelemetry, unix_s: float
+    ) -> CameraTrigger | None:
+        if message.name == FEEDBACK:
+            return self._of_feedback(message, vehicle, unix_s)
+        if message.name == CAPTURED:
+            return self._of_captured(message, vehicle, unix_s)
+        taken_s = _time_of_day(message['time_usec'] / 1e6, unix_s)
+        return self._at(taken_s, int(message['seq']), TRIGGER)
+
+    def _of_feedback(
+        self, message: Message, vehicle: VehicleTelemetry, unix_s: float
+    ) -> CameraTrigger | None:
+        index = int(message['img_idx'])
+        taken_s = _time_of_day(message['time_usec'] / 1e6, unix_s)
+        if not message['lat'] and not message['lng']:
+            return self._at(taken_s, index, FEEDBACK)
+        altitude_m = message['alt_msl'] + vehicle.geoid_separation_m
+        heading_rad = math.radians(message['yaw'])
+        return CameraTrigger(
+            index=index,
+            unix_s=taken_s,
+            position=position_of_e7(message['lat'], message['lng'], altitude_m),
+            height_m=message['alt_rel'],
+            attitude=Attitude(
+                roll_rad=math.radians(message['roll']),
+                pitch_rad=-math.radians(message['pitch']),
+                yaw_rad=wrap_rad(yaw_of_heading_rad(heading_rad)),
+            ),
+            source=FEEDBACK,
+        )
+
+    def _of_captured(
+        self, message: Message, vehicle: VehicleTelemetry, unix_s: float
+    ) -> CameraTrigger | None:
+        if message['capture_result'] != 1:
+            return None
+        altitude_m = m_of_mm(message['alt']) + vehicle.geoid_separation_m
+        return CameraTrigger(
+            index=int(message['image_index']),
+            unix_s=_time_of_day(message['time_utc'] / 1e6, unix_s),
+            position=position_of_e7(message['lat'], message['lon'], altitude_m),
+            height_m=m_of_mm(message['relative_alt']),
+            attitude=vehicle.attitude,
+            source=CAPTURED,
+        )
+
+    def _missing(self, last: CameraTrigger | None, trigger: CameraTrigger) -> list[CameraTrigger]:
+        """Return the triggers between two reports, evenly spread over the time between them."""
+        count = 0 if last is None else trigger.index - last.index
+        if last is None or not 1 < count < LARGEST_GAP:
+            return []
+        found = []
+        for number in range(1, count):
+            unix_s = last.unix_s + (trigger.unix_s - last.unix_s) * number / count
+            filled = self._at(unix_s, last.index + number, trigger.source, is_interpolated=True)
+            found += [] if filled is None else [filled]
+        return found
+
+    def _at(
+        self, unix_s: float, index: int, source: str, *, is_interpolated: bool = False
+    ) -> CameraTrigger | None:
+        """Return a trigger where the track was at `unix_s`; None if there is no track."""
+        if not self._track:
+            return None
+        before = max(
+            (place for place in self._track if place[0] <= unix_s),
+            key=lambda place: place[0],
+            default=self._track[0],
+        )
+        after = min(
+            (place for place in self._track if place[0] >= unix_s),
+            key=lambda place: place[0],
+            default=before,
+        )
+        span_s = after[0] - before[0]
+        share = 0.0 if span_s <= 0.0 else (unix_s - before[0]) / span_s
+        return CameraTrigger(
+            index=index,
+            unix_s=unix_s,
+            position=_between(before[1], after[1], share),
+            height_m=before[2] + share * (after[2] - before[2]),
+            attitude=before[3],
+            source=source,
+            is_interpolated=is_interpolated,
+        )
 
 
-def _moment_of(shot: CameraShot, arrived_s: float) -> float:
-    """Return when a shot was taken by our clock: an autopilot's may never have been set."""
-    return shot.unix_s if abs(shot.unix_s - arrived_s) < SET_ALIKE_S else arrived_s
+def _time_of_day(told_s: float, arrived_s: float) -> float:
+    """Return the time of a trigger: as reported, or its arrival if only the uptime is reported."""
+    return told_s if told_s > EARLIEST_UNIX_S else arrived_s
 
 
-def viewpoint_of(shot: CameraShot, assignment: Assignment | None) -> int:
-    """Return the viewpoint of the plan that a shot was taken nearest to; 0 without a plan."""
-    if assignment is None:
-        return 0
-    stops = zip(assignment.viewpoint_ids, assignment.plan.stops, strict=True)
-    return min(stops, key=lambda stop: distance_m(shot.position, stop[1].position))[0]
-
-
-def _size_of(jpeg: bytes) -> tuple[int, int] | None:
-    """Return width and height of an image file, from its head; None if it is none."""
-    try:
-        with Image.open(io.BytesIO(jpeg)) as image:
-            return int(image.width), int(image.height)
-    except (OSError, SyntaxError):
-        return None
+def _between(a: GeoPosition, b: GeoPosition, share: float) -> GeoPosition:
+    return GeoPosition(
+        a.latitude_deg + share * (b.latitude_deg - a.latitude_deg),
+        a.longitude_deg + share * (b.longitude_deg - a.longitude_deg),
+        a.altitude_m + share * (b.altitude_m - a.altitude_m),
+    )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers the photographs of a real vehicle, across restarts of the bridge."""
+"""Numbers the photographs of a real vehicle, also across restarts of the bridge."""
 
 import json
 from pathlib import Path
@@ -11,17 +11,20 @@ from rocsafe_geo.storage.shot_store import ShotStore, SpoolError
 _NEXT = 'next.json'
 
 
-class Film:
-    """Photographs with numbers from 0, without gaps, kept until each has a receipt.
+class ShotNumbering:
+    """Numbers photographs from 0 without gaps, and keeps each until it has a receipt.
 
     Attributes
     ----------
-    store: of the photographs without a receipt.
-    next_sequence: number of the next photograph.
+    store
+        Photographs without a receipt.
+    next_sequence
+        Number of the next photograph.
 
     Raises
     ------
-    SpoolError: if the folder holds what cannot be read.
+    SpoolError
+        If the folder is damaged.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -30,11 +33,12 @@ class Film:
         self.next_sequence = max(self._noted(), self.store.newest_sequence + 1)
 
     def add(self, shot: Shot) -> None:
-        """Keep the photograph that has the next number: from then on no kill loses it.
+        """Keep the photograph that has the next number; from then on it survives a kill.
 
         Raises
         ------
-        SpoolError: if it cannot be kept; its number is then free for the next one.
+        SpoolError
+            If it cannot be kept; its number is then free for the next one.
         """
         self.store.add(shot)
         self.next_sequence = shot.sequence + 1
@@ -45,7 +49,7 @@ class Film:
                 raise SpoolError(f'{self._next}: {error}') from error
 
     def _noted(self) -> int:
-        """Return the next number as it was last written: receipts empty the store."""
+        """Return the next number as it was last written: the store is empty after all receipts."""
         if self._next is None or not self._next.exists():
             return 0
         try:

@@ -1,42 +1,67 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which picture belongs to which shot, though the clocks of camera and autopilot differ.
+"""Which image belongs to which trigger, though the clocks of camera and autopilot differ.
 
-Both come in order. While the difference of the clocks is small, or once it is known, a picture
-belongs to the shot nearest in time. Before, the difference is looked for at which most of what
-waits agrees: the uneven times between shots tell. Pictures without a shot and shots without a
-picture stay alone.
+Both come in order. Where the clocks agree, or their difference is known, an image belongs to the
+trigger nearest in time. Before, the difference is searched with which most images and triggers
+agree: the uneven times between triggers make it unique. Images without a trigger and triggers
+without an image stay unpaired.
 """
 
 from dataclasses import dataclass
 
-from rocsafe_mavlink.camera.camera_shot import CameraShot
-from rocsafe_mavlink.camera.source import Picture
+from rocsafe_mavlink.camera.camera_trigger import CameraTrigger
+from rocsafe_mavlink.camera.source import CameraImage
 
-# Half of the shortest time between two shots.
-TOLERANCE_S = 0.5
-# Clocks that differ by less are taken to be set by the same source.
-SET_ALIKE_S = 1.0
-FEWEST_AGREEING = 3
-# The difference of two clocks wanders; each pair moves what is believed of it by this share.
-DRIFT_SHARE = 0.2
-LARGEST_WAITING = 500
-LOOKED_AT = 20
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairingOptions:
+    """Options of the pairing of images and triggers.
+
+    Attributes
+    ----------
+    tolerance_s
+        Largest distance in time of a pair, seconds: half of the shortest time between triggers.
+    agreement_s
+        Largest distance of pairs while the difference of the clocks is searched, seconds.
+    set_alike_s
+        Clocks that differ by less are assumed to be set by the same source, seconds.
+    fewest_agreeing
+        Pairs that must agree for a larger difference of the clocks.
+    searched_count
+        Images and triggers among which the difference is searched.
+    drift_share
+        Share by which each pair moves the estimate of the difference, which drifts.
+    largest_waiting
+        Images, and triggers, that are kept unpaired.
+    """
+
+    tolerance_s: float = 0.5
+    agreement_s: float = 0.1
+    set_alike_s: float = 1.0
+    fewest_agreeing: int = 3
+    searched_count: int = 20
+    drift_share: float = 0.2
+    largest_waiting: int = 500
+
+
+PAIRING_OPTIONS = PairingOptions()
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
-    """A picture and its shot."""
+class ImagePair:
+    """A trigger and its image."""
 
-    shot: CameraShot
-    picture: Picture
+    trigger: CameraTrigger
+    image: CameraImage
 
 
-class PicturePairing:
-    """Pairs what comes of one camera with what its autopilot reports."""
+class ImagePairing:
+    """Pairs the images of one camera with the triggers of its autopilot."""
 
-    def __init__(self) -> None:
-        self._shots: list[CameraShot] = []
-        self._pictures: list[Picture] = []
+    def __init__(self, options: PairingOptions = PAIRING_OPTIONS) -> None:
+        self._options = options
+        self._triggers: list[CameraTrigger] = []
+        self._images: list[CameraImage] = []
         self._offset_s: float | None = None
 
     @property
@@ -44,46 +69,50 @@ class PicturePairing:
         """Clock of the camera less that of the autopilot; None while it is not known."""
         return self._offset_s
 
-    def add(self, shots: list[CameraShot], pictures: list[Picture]) -> list[Pair]:
-        """Take what has come; return the pairs that are sure now, in order of time."""
-        self._shots = [*self._shots, *shots][-LARGEST_WAITING:]
-        self._pictures = [*self._pictures, *pictures][-LARGEST_WAITING:]
+    def add(self, triggers: list[CameraTrigger], images: list[CameraImage]) -> list[ImagePair]:
+        """Take new triggers and images; return the pairs that are certain now, by time."""
+        self._triggers = [*self._triggers, *triggers][-self._options.largest_waiting :]
+        self._images = [*self._images, *images][-self._options.largest_waiting :]
         if self._offset_s is None:
             self._offset_s = self._found_offset()
         return [] if self._offset_s is None else self._paired()
 
     def _found_offset(self) -> float | None:
-        """Return the difference at which most agrees, the smallest of those."""
-        shots, pictures = self._shots[:LOOKED_AT], self._pictures[:LOOKED_AT]
-        candidates = [picture.unix_s - shot.unix_s for picture in pictures for shot in shots]
+        """Return the difference of the clocks with which most agree, the smallest of these."""
+        options = self._options
+        triggers = [trigger.unix_s for trigger in self._triggers[: options.searched_count]]
+        images = [image.unix_s for image in self._images[: options.searched_count]]
+        candidates = [image_s - trigger_s for image_s in images for trigger_s in triggers]
         if not candidates:
             return None
-        best = max(candidates, key=lambda offset_s: (self._agreeing(offset_s), -abs(offset_s)))
-        is_sure = self._agreeing(best) >= FEWEST_AGREEING or abs(best) < SET_ALIKE_S
-        return best if is_sure else None
 
-    def _agreeing(self, offset_s: float) -> int:
-        shots = self._shots[:LOOKED_AT]
-        return sum(
-            any(abs(picture.unix_s - offset_s - shot.unix_s) < 0.2 * TOLERANCE_S for shot in shots)
-            for picture in self._pictures[:LOOKED_AT]
-        )
+        def agreeing(offset_s: float) -> int:
+            return sum(
+                any(abs(image_s - offset_s - s) < options.agreement_s for s in triggers)
+                for image_s in images
+            )
 
-    def _paired(self) -> list[Pair]:
+        best_s = max(candidates, key=lambda offset_s: (agreeing(offset_s), -abs(offset_s)))
+        is_sure = agreeing(best_s) >= options.fewest_agreeing or abs(best_s) < options.set_alike_s
+        return best_s if is_sure else None
+
+    def _paired(self) -> list[ImagePair]:
         pairs = []
-        for picture in list(self._pictures):
-            pair = self._nearest(picture)
+        for image in list(self._images):
+            pair = self._nearest(image)
             if pair is not None:
-                self._shots.remove(pair.shot)
-                self._pictures.remove(picture)
+                self._triggers.remove(pair.trigger)
+                self._images.remove(image)
                 pairs.append(pair)
-        return sorted(pairs, key=lambda pair: pair.shot.unix_s)
+        return sorted(pairs, key=lambda pair: pair.trigger.unix_s)
 
-    def _nearest(self, picture: Picture) -> Pair | None:
+    def _nearest(self, image: CameraImage) -> ImagePair | None:
         offset_s = self._offset_s or 0.0
-        taken_s = picture.unix_s - offset_s
-        shot = min(self._shots, key=lambda shot: abs(shot.unix_s - taken_s), default=None)
-        if shot is None or abs(shot.unix_s - taken_s) > TOLERANCE_S:
+        taken_s = image.unix_s - offset_s
+        trigger = min(
+            self._triggers, key=lambda trigger: abs(trigger.unix_s - taken_s), default=None
+        )
+        if trigger is None or abs(trigger.unix_s - taken_s) > self._options.tolerance_s:
             return None
-        self._offset_s = offset_s + DRIFT_SHARE * (taken_s - shot.unix_s)
-        return Pair(shot, picture)
+        self._offset_s = offset_s + self._options.drift_share * (taken_s - trigger.unix_s)
+        return ImagePair(trigger, image)

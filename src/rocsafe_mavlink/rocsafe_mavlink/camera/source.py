@@ -1,34 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture of a real camera, and what pictures are taken from."""
+"""An image of a real camera, and the protocol of its sources."""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """An image file and when it was taken by the clock of whoever wrote it, seconds since 1970."""
+class CameraImage:
+    """A JPEG file and its time by the clock that dated it, seconds since 1970."""
 
     name: str
     unix_s: float
     jpeg: bytes
 
 
-class PictureSource(Protocol):
-    """What pictures are taken from.
+class ImageSource(Protocol):
+    """Source of the images of one camera.
 
     Attributes
     ----------
-    is_stream: whether it has a picture at any time, and is asked for it; else they are taken.
+    is_stream
+        Whether it has an image for any time and is asked by `at`; otherwise `take` returns them.
     """
 
     is_stream: bool
 
-    def take(self) -> list[Picture]:
-        """Return the pictures that came since the last call, oldest first."""
+    def take(self) -> list[CameraImage]:
+        """Return the images that came since the last call, oldest first."""
 
-    def at(self, unix_s: float) -> Picture | None:
-        """Return the picture of a time; None if there is none."""
+    def at(self, unix_s: float) -> CameraImage | None:
+        """Return the image of a time; None if there is none."""
 
     def close(self) -> None:
         """Stop."""

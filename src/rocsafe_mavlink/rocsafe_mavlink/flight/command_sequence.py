@@ -1,49 +1,69 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An operator's order, step by step: ``(state, message or tick) -> (state, messages to send)``.
+"""The commands of one request, step by step: ``(state, message or tick) -> (state, messages)``.
 
-A step is a command that must be accepted and then show in what the vehicle says of itself, or a
-list of items that must be read back as it was sent. The first step that fails, and what is to be
-done otherwise, ends the errand, with the autopilot's own words; nothing is undone, since the
-autopilot goes on by itself.
+Every command that changes what a vehicle does, and every upload of a mission, a fence or rally
+points, is begun and repeated by `CommandSequence.on_tick`, which is given what is known of the
+vehicle at that moment. A step may name conditions under which it must not begin.
+
+A step is a command that must be accepted and then show in the telemetry, or a list of items that
+must be read back as it was sent. The first step that fails, and its alternative if it has one,
+ends the sequence with the autopilot's own words. Nothing is undone: the autopilot goes on by
+itself.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from rocsafe_mavlink.knowledge.vehicle import Vehicle
+from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import Transfer, TransferStage
 from rocsafe_mavlink.wire.dialect import Message
 
-# A mode that was accepted shows in a heartbeat within this time, two of them lost.
+# A mode that was accepted shows in a heartbeat within this time, even if two of them are lost.
 SHOWS_WITHIN_S = 3.5
-Shown = Callable[[Vehicle], bool]
+Shown = Callable[[VehicleTelemetry], bool]
+Refusal = Callable[[VehicleTelemetry], str]
 
 
-def at_once(_vehicle: Vehicle) -> bool:
-    """Return that an accepted command needs no further sign."""
-    return True
+def _never(_vehicle: VehicleTelemetry) -> str:
+    return ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommandStep:
-    """A command, and whether the vehicle shows that it obeys.
+    """A command, and how the vehicle shows that it obeys.
 
     Attributes
     ----------
-    call: the command.
-    is_shown: whether the vehicle does what it was told.
-    accepted_s: steady time of its answer; negative before.
-    otherwise: what is done in its place if it fails; None: nothing.
+    call
+        The command.
+    is_shown
+        Whether the telemetry shows the effect; None: the acceptance is enough.
+    is_shown_unanswered
+        Whether the telemetry shows the effect although no answer came; None: as `is_shown`.
+    refusal
+        Returns why the command must not be sent; empty if it may.
+    accepted_s
+        Steady time of the answer; negative before.
+    otherwise
+        Alternative step if this one fails; None: there is none.
     """
 
     call: CommandCall
-    is_shown: Shown = at_once
+    is_shown: Shown | None = None
+    is_shown_unanswered: Shown | None = None
+    refusal: Refusal = _never
     accepted_s: float = -1.0
     otherwise: 'CommandStep | None' = None
 
+    @property
+    def verified_mission(self) -> None:
+        """A command uploads no mission."""
+
     def begin(self, now_s: float) -> tuple['CommandStep', list[Message]]:
-        """Send it."""
+        """Send the command."""
         call, sent = self.call.begin(now_s)
         return replace(self, call=call), sent
 
@@ -52,40 +72,59 @@ class CommandStep:
         return replace(self, call=self.call.on_message(message, now_s)), []
 
     def on_tick(self, now_s: float) -> tuple['CommandStep', list[Message]]:
-        """Let time pass."""
+        """Let time pass; repeat the command if its answer is late."""
         call, sent = self.call.on_tick(now_s)
-        is_news = call.stage is CallStage.ACCEPTED and self.accepted_s < 0.0
-        return replace(self, call=call, accepted_s=now_s if is_news else self.accepted_s), sent
+        is_new = call.stage is CallStage.ACCEPTED and self.accepted_s < 0.0
+        return replace(self, call=call, accepted_s=now_s if is_new else self.accepted_s), sent
 
-    def error(self, vehicle: Vehicle, now_s: float) -> str:
-        """Return why it failed; empty if it has not."""
+    def error(self, vehicle: VehicleTelemetry, now_s: float) -> str:
+        """Return why the step failed; empty if it has not."""
+        if self.is_done(vehicle):
+            return ''
         if self.call.is_over and self.call.stage is not CallStage.ACCEPTED:
-            is_only_unanswered = self.call.stage is CallStage.UNANSWERED
-            return '' if is_only_unanswered and self._shows(vehicle) else self.call.error
+            return self.call.error
         is_late = self.accepted_s >= 0.0 and now_s - self.accepted_s > SHOWS_WITHIN_S
-        return 'accepted, but the vehicle does not show it' if is_late else ''
+        number = self.call.command['command']
+        return f'command {number} accepted, but heartbeats do not show it' if is_late else ''
 
-    def is_done(self, vehicle: Vehicle) -> bool:
-        """Whether it was accepted and shows, or shows although its answer was lost."""
-        return self.call.is_over and self._shows(vehicle)
-
-    def _shows(self, vehicle: Vehicle) -> bool:
-        is_accepted = self.call.stage is CallStage.ACCEPTED
-        return (is_accepted or self.is_shown is not at_once) and self.is_shown(vehicle)
+    def is_done(self, vehicle: VehicleTelemetry) -> bool:
+        """Whether the command was accepted and shows, or shows although its answer was lost."""
+        if self.call.stage is CallStage.ACCEPTED:
+            return self.is_shown is None or self.is_shown(vehicle)
+        if self.call.stage is not CallStage.UNANSWERED:
+            return False
+        is_shown = self.is_shown_unanswered or self.is_shown
+        return is_shown is not None and is_shown(vehicle)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TransferStep:
-    """A list of items that is sent and read back."""
+    """A list of items that is sent and read back.
+
+    Attributes
+    ----------
+    moving
+        The transfer.
+    refusal
+        Returns why the transfer must not begin; empty if it may.
+    """
 
     moving: Transfer
+    refusal: Refusal = _never
+
+    @property
+    def verified_mission(self) -> tuple[MissionItem, ...] | None:
+        """The mission that was read back as it was sent; None: not yet, or no mission."""
+        is_mission = self.moving.mission_type is MissionType.MISSION
+        is_verified = self.moving.stage is TransferStage.VERIFIED
+        return self.moving.download.items if is_mission and is_verified else None
 
     @property
     def otherwise(self) -> None:
-        """Nothing is done in its place."""
+        """A transfer has no alternative."""
 
     def begin(self, now_s: float) -> tuple['TransferStep', list[Message]]:
-        """Offer it."""
+        """Offer the items."""
         return self._moved(self.moving.begin(now_s))
 
     def on_message(self, message: Message, now_s: float) -> tuple['TransferStep', list[Message]]:
@@ -96,13 +135,14 @@ class TransferStep:
         """Let time pass."""
         return self._moved(self.moving.on_tick(now_s))
 
-    def error(self, _vehicle: Vehicle, _now_s: float) -> str:
-        """Return why it failed; empty if it has not."""
-        is_failed = self.moving.stage is TransferStage.FAILED
-        return f'not taken: {self.moving.error}' if is_failed else ''
+    def error(self, _vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return why the transfer failed; empty if it has not."""
+        if self.moving.stage is not TransferStage.FAILED:
+            return ''
+        return f'{self.moving.mission_type.word} not taken: {self.moving.error}'
 
-    def is_done(self, _vehicle: Vehicle) -> bool:
-        """Whether it lies on the vehicle as it was sent."""
+    def is_done(self, _vehicle: VehicleTelemetry) -> bool:
+        """Whether the items lie on the vehicle as they were sent."""
         return self.moving.stage is TransferStage.VERIFIED
 
     def _moved(
@@ -112,20 +152,27 @@ class TransferStep:
 
 
 Step = CommandStep | TransferStep
-Answer = tuple['Errand', list[Message]]
+Answer = tuple['CommandSequence', list[Message]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Errand:
-    """Steps of one order, done one after the other.
+class CommandSequence:
+    """Steps of one request, done one after the other.
 
     Attributes
     ----------
-    name: of the order, for people.
-    target: (system, component) of the vehicle.
-    steps: those not yet done; the first is under way.
-    is_begun: whether the first was sent.
-    error: why it failed; empty if it has not.
+    name
+        Name of the request, for people.
+    target
+        (system, component) of the vehicle.
+    steps
+        Steps that are not done yet; the first is under way, or is the one that failed.
+    is_begun
+        Whether the first of `steps` was sent.
+    error
+        Why the sequence failed; empty if it has not.
+    verified_mission
+        Mission that was uploaded by this sequence and read back as it was sent; None: none yet.
     """
 
     name: str
@@ -133,10 +180,11 @@ class Errand:
     steps: tuple[Step, ...]
     is_begun: bool = False
     error: str = ''
+    verified_mission: tuple[MissionItem, ...] | None = None
 
     @property
     def is_over(self) -> bool:
-        """Whether it is done or has failed."""
+        """Whether all steps are done or one has failed."""
         return not self.steps or bool(self.error)
 
     def on_message(self, message: Message, now_s: float) -> Answer:
@@ -147,22 +195,37 @@ class Errand:
         step, sent = self.steps[0].on_message(message, now_s)
         return replace(self, steps=(step, *self.steps[1:])), sent
 
-    def on_tick(self, vehicle: Vehicle, now_s: float) -> Answer:
+    def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
-        if self.is_over:
-            return self, []
-        if not self.is_begun:
-            return self._stepped(self.steps[0].begin(now_s))
-        going, sent = self._stepped(self.steps[0].on_tick(now_s))
-        error = going.steps[0].error(vehicle, now_s)
-        if error and going.steps[0].otherwise is not None:
-            steps = (going.steps[0].otherwise, *going.steps[1:])
-            return replace(going, steps=steps, is_begun=False), sent
-        if error:
-            return replace(going, error=f'{self.name}: {error}'), sent
-        if going.steps[0].is_done(vehicle):
-            return replace(going, steps=going.steps[1:], is_begun=False), sent
+        going, sent = self, list[Message]()
+        while not going.is_over:
+            if not going.is_begun:
+                begun, more = going._begin(vehicle, now_s)
+                return begun, sent + more
+            step, more = going.steps[0].on_tick(now_s)
+            sent += more
+            advanced = replace(going, steps=(step, *going.steps[1:]))._advanced(vehicle, now_s)
+            if len(advanced.steps) == len(going.steps) and advanced.is_begun:
+                return advanced, sent
+            going = advanced
         return going, sent
 
-    def _stepped(self, answer: tuple[Step, list[Message]]) -> Answer:
-        return replace(self, steps=(answer[0], *self.steps[1:]), is_begun=True), answer[1]
+    def _begin(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
+        refusal = self.steps[0].refusal(vehicle)
+        if refusal:
+            return replace(self, error=refusal), []
+        step, sent = self.steps[0].begin(now_s)
+        return replace(self, steps=(step, *self.steps[1:]), is_begun=True), sent
+
+    def _advanced(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
+        """Return the sequence after a look at its first step: failed, done, or still under way."""
+        step, rest = self.steps[0], self.steps[1:]
+        error = step.error(vehicle, now_s)
+        if error and step.otherwise is not None:
+            return replace(self, steps=(step.otherwise, *rest), is_begun=False)
+        if error:
+            return replace(self, error=error)
+        if not step.is_done(vehicle):
+            return self
+        verified = step.verified_mission or self.verified_mission
+        return replace(self, steps=rest, is_begun=False, verified_mission=verified)

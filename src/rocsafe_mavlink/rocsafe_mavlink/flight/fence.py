@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fences and rally points as items: they travel like a mission, under types of their own."""
+"""Fences and rally points as items: they are transferred like a mission, with own types."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,8 +23,10 @@ class Fence:
 
     Attributes
     ----------
-    inclusions: the vehicle stays within each.
-    exclusions: and out of each of these.
+    inclusions
+        The vehicle stays within each of these.
+    exclusions
+        The vehicle stays out of each of these.
     """
 
     inclusions: tuple[Ring, ...] = ()
@@ -55,7 +57,7 @@ class Fence:
 
 
 def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
-    """Return the items of `fence`: each corner says how many its polygon has."""
+    """Return the items of `fence`: each corner holds the corner count of its polygon."""
     return tuple(
         MissionItem(
             command=command,
@@ -74,11 +76,12 @@ def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
 
 
 def fence_of(items: Sequence[MissionItem]) -> Fence:
-    """Return the polygons among the items of a fence; circles are left to the autopilot.
+    """Return the polygons among the items of a fence; circles are not read.
 
     Raises
     ------
-    ValueError: if the corners do not add up to polygons.
+    ValueError
+        If the corners do not add up to polygons.
     """
     rings: dict[int, list[Ring]] = {INCLUSION_VERTEX: [], EXCLUSION_VERTEX: []}
     corners = [item for item in items if item.command in rings]

@@ -1,220 +1,160 @@
 # SPDX-License-Identifier: Apache-2.0
 """One flight of a plan: ``(state, message or tick) -> (state, messages to send)``.
 
-Upload, read back, arm, start, then watch. Once it flies, the autopilot flies by itself: nothing is
-sent but what an operator orders. Its failsafes are never countermanded, a link that comes back is
-no reason to resume, and what is believed is always the vehicle's own word.
+A sequence of commands uploads the mission, reads it back, arms and starts. Then the flight is only
+watched: the autopilot flies by itself, and nothing is sent but what an operator commands. A
+failsafe is never countermanded, and a link that comes back is no reason to resume. What counts is
+always what the vehicle says of itself.
 """
 
 from dataclasses import dataclass, replace
 from enum import Enum
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
-from rocsafe_mavlink.flight.flight_outcome import Outcome, failsafe_of
+from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, Mission, mission_of
-from rocsafe_mavlink.flight.flight_signs import home_moved, shown_failsafe
-from rocsafe_mavlink.knowledge.vehicle import (
-    Contact,
-    Home,
-    Landed,
-    MissionPhase,
-    Vehicle,
-)
-from rocsafe_mavlink.protocols import command_call as commands
-from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
+from rocsafe_mavlink.flight.flight_signs import shown_failsafe
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
+from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.protocols.mission_item import MissionItem
-from rocsafe_mavlink.protocols.mission_transfer import Transfer, TransferStage, compare, transfer
+from rocsafe_mavlink.protocols.mission_transfer import compare
+from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM
 from rocsafe_mavlink.wire.dialect import Message
 
-# A mode or arming that was accepted shows in a heartbeat within this time, two of them lost.
-SHOWS_WITHIN_S = 3.5
 GIVE_UP_LOST_S = 600.0
-Answer = tuple['Flight', list[Message]]
+Answer = tuple['MissionFlight', list[Message]]
 
 
 class FlightStage(Enum):
     """How far a flight is."""
 
-    UPLOADING = 'uploading'
-    SWITCHING = 'switching to the mode to arm in'
-    ARMING = 'arming'
-    STARTING = 'switching to the mission'
-    LAUNCHING = 'starting the mission'
+    STARTING = 'starting'
     FLYING = 'flying'
-    ABANDONING = 'disarming'
+    DISARMING = 'disarming'
     OVER = 'over'
 
 
-_CALLS = frozenset(
-    {
-        FlightStage.SWITCHING,
-        FlightStage.ARMING,
-        FlightStage.STARTING,
-        FlightStage.LAUNCHING,
-        FlightStage.ABANDONING,
-    }
-)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Flight:
+class MissionFlight:
     """State of one flight.
 
     Attributes
     ----------
-    autopilot: of the vehicle.
-    mission: what it shall fly.
-    home: where it stood when the flight was planned.
-    us: our (system, component).
-    target: the vehicle's.
-    stage: how far it is.
-    moving: the transfer of the mission; None for a flight that was found in the air.
-    call: the command of the stage.
-    since_s: steady time at which the command of the stage was accepted; 0 before.
-    visited: waypoints behind it; never decreases.
-    cause: why it left its mission, the first reason counts.
-    outcome: how it ended, None before.
-    reason: words for it, the autopilot's own where it has some.
+    commands
+        Commands for the vehicle.
+    mission
+        What it shall fly.
+    stage
+        How far the flight is.
+    sequence
+        Commands of the stage; None while the flight is only watched.
+    visited
+        Waypoints behind the vehicle; never decreases.
+    cause
+        Why it left its mission; the first reason counts.
+    outcome
+        How the flight ended; None before.
+    reason
+        Words for it, the autopilot's own where it has some.
     """
 
-    autopilot: Autopilot
+    commands: VehicleCommands
     mission: Mission
-    home: Home
-    us: tuple[int, int]
-    target: tuple[int, int]
-    stage: FlightStage = FlightStage.UPLOADING
-    moving: Transfer | None = None
-    call: CommandCall | None = None
-    since_s: float = 0.0
+    stage: FlightStage = FlightStage.STARTING
+    sequence: CommandSequence | None = None
     visited: int = 0
-    cause: Outcome | None = None
-    outcome: Outcome | None = None
+    cause: FlightOutcome | None = None
+    outcome: FlightOutcome | None = None
     reason: str = ''
 
     @property
+    def autopilot(self) -> Autopilot:
+        """Autopilot of the vehicle."""
+        return self.commands.autopilot
+
+    @property
     def is_over(self) -> bool:
-        """Whether it has ended."""
+        """Whether the flight has ended."""
         return self.stage is FlightStage.OVER
+
+    @property
+    def is_beginning(self) -> bool:
+        """Whether commands of the flight's own are under way."""
+        return self.stage in (FlightStage.STARTING, FlightStage.DISARMING)
 
     def on_message(self, message: Message, now_s: float) -> Answer:
         """Take a message; those of other vehicles change nothing."""
-        if (message.system, message.component) != self.target or self.is_over:
+        if (message.system, message.component) != self.commands.target or self.is_over:
             return self, []
-        if self.stage is FlightStage.UPLOADING and self.moving is not None:
-            moving, sent = self.moving.on_message(message, now_s)
-            return replace(self, moving=moving), sent
-        if self.stage is FlightStage.FLYING and message.name == 'STATUSTEXT':
-            return self._hear(str(message['text'])), []
-        if self.call is not None:
-            return replace(self, call=self.call.on_message(message, now_s)), []
-        return self, []
+        if self.stage is FlightStage.FLYING:
+            is_text = message.name == 'STATUSTEXT'
+            return (self._on_text(str(message['text'])) if is_text else self), []
+        if self.sequence is None:
+            return self, []
+        sequence, sent = self.sequence.on_message(message, now_s)
+        return replace(self, sequence=sequence), sent
 
-    def on_tick(self, vehicle: Vehicle, now_s: float) -> Answer:
+    def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
-        if self.stage is FlightStage.UPLOADING and self.moving is not None:
-            return self._upload(self.moving, now_s)
         if self.stage is FlightStage.FLYING:
             return self._watch(vehicle, now_s), []
-        if self.stage in _CALLS and self.call is not None:
-            return self._command(self.call, vehicle, now_s)
-        return self, []
+        if self.sequence is None:
+            return self, []
+        sequence, sent = self.sequence.on_tick(vehicle, now_s)
+        going = replace(self, sequence=sequence)
+        if sequence.error:
+            after, more = going._after_failure(sequence, vehicle, now_s)
+            return after, sent + more
+        return going._after_success() if sequence.is_over else going, sent
 
-    def stopped(self) -> 'Flight':
-        """Return the flight after an operator's accepted order to return or land."""
-        return replace(self, cause=self.cause or Outcome.ABORTED_BY_OPERATOR)
+    def stopped(self) -> 'MissionFlight':
+        """Return the flight after an operator's accepted command to return or land."""
+        return replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
 
-    def replanned(self, plan: FlightPlan) -> 'Flight':
+    def restarted(self) -> 'MissionFlight':
+        """Return the flight after its autopilot was started again."""
+        if self.stage is not FlightStage.FLYING:
+            return self
+        cause = self.cause or FlightOutcome.RESTARTED
+        reason = self.reason or 'the autopilot was started again'
+        return replace(self, cause=cause, reason=reason)
+
+    def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
         return replace(self, mission=mission_of(plan, self.autopilot), visited=0)
 
-    def _upload(self, moving: Transfer, now_s: float) -> Answer:
-        moving, sent = moving.on_tick(now_s)
-        going = replace(self, moving=moving)
-        if moving.stage is TransferStage.FAILED:
-            return going._end(Outcome.REJECTED, f'mission not taken: {moving.error}'), sent
-        if moving.stage is not TransferStage.VERIFIED:
-            return going, sent
-        order = self.autopilot.mode_command(self.autopilot.arms_in, self.target)
-        begun, more = going._begin(FlightStage.SWITCHING, order, now_s)
-        return begun, sent + more
+    def _after_success(self) -> 'MissionFlight':
+        if self.stage is FlightStage.DISARMING:
+            return self._end(FlightOutcome.REJECTED, self.reason)
+        return replace(self, stage=FlightStage.FLYING, sequence=None)
 
-    def _command(self, call: CommandCall, vehicle: Vehicle, now_s: float) -> Answer:
-        call, sent = call.on_tick(now_s)
-        going = replace(self, call=call)
-        if not call.is_over:
-            return going, sent
-        if call.stage is CallStage.UNANSWERED and self._is_done_anyway(vehicle):
-            return going._advance(vehicle, now_s)
-        if call.stage is not CallStage.ACCEPTED:
-            return going._abandon(call.error, vehicle, now_s)
-        if not self.since_s:
-            return replace(going, since_s=now_s), sent
-        if self._is_shown(vehicle):
-            return going._advance(vehicle, now_s)
-        if now_s - self.since_s > SHOWS_WITHIN_S:
-            error = f'{self.stage.value}: accepted, but its heartbeats do not show it'
-            return going._abandon(error, vehicle, now_s)
-        return going, sent
+    def _after_failure(
+        self, sequence: CommandSequence, vehicle: VehicleTelemetry, now_s: float
+    ) -> Answer:
+        """End a flight that has not begun; stop the motors if they may run."""
+        ended = replace(self, reason=self.reason or sequence.error)
+        if self.stage is FlightStage.DISARMING and vehicle.is_armed:
+            # The vehicle cannot be stopped: its flight is watched to the end.
+            cause = FlightOutcome.REJECTED
+            return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
+        if self.stage is FlightStage.DISARMING or not _may_be_armed(sequence, vehicle):
+            return ended._end(FlightOutcome.REJECTED, ended.reason), []
+        disarming, sent = self.commands.disarm().on_tick(vehicle, now_s)
+        return replace(ended, stage=FlightStage.DISARMING, sequence=disarming), sent
 
-    def _is_shown(self, vehicle: Vehicle) -> bool:
-        """Whether the vehicle's heartbeat says that the command of the stage was done."""
-        if self.stage is FlightStage.SWITCHING:
-            return self.autopilot.is_in(vehicle, self.autopilot.arms_in)
-        if self.stage is FlightStage.ARMING:
-            return vehicle.is_armed
-        if self.stage is FlightStage.STARTING:
-            return self.autopilot.is_in(vehicle, Verb.MISSION)
-        return self.stage is FlightStage.LAUNCHING or not vehicle.is_armed
-
-    def _is_done_anyway(self, vehicle: Vehicle) -> bool:
-        """Whether only the answer got lost: the vehicle shows that it did what it was told."""
-        if self.stage is FlightStage.LAUNCHING:
-            return vehicle.landed in (Landed.TAKEOFF, Landed.IN_AIR)
-        return self._is_shown(vehicle)
-
-    def _advance(self, vehicle: Vehicle, now_s: float) -> Answer:
-        if self.stage is FlightStage.SWITCHING:
-            return self._begin(FlightStage.ARMING, commands.arm(self.target), now_s)
-        if self.stage is FlightStage.ARMING:
-            moved = home_moved(self.home, vehicle.home)
-            if moved:
-                return self._abandon(moved, vehicle, now_s)
-            order = self.autopilot.mode_command(Verb.MISSION, self.target)
-            return self._begin(FlightStage.STARTING, order, now_s)
-        if self.stage is FlightStage.STARTING:
-            order = commands.start_mission(self.target)
-            return self._begin(FlightStage.LAUNCHING, order, now_s)
-        if self.stage is FlightStage.LAUNCHING:
-            return replace(self, stage=FlightStage.FLYING, call=None), []
-        return self._end(Outcome.REJECTED, self.reason), []
-
-    def _begin(self, stage: FlightStage, order: Message, now_s: float) -> Answer:
-        call, sent = CommandCall(command=order, us=self.us).begin(now_s)
-        return replace(self, stage=stage, call=call, since_s=0.0), sent
-
-    def _abandon(self, reason: str, vehicle: Vehicle, now_s: float) -> Answer:
-        """End a flight that has not begun, the motors off if they may be on."""
-        ended = replace(self, reason=self.reason or reason)
-        may_be_armed = vehicle.is_armed or self.stage is FlightStage.ARMING
-        if self.stage is FlightStage.ABANDONING and vehicle.is_armed:
-            # It cannot be called back: what flies is watched to its end.
-            return replace(ended, stage=FlightStage.FLYING, cause=Outcome.REJECTED), []
-        if self.stage is FlightStage.ABANDONING or not may_be_armed:
-            return ended._end(Outcome.REJECTED, ended.reason), []
-        return ended._begin(FlightStage.ABANDONING, commands.disarm(self.target), now_s)
-
-    def _hear(self, text: str) -> 'Flight':
+    def _on_text(self, text: str) -> 'MissionFlight':
         failsafe = failsafe_of(text)
-        # Its words may come after what it shows; only the first failsafe counts.
+        # The text may come after the telemetry has shown it; only the first failsafe counts.
         is_first = self.cause is None or (self.cause is failsafe and not self.reason)
         return replace(self, cause=failsafe, reason=text) if failsafe and is_first else self
 
-    def _watch(self, vehicle: Vehicle, now_s: float) -> 'Flight':
+    def _watch(self, vehicle: VehicleTelemetry, now_s: float) -> 'MissionFlight':
         contact = vehicle.contact(now_s)
         if contact is not Contact.FRESH:
             silent_s = now_s - vehicle.heartbeat_s
             if silent_s > GIVE_UP_LOST_S:
-                return self._end(Outcome.LOST, f'nothing heard for {silent_s:.0f} s')
+                return self._end(FlightOutcome.LOST, f'nothing heard for {silent_s:.0f} s')
             return self
         going = replace(
             self,
@@ -223,75 +163,68 @@ class Flight:
         )
         return going if vehicle.is_armed else going._landed(vehicle)
 
-    def _visited(self, vehicle: Vehicle) -> int:
+    def _visited(self, vehicle: VehicleTelemetry) -> int:
         is_on_mission = vehicle.is_armed and self.autopilot.is_in(vehicle, Verb.MISSION)
         before_current = vehicle.mission.current - 1 if is_on_mission else -1
         return self.mission.visited(max(vehicle.mission.reached, before_current))
 
-    def _landed(self, vehicle: Vehicle) -> 'Flight':
-        # What was reached unheard shows in the end: its mission is complete.
+    def _landed(self, vehicle: VehicleTelemetry) -> 'MissionFlight':
+        # Waypoints whose report was lost count if the mission is complete.
         is_complete = vehicle.mission.phase is MissionPhase.COMPLETE and self.cause is None
         count = len(self.mission.waypoint_items)
         if is_complete or self.visited == count:
-            return replace(self, visited=count)._end(Outcome.COMPLETED, '')
-        cause = self.cause or Outcome.ABORTED_BY_OPERATOR
+            return replace(self, visited=count)._end(FlightOutcome.COMPLETED, '')
+        cause = self.cause or FlightOutcome.ABORTED_BY_OPERATOR
         return self._end(cause, self.reason or 'it landed before its last waypoint')
 
-    def _end(self, outcome: Outcome, reason: str) -> 'Flight':
+    def _end(self, outcome: FlightOutcome, reason: str) -> 'MissionFlight':
         stage = FlightStage.OVER
-        return replace(self, stage=stage, call=None, outcome=outcome, reason=reason)
+        return replace(self, stage=stage, sequence=None, outcome=outcome, reason=reason)
 
 
 def fly(
-    plan: FlightPlan, autopilot: Autopilot, vehicle: Vehicle, us: tuple[int, int], now_s: float
+    plan: FlightPlan, commands: VehicleCommands, vehicle: VehicleTelemetry, now_s: float
 ) -> Answer:
-    """Begin a flight from the ground; look at `preflight` before.
+    """Begin a flight from the ground; `preflight` must have passed.
 
     Raises
     ------
-    ValueError: if the vehicle is not on the ground with its motors off, or its home not known.
+    ValueError
+        If the motors run, or the home is not known.
     """
     if vehicle.is_armed:
         raise ValueError('the vehicle is armed: a flight begins with the motors off')
     if vehicle.home is None:
         raise ValueError('the vehicle has not told its home')
-    mission, target = mission_of(plan, autopilot), (vehicle.system, vehicle.component)
-    first = 1 if autopilot.has_home_item else 0
-    moving, sent = transfer(mission.items, target, first_compared=first).begin(now_s)
-    flight = Flight(
-        autopilot=autopilot,
-        mission=mission,
-        home=vehicle.home,
-        us=us,
-        target=target,
-        moving=moving,
-    )
-    return flight, sent
+    mission = mission_of(plan, commands.autopilot)
+    sequence = commands.start_flight(mission, vehicle.home)
+    flight = MissionFlight(commands=commands, mission=mission, sequence=sequence)
+    return flight.on_tick(vehicle, now_s)
 
 
 def adopted(
     plan: FlightPlan,
-    autopilot: Autopilot,
-    vehicle: Vehicle,
+    commands: VehicleCommands,
+    vehicle: VehicleTelemetry,
     stored: tuple[MissionItem, ...] | None,
-    us: tuple[int, int],
-) -> Flight | None:
-    """Return the flight that `vehicle` is on if it flies `plan`, without sending anything.
+) -> MissionFlight | None:
+    """Return the flight that `vehicle` is on if it flies `plan`; nothing is sent.
 
-    So a bridge that was started again finds its flight: by what the vehicle says of itself, and by
-    the mission read back from it, `stored`; None: whatever lies there. Which waypoints are behind
-    follows from its current item.
+    A bridge that was started again finds its flight by what the vehicle says of itself, and by
+    the mission `stored` that was read back from it; None: whatever lies there. The waypoints
+    behind it follow from the current item.
     """
-    mission, first = mission_of(plan, autopilot), 1 if autopilot.has_home_item else 0
+    mission, first = mission_of(plan, commands.autopilot), commands.autopilot.first_own_item
     if not vehicle.is_armed or vehicle.home is None:
         return None
     if stored is not None and compare(mission.items, stored, first):
         return None
-    return Flight(
-        autopilot=autopilot,
-        mission=mission,
-        home=vehicle.home,
-        us=us,
-        target=(vehicle.system, vehicle.component),
-        stage=FlightStage.FLYING,
-    )
+    return MissionFlight(commands=commands, mission=mission, stage=FlightStage.FLYING)
+
+
+def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:
+    """Whether the motors may run after a sequence failed at its first step."""
+    step = failed.steps[0]
+    if not isinstance(step, CommandStep):
+        return False
+    return vehicle.is_armed or step.call.command['command'] == COMPONENT_ARM_DISARM

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a bridge that was started again cannot read from the vehicle: which plan it was given.
+"""Journal of flights: which plan a vehicle was given, kept over restarts of the bridge.
 
-Where the vehicle is, what it does and how far it is, is always asked of the vehicle itself.
+Position, state and progress are always asked of the vehicle itself.
 """
 
 import json
@@ -11,8 +11,8 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_mavlink.flight.flight_outcome import Outcome
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Waypoint
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,9 +21,12 @@ class Assignment:
 
     Attributes
     ----------
-    plan_id: of whoever gave it.
-    plan: what is flown.
-    viewpoint_ids: of its stops, in order.
+    plan_id
+        Name of the plan, by its sender.
+    plan
+        What is flown.
+    viewpoint_ids
+        Numbers of its stops, in order.
     """
 
     plan_id: str
@@ -39,18 +42,24 @@ class Assignment:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
-    """How far an assignment is, as last noted.
+class JournalEntry:
+    """Progress of an assignment, as last noted.
 
     Attributes
     ----------
-    assignment: what was given.
-    was_airborne: whether it was seen in the air since.
-    visited: waypoints behind it.
-    distance_m, duration_s: flown.
-    outcome, reason: how it ended; None before.
-    successor: what was being sent to be flown in its place; None: nothing. Which of both lies on
-        the vehicle is asked of the vehicle.
+    assignment
+        What was given.
+    was_airborne
+        Whether the vehicle was seen in the air since.
+    visited
+        Waypoints behind it.
+    distance_m, duration_s
+        Distance and time flown.
+    outcome, reason
+        How it ended; None before.
+    successor
+        Plan that was being sent to be flown in its place; None: none. Which of both is on the
+        vehicle is asked of the vehicle.
     """
 
     assignment: Assignment
@@ -58,20 +67,20 @@ class Entry:
     visited: int = 0
     distance_m: float = 0.0
     duration_s: float = 0.0
-    outcome: Outcome | None = None
+    outcome: FlightOutcome | None = None
     reason: str = ''
     successor: Assignment | None = None
 
 
 class FlightJournal:
-    """Keeps the entry of one vehicle, in memory and, if a path is given, on disk."""
+    """Keeps the entry of one vehicle, in memory and, if a path is given, in a file."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._path = path
-        self.entry: Entry | None = None if path is None else _read(path)
+        self.entry: JournalEntry | None = None if path is None else _read(path)
 
-    def write(self, entry: Entry) -> None:
-        """Keep `entry`: once this returns, a kill does not lose it."""
+    def write(self, entry: JournalEntry) -> None:
+        """Keep `entry`; once this returns, it survives a kill."""
         if entry == self.entry:
             return
         self.entry = entry
@@ -82,12 +91,13 @@ class FlightJournal:
         write_whole(self._path, json.dumps(record).encode())
 
 
-def _read(path: Path) -> Entry | None:
+def _read(path: Path) -> JournalEntry | None:
     """Return the entry in `path`, None if there is none.
 
     Raises
     ------
-    ValueError: if it is damaged.
+    ValueError
+        If the file is damaged.
     """
     if not path.exists():
         return None
@@ -96,9 +106,9 @@ def _read(path: Path) -> Entry | None:
         outcome = record.pop('outcome')
         assignment = _assignment(record.pop('assignment'))
         successor = record.pop('successor', None)
-        return Entry(
+        return JournalEntry(
             assignment=assignment,
-            outcome=None if outcome is None else Outcome[outcome],
+            outcome=None if outcome is None else FlightOutcome[outcome],
             successor=None if successor is None else _assignment(successor),
             **record,
         )
@@ -109,7 +119,7 @@ def _read(path: Path) -> Entry | None:
 def _assignment(record: dict[str, Any]) -> Assignment:
     plan = record['plan']
     waypoints = tuple(
-        Waypoint(**{**waypoint, 'position': GeoPosition(**waypoint['position'])})
+        FlightWaypoint(**{**waypoint, 'position': GeoPosition(**waypoint['position'])})
         for waypoint in plan.pop('waypoints')
     )
     home = plan.pop('home')

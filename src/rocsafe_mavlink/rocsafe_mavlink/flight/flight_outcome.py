@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a flight ended, and what the autopilot's own words say about why."""
+"""How a flight ended, and which failsafe the autopilot's texts announce."""
 
 from enum import Enum
 
 
-class Outcome(Enum):
+class FlightOutcome(Enum):
     """Named ends of a flight."""
 
     COMPLETED = 'completed'
@@ -19,22 +19,22 @@ class Outcome(Enum):
 
 
 _WORDS = (
-    ('battery failsafe', Outcome.FAILSAFE_BATTERY),
-    ('gcs failsafe', Outcome.FAILSAFE_LINK),
-    ('ekf failsafe', Outcome.FAILSAFE_GPS),
-    ('fence breached', Outcome.FAILSAFE_FENCE),
+    ('battery failsafe', FlightOutcome.FAILSAFE_BATTERY),
+    ('gcs failsafe', FlightOutcome.FAILSAFE_LINK),
+    ('ekf failsafe', FlightOutcome.FAILSAFE_GPS),
+    ('fence breached', FlightOutcome.FAILSAFE_FENCE),
     # PX4, see `px4_events`.
-    ('failsafe: gcs connection loss', Outcome.FAILSAFE_LINK),
-    ('failsafe: low battery', Outcome.FAILSAFE_BATTERY),
-    ('failsafe: critical battery', Outcome.FAILSAFE_BATTERY),
-    ('failsafe: emergency battery', Outcome.FAILSAFE_BATTERY),
-    ('failsafe: remaining flight time', Outcome.FAILSAFE_BATTERY),
-    ('geofence violation: ', Outcome.FAILSAFE_FENCE),
+    ('failsafe: gcs connection loss', FlightOutcome.FAILSAFE_LINK),
+    ('failsafe: low battery', FlightOutcome.FAILSAFE_BATTERY),
+    ('failsafe: critical battery', FlightOutcome.FAILSAFE_BATTERY),
+    ('failsafe: emergency battery', FlightOutcome.FAILSAFE_BATTERY),
+    ('failsafe: remaining flight time', FlightOutcome.FAILSAFE_BATTERY),
+    ('geofence violation: ', FlightOutcome.FAILSAFE_FENCE),
 )
 
 
-def failsafe_of(text: str) -> Outcome | None:
-    """Return the failsafe that a text of an autopilot announces, None if it announces none."""
+def failsafe_of(text: str) -> FlightOutcome | None:
+    """Return the failsafe that a text of an autopilot announces; None if it announces none."""
     said = text.lower()
     if 'cleared' in said:
         return None

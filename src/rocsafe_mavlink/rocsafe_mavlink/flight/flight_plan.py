@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A route to fly, and the mission that makes an autopilot fly it."""
+"""A route to fly, and the mission with which an autopilot flies it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,16 +25,21 @@ LARGEST_HOLD_S = 3600.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
+class FlightWaypoint:
     """A place to fly to.
 
     Attributes
     ----------
-    position: latitude and longitude; its altitude is not read.
-    height_m: above home, positive.
-    hold_s: time to stand there.
-    heading_deg: which way it looks there, clockwise from north.
-    is_bend: whether the way only bends there: nothing is photographed, nothing counted.
+    position
+        Latitude and longitude; the altitude is not used.
+    height_m
+        Height above home, positive.
+    hold_s
+        Time to stay there.
+    heading_deg
+        Heading there, clockwise from north.
+    is_bend
+        Whether the way only bends there: nothing is photographed or counted.
     """
 
     position: GeoPosition
@@ -51,19 +56,25 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightPlan:
-    """What shall be flown: take-off, the waypoints in order, return, landing.
+    """What is to be flown: take-off, the waypoints in order, return, landing.
 
     Attributes
     ----------
-    waypoints: at least one that is no bend.
-    speed_mps: over ground.
-    takes_photographs: whether the autopilot triggers its camera at each waypoint.
-    home: where the plan has it take off; None: wherever it stands.
-    trigger_distance_m: it triggers after every so many metres along straight lanes instead, and
-        not on the way from one to the next; once at waypoints that lie on none. 0: it does not.
+    waypoints
+        At least one that is no bend.
+    speed_mps
+        Speed over ground.
+    takes_photographs
+        Whether the autopilot triggers its camera at each waypoint.
+    home
+        Take-off place in the plan; None: wherever the vehicle stands.
+    trigger_distance_m
+        Distance between camera triggers along straight lanes, instead of one at each waypoint.
+        There is none between lanes, and one at each waypoint that lies on no lane. 0: no such
+        triggers.
     """
 
-    waypoints: tuple[Waypoint, ...]
+    waypoints: tuple[FlightWaypoint, ...]
     speed_mps: float
     takes_photographs: bool = False
     home: GeoPosition | None = None
@@ -76,20 +87,23 @@ class FlightPlan:
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
 
     @property
-    def stops(self) -> tuple[Waypoint, ...]:
-        """Waypoints that count: all but the bends of the way."""
+    def stops(self) -> tuple[FlightWaypoint, ...]:
+        """Waypoints that count: all but the bends."""
         return tuple(waypoint for waypoint in self.waypoints if not waypoint.is_bend)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mission:
-    """A flight plan in the words of an autopilot.
+    """A flight plan as items of an autopilot.
 
     Attributes
     ----------
-    items: as they lie on it.
-    first_item: number of the first after the take-off: where a vehicle in the air begins.
-    waypoint_items: number of the item of each waypoint that counts, ascending.
+    items
+        As they lie on it.
+    first_item
+        Number of the first item after the take-off, at which a vehicle in the air begins.
+    waypoint_items
+        Number of the item of each waypoint that counts, ascending.
     """
 
     items: tuple[MissionItem, ...]
@@ -97,12 +111,12 @@ class Mission:
     waypoint_items: tuple[int, ...]
 
     def visited(self, reached_item: int) -> int:
-        """Return how many waypoints are behind when item `reached_item` is."""
+        """Return how many waypoints have been passed once item `reached_item` is reached."""
         return sum(number <= reached_item for number in self.waypoint_items)
 
 
 def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
-    """Return the mission of `plan` for an autopilot, home in front where it wants it."""
+    """Return the mission of `plan` for an autopilot, with home in front where it wants it."""
     items = [MissionItem(command=WAYPOINT, frame=GLOBAL)] if autopilot.has_home_item else []
     items.append(_takeoff(plan.waypoints[0], autopilot))
     first_item = len(items)
@@ -125,7 +139,7 @@ def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
 
 
 def _shutters(plan: FlightPlan) -> list[list[MissionItem]]:
-    """Return what the camera is told after each waypoint."""
+    """Return the camera items after each waypoint."""
     shot = MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)
     is_wanted = plan.takes_photographs or plan.trigger_distance_m > 0.0
     shutters = [[shot] if is_wanted and not way.is_bend else [] for way in plan.waypoints]
@@ -157,8 +171,8 @@ def _trigger(distance_m: float, at_once: float) -> MissionItem:
     )
 
 
-def _turns(waypoints: Sequence[Waypoint], autopilot: Autopilot) -> list[list[MissionItem]]:
-    """Return what it is told of its heading before each waypoint: what is not as it was."""
+def _turns(waypoints: Sequence[FlightWaypoint], autopilot: Autopilot) -> list[list[MissionItem]]:
+    """Return the heading item before each waypoint, where the heading changes."""
     headings_deg = [waypoint.heading_deg for waypoint in waypoints]
     is_told = not autopilot.turns_at_waypoints
     return [
@@ -173,14 +187,14 @@ def _turn(heading_deg: float) -> MissionItem:
     )
 
 
-def _takeoff(first: Waypoint, autopilot: Autopilot) -> MissionItem:
+def _takeoff(first: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
     """Return the climb to the height of the first waypoint, straight up."""
     if autopilot.flies_to_takeoff:
         return replace(_item_of(first, autopilot), command=TAKEOFF)
     return MissionItem(command=TAKEOFF, z_m=first.height_m)
 
 
-def _item_of(waypoint: Waypoint, autopilot: Autopilot) -> MissionItem:
+def _item_of(waypoint: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
     heading_deg = waypoint.heading_deg if autopilot.turns_at_waypoints else 0.0
     return MissionItem(
         command=WAYPOINT,

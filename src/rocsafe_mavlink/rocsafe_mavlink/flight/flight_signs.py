@@ -1,25 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle shows of its flight without saying it: a failsafe, a home that moved."""
+"""Signs of trouble in the telemetry of a flight: a failsafe, a home that moved."""
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_mavlink.flight.flight_outcome import Outcome
-from rocsafe_mavlink.knowledge.vehicle import EkfFlag, Home, SystemStatus, Vehicle
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.knowledge.telemetry import EkfFlag, Home, SystemStatus, VehicleTelemetry
 
 HOME_MOVED_M, HOME_ROSE_M = 10.0, 3.0
 
 
-def shown_failsafe(vehicle: Vehicle) -> Outcome | None:
-    """Return the failsafe that a vehicle in the air shows, though its words were lost."""
+def shown_failsafe(vehicle: VehicleTelemetry) -> FlightOutcome | None:
+    """Return the failsafe that telemetry shows in the air, though its text was lost."""
     if vehicle.is_fence_breached:
-        return Outcome.FAILSAFE_FENCE
+        return FlightOutcome.FAILSAFE_FENCE
     flags = vehicle.ekf_flags
     has_place = flags is None or flags & EkfFlag.ABSOLUTE_HORIZONTAL_POSITION
     is_failing = vehicle.status == SystemStatus.CRITICAL and vehicle.is_armed
-    return Outcome.FAILSAFE_GPS if is_failing and not has_place else None
+    return FlightOutcome.FAILSAFE_GPS if is_failing and not has_place else None
 
 
 def home_moved(planned: Home, now: Home | None) -> str:
-    """Return how far home moved, if it is more than a flight planned before can stand."""
+    """Return how far home moved, if it is more than the plan allows; empty otherwise."""
     if now is None:
         return 'home is not known after arming'
     level_m = distance_m(_place(planned), _place(now))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The straight lanes of a way, along which a camera is triggered by distance."""
+"""The straight lanes of a route, along which a camera is triggered by distance."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,15 +8,15 @@ from itertools import pairwise
 from rocsafe_geo.angle import wrap_rad
 from rocsafe_geo.position import GeoPosition
 
-# A turn by more ends a lane: the corners of a survey turn by 90 degrees, its lanes hardly bend.
+# A larger turn ends a lane: the corners of a survey turn by 90 degrees, its lanes hardly bend.
 STRAIGHT_WITHIN_RAD = math.radians(20.0)
 
 
 def lanes(way: Sequence[GeoPosition]) -> tuple[tuple[int, int], ...]:
     """Return the first and the last number of each run of three or more places in line.
 
-    The place at a corner may end one lane and begin the next. Legs are short against the Earth:
-    directions are those of a plane.
+    The place at a corner may end one lane and begin the next. Legs are short against the Earth, so
+    directions are computed in a plane.
     """
     found: list[tuple[int, int]] = []
     for corner in _in_line(way):

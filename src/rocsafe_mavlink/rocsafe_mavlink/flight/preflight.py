@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a careful pilot looks at before a flight: a list of checks with value and limit.
+"""Checks before a flight, each with value and limit.
 
-An autopilot accepts a waypoint in another country and one at 40 km height; so both are looked at
-here.
+An autopilot accepts a waypoint in another country and one at 40 km height, so distances and
+heights are checked here.
 """
 
 import math
@@ -16,20 +16,20 @@ from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, Paramete
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_plan import FlightPlan
 from rocsafe_mavlink.knowledge.fix import fix_fault
-from rocsafe_mavlink.knowledge.vehicle import Contact, Home, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
 
-# Of a setting that was asked for and may still be answered.
+# Value of a setting that was asked for and may still be answered.
 NOT_READ = 'not read yet'
-# Corners: measured on a recorded survey, a constant speed alone is 23 % too short.
+# For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
 
-# What a vehicle may show a while after it was switched on, or first heard.
+# Checks that may pass a while after a vehicle was switched on or first heard.
 _PASSING_SOON = frozenset({'contact', 'fix', 'satellites', 'self-test', 'home', 'settings'})
 
 
-class Verdict(Enum):
-    """What a check says."""
+class CheckVerdict(Enum):
+    """Result of a check."""
 
     PASS = 'pass'  # noqa: S105 - the opposite of fail
     WARN = 'warn'
@@ -38,35 +38,44 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One check: what was looked at, what it showed, and what it must be."""
+    """One check: what it is about, what was found, and what it must be."""
 
     name: str
-    verdict: Verdict
+    verdict: CheckVerdict
     value: str
     limit: str
 
     @property
     def may_pass_soon(self) -> bool:
-        """Whether waiting can help: a vehicle that was just switched on."""
+        """Whether waiting can help, as after a vehicle was switched on."""
         is_untold = self.value == NOT_READ or 'not known' in self.value
         return is_untold or self.name in _PASSING_SOON
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightLimits:
-    """What a flight may be.
+    """Limits of a flight.
 
     Attributes
     ----------
-    lowest_m, highest_m: height above home of a waypoint.
-    furthest_m: distance of a waypoint from home.
-    longest_s: duration of the flight.
-    smallest_charge: of the battery at the start, 0 to 1.
-    fewest_satellites: that the receiver must use.
-    climb_mps, descent_mps: for the duration.
-    longest_to_home_m: from the home of the plan to that of the vehicle.
-    must_return_on_link_loss: whether a vehicle that hears nobody has to come back.
-    reserve: share of the charge that a flight leaves.
+    lowest_m, highest_m
+        Height above home of a waypoint.
+    furthest_m
+        Distance of a waypoint from home.
+    longest_s
+        Duration of the flight.
+    smallest_charge
+        Charge of the battery at the start, 0 to 1.
+    fewest_satellites
+        Satellites that the receiver must use.
+    climb_mps, descent_mps
+        Vertical speeds from which the duration is estimated.
+    longest_to_home_m
+        Distance between the home of the plan and that of the vehicle.
+    must_return_on_link_loss
+        Whether a vehicle that loses its link has to come back.
+    reserve
+        Share of the charge that must be left after the flight.
     """
 
     lowest_m: float = 5.0
@@ -83,14 +92,17 @@ class FlightLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Knowledge:
-    """What was read from a vehicle besides what it says by itself.
+class VehicleSettings:
+    """What was read from a vehicle besides its telemetry.
 
     Attributes
     ----------
-    parameters: its settings; None: not read.
-    fence: the polygons of its fence; None: not read.
-    fence_error: why its fence cannot be read; empty while it may be.
+    parameters
+        Its parameters; None: not read.
+    fence
+        Polygons of its fence; None: not read.
+    fence_error
+        Why its fence cannot be read; empty while it may be.
     """
 
     parameters: ParameterReader | None = None
@@ -99,24 +111,24 @@ class Knowledge:
 
 
 def preflight(
-    vehicle: Vehicle,
+    vehicle: VehicleTelemetry,
     autopilot: Autopilot,
     plan: FlightPlan | None,
     limits: FlightLimits,
     now_s: float,
-    knowledge: Knowledge | None = None,
+    knowledge: VehicleSettings | None = None,
 ) -> tuple[Check, ...]:
-    """Return every check of `vehicle` and `plan`, those that failed among them.
+    """Return all checks of `vehicle` and `plan`, passed or failed.
 
-    Without `plan` only the vehicle is looked at.
+    Without `plan` only the vehicle is checked.
     """
-    known = knowledge or Knowledge()
+    known = knowledge or VehicleSettings()
     checks = [
         *_vehicle_checks(vehicle, autopilot, limits, now_s),
         *_setting_checks(known.parameters, limits),
     ]
     if vehicle.home is None:
-        return (*checks, Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'))
+        return (*checks, Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'))
     if plan is None:
         return tuple(checks)
     checks += [] if plan.home is None else [_home_check(plan.home, _place(vehicle.home), limits)]
@@ -126,28 +138,28 @@ def preflight(
 
 
 def route_checks(
-    vehicle: Vehicle, plan: FlightPlan, limits: FlightLimits, known: Knowledge
+    vehicle: VehicleTelemetry, plan: FlightPlan, limits: FlightLimits, known: VehicleSettings
 ) -> tuple[Check, ...]:
-    """Return every look at the way that `plan` takes, be it from the ground or in the air."""
+    """Return the checks of the way of `plan`, from the ground or in the air."""
     if vehicle.home is None:
-        return (Check('home', Verdict.FAIL, 'not known', 'told by the vehicle'),)
+        return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = _place(vehicle.home)
     return (*_plan_checks(plan, home, limits), _fence_check(plan, home, known))
 
 
 def failures(checks: tuple[Check, ...]) -> str:
     """Return what failed, in one line; empty if nothing did."""
-    failed = (check for check in checks if check.verdict is Verdict.FAIL)
+    failed = (check for check in checks if check.verdict is CheckVerdict.FAIL)
     return '; '.join(f'{check.name} is {check.value}: must be {check.limit}' for check in failed)
 
 
 def is_failed_for_good(checks: tuple[Check, ...]) -> bool:
-    """Whether something failed that waiting does not help."""
-    return any(check.verdict is Verdict.FAIL and not check.may_pass_soon for check in checks)
+    """Whether a check failed that cannot pass by waiting."""
+    return any(check.verdict is CheckVerdict.FAIL and not check.may_pass_soon for check in checks)
 
 
 def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
-    """Return a coarse duration, home to home: a constant speed and an allowance for corners."""
+    """Return a coarse duration, home to home: constant speed and an allowance for corners."""
     places = [home, *(waypoint.position for waypoint in plan.waypoints), home]
     level_s = LEVEL_ALLOWANCE * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
     climb_s = plan.waypoints[0].height_m / limits.climb_mps
@@ -156,11 +168,11 @@ def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimi
 
 
 def _vehicle_checks(
-    vehicle: Vehicle, autopilot: Autopilot, limits: FlightLimits, now_s: float
+    vehicle: VehicleTelemetry, autopilot: Autopilot, limits: FlightLimits, now_s: float
 ) -> list[Check]:
     contact, fault = vehicle.contact(now_s), fix_fault(vehicle, now_s)
     charge = vehicle.battery.fraction
-    tested = Verdict.PASS if autopilot.is_tested else Verdict.WARN
+    tested = CheckVerdict.PASS if autopilot.is_tested else CheckVerdict.WARN
     known = math.isfinite(vehicle.geoid_separation_m)
     satellites = vehicle.gps.satellites
     return [
@@ -189,7 +201,7 @@ def _vehicle_checks(
         ),
         Check(
             'geoid',
-            Verdict.PASS if known else Verdict.WARN,
+            CheckVerdict.PASS if known else CheckVerdict.WARN,
             f'{vehicle.geoid_separation_m:.1f} m' if known else 'not known',
             'known, or altitudes are NaN',
         ),
@@ -197,10 +209,10 @@ def _vehicle_checks(
 
 
 def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> list[Check]:
-    """Return what the vehicle's settings do when something goes wrong."""
+    """Return the checks of what the vehicle does by itself when something goes wrong."""
     must_return = limits.must_return_on_link_loss
     if reader is None:
-        verdict = Verdict.FAIL if must_return else Verdict.WARN
+        verdict = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
         return [Check('settings', verdict, NOT_READ, 'read')]
     return [
         _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
@@ -211,11 +223,13 @@ def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> lis
 
 
 def _heading_checks(reader: ParameterReader) -> list[Check]:
-    """Return whether it looks where its mission says, not where it flies."""
+    """Return the check that it keeps the heading of its mission, not that of its way."""
     if Parameter.YAW_BEHAVIOUR not in SPELLINGS[reader.autopilot]:
         return []
     text = _setting_text(reader, Parameter.YAW_BEHAVIOUR)
-    verdict = Verdict.PASS if reader.value(Parameter.YAW_BEHAVIOUR) == 0.0 else Verdict.WARN
+    verdict = (
+        CheckVerdict.PASS if reader.value(Parameter.YAW_BEHAVIOUR) == 0.0 else CheckVerdict.WARN
+    )
     limit = '0, or photographs lie turned'
     return [Check(Parameter.YAW_BEHAVIOUR.value, verdict, text, limit)]
 
@@ -223,7 +237,9 @@ def _heading_checks(reader: ParameterReader) -> list[Check]:
 def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
     value, text = reader.value(parameter), _setting_text(reader, parameter)
     is_on = math.isfinite(value) and value != 0.0
-    verdict = Verdict.PASS if is_on else Verdict.FAIL if is_required else Verdict.WARN
+    verdict = (
+        CheckVerdict.PASS if is_on else CheckVerdict.FAIL if is_required else CheckVerdict.WARN
+    )
     return Check(
         parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'
     )
@@ -236,7 +252,7 @@ def _setting_text(reader: ParameterReader, parameter: Parameter) -> str:
     return f'{spelling} not answered' if reader.is_over else NOT_READ
 
 
-def _energy_check(plan: FlightPlan, vehicle: Vehicle, limits: FlightLimits) -> Check:
+def _energy_check(plan: FlightPlan, vehicle: VehicleTelemetry, limits: FlightLimits) -> Check:
     home = vehicle.home
     duration_s = 0.0 if home is None else estimated_duration_s(plan, _place(home), limits)
     needed = duration_s / limits.longest_s + limits.reserve
@@ -259,10 +275,10 @@ def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -
     )
 
 
-def _fence_check(plan: FlightPlan, home: GeoPosition, known: Knowledge) -> Check:
+def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> Check:
     name, limit = 'within fence', 'none outside'
     if known.fence is None:
-        verdict = Verdict.WARN if known.fence_error else Verdict.FAIL
+        verdict = CheckVerdict.WARN if known.fence_error else CheckVerdict.FAIL
         return Check(name, verdict, known.fence_error or NOT_READ, limit)
     places = [waypoint.position for waypoint in plan.waypoints]
     outside = sum(not known.fence.holds(place) for place in places)
@@ -301,10 +317,10 @@ def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> l
 
 
 def _check(name: str, is_good: bool, value: str, limit: str) -> Check:
-    return Check(name, Verdict.PASS if is_good else Verdict.FAIL, value, limit)
+    return Check(name, CheckVerdict.PASS if is_good else CheckVerdict.FAIL, value, limit)
 
 
-def _ground(vehicle: Vehicle) -> str:
+def _ground(vehicle: VehicleTelemetry) -> str:
     return 'on the ground' if vehicle.is_on_ground else 'in the air'
 
 

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happened to a vehicle between two of its states."""
+"""Events: what changed between two states of a vehicle."""
 
 from dataclasses import dataclass
 from enum import Enum
 
-from rocsafe_mavlink.knowledge.vehicle import SystemStatus, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import SystemStatus, VehicleTelemetry
 
 
 class EventKind(Enum):
-    """Kinds of things that happen."""
+    """Kinds of events."""
 
     FOUND = 'found'
     REBOOTED = 'started again'
@@ -25,15 +25,15 @@ class EventKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened, with a word for people."""
+    """One event, with a word for people."""
 
     kind: EventKind
     text: str = ''
     severity: int = 6
 
 
-def events_between(before: Vehicle, after: Vehicle) -> list[Event]:
-    """Return what happened from one state to the next, text apart."""
+def events_between(before: VehicleTelemetry, after: VehicleTelemetry) -> list[Event]:
+    """Return the events from one state to the next; texts come separately."""
     events = []
     if before.autopilot is None and after.autopilot is not None:
         events.append(Event(EventKind.FOUND, f'{after.system}/{after.component}'))
@@ -49,7 +49,9 @@ def events_between(before: Vehicle, after: Vehicle) -> list[Event]:
     return events
 
 
-def _compared(before: Vehicle, after: Vehicle) -> list[tuple[EventKind, object, object]]:
+def _compared(
+    before: VehicleTelemetry, after: VehicleTelemetry
+) -> list[tuple[EventKind, object, object]]:
     return [
         (EventKind.MODE, before.custom_mode, after.custom_mode),
         (EventKind.STATUS, _status(before), _status(after)),
@@ -58,7 +60,7 @@ def _compared(before: Vehicle, after: Vehicle) -> list[tuple[EventKind, object, 
     ]
 
 
-def _status(vehicle: Vehicle) -> str:
+def _status(vehicle: VehicleTelemetry) -> str:
     try:
         return SystemStatus(vehicle.status).name
     except ValueError:

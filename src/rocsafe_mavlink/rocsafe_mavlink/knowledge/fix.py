@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a position can be believed: messages keep coming long after the receiver lost it."""
+"""Whether a position can be used: messages keep coming long after the receiver lost its fix."""
 
 import math
 
-from rocsafe_mavlink.knowledge.vehicle import FIX_3D, EkfFlag, Vehicle
+from rocsafe_mavlink.knowledge.telemetry import FIX_3D, EkfFlag, VehicleTelemetry
 
-# A receiver whose time stands still this long has stopped.
+# A receiver whose time stands still for so long has stopped.
 FROZEN_AFTER_S = 1.0
-# A position older than this is no current one.
+# An older position is not the current one.
 OLD_AFTER_S = 1.0
 LARGEST_SPEED_MPS = 60.0
 LARGEST_SEPARATION_M = 110.0
-# A difference below this is no difference: simulators copy one altitude into the other.
+# Smaller differences are none: simulators copy one altitude into the other.
 SMALLEST_SEPARATION_M = 0.001
 
 
-def fix_fault(vehicle: Vehicle, now_s: float) -> str:
-    """Return why the position of `vehicle` cannot be believed at `now_s`; empty if it can."""
+def fix_fault(vehicle: VehicleTelemetry, now_s: float) -> str:
+    """Return why the position of `vehicle` cannot be used at `now_s`; empty if it can."""
     gps, motion = vehicle.gps, vehicle.motion
     if motion is None or now_s - motion.heard_s > OLD_AFTER_S:
         return 'no position comes'
@@ -36,13 +36,16 @@ def fix_fault(vehicle: Vehicle, now_s: float) -> str:
 
 
 def separation_m(altitude_m: float, ellipsoid_m: float, given_m: float) -> float:
-    """Return the geoid's height above the ellipsoid, NaN if nobody knows it.
+    """Return the height of the geoid above the ellipsoid, metres; NaN if it is not known.
 
     Parameters
     ----------
-    altitude_m: above mean sea level, by the receiver.
-    ellipsoid_m: above the ellipsoid, by the receiver; 0 if it does not tell.
-    given_m: from a parameter; NaN if none was given.
+    altitude_m
+        Above mean sea level, by the receiver.
+    ellipsoid_m
+        Above the ellipsoid, by the receiver; 0 if it does not tell.
+    given_m
+        From the drones file; NaN if none was given.
     """
     measured = ellipsoid_m - altitude_m
     is_told = ellipsoid_m != 0.0 and abs(measured) > SMALLEST_SEPARATION_M

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a vehicle that is not heard should be: it is taken to fly on, since that is what it does.
+"""Expected position of a vehicle that is not heard: it is assumed to fly on.
 
-From its last known place it follows what is left of its plan, at the speed of the plan, and then
-home; what stands still or is on the ground is taken to stay.
+From its last known place it follows the rest of its plan at the speed of the plan, and then flies
+home. A vehicle that stands still or is on the ground is assumed to stay.
 """
 
 from collections.abc import Sequence
@@ -14,13 +14,16 @@ from rocsafe_geo.position import GeoPosition, distance_m
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prediction:
-    """Where a vehicle should be.
+    """Expected position of a vehicle.
 
     Attributes
     ----------
-    position: altitude as last known.
-    passed: places of the way that should be behind it.
-    spread_m: how far off that may be: a fifth of what was flown unseen, and a second's way.
+    position
+        Altitude as last known.
+    passed
+        Number of waypoints that it should have passed since.
+    spread_m
+        Uncertainty, metres: a fifth of the way flown unseen, and the way of one second.
     """
 
     position: GeoPosition
@@ -31,7 +34,7 @@ class Prediction:
 def predict(
     last: GeoPosition, way: Sequence[GeoPosition], speed_mps: float, silent_s: float
 ) -> Prediction:
-    """Return where a vehicle should be `silent_s` after it was at `last`, on its `way`."""
+    """Return the expected position `silent_s` after a vehicle was at `last`, on its `way`."""
     left_m = speed_mps * silent_s
     spread_m = 0.2 * left_m + speed_mps
     for passed, (start, end) in enumerate(pairwise([last, *way])):
@@ -46,7 +49,7 @@ def predict(
 
 
 def _between(a: GeoPosition, b: GeoPosition, share: float, altitude_m: float) -> GeoPosition:
-    # Legs are short, and none crosses the antimeridian.
+    # Legs are short and do not cross the antimeridian.
     return GeoPosition(
         a.latitude_deg + share * (b.latitude_deg - a.latitude_deg),
         a.longitude_deg + share * (b.longitude_deg - a.longitude_deg),

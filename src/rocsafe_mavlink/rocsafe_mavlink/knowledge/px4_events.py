@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Why a PX4 left its mission: its texts say only that a failsafe acts, its events say which.
 
-An event is a number made from its name, with arguments that only PX4's own source lays out
+An event is a number made from its name, with arguments that only PX4's own source describes
 (events.h, failsafe/framework.cpp and geofenceCheck.cpp of August 2025). The few that matter are
-told as texts, so that people and flights hear of them as of any other words.
+turned into texts, so that people and flights see them like any other text.
 """
 
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from rocsafe_mavlink.wire.dialect import Message
 
 _FNV_OFFSET, _FNV_PRIME = 0x811C9DC5, 0x01000193
 _AUTOPILOT = 1 << 24
-# failsafe_cause_t of events/enums.json; 0 is none in particular.
+# failsafe_cause_t of events/enums.json; 0 names no cause.
 _CAUSES: Mapping[int, str] = {
     1: 'manual control loss',
     2: 'GCS connection loss',
@@ -24,14 +24,14 @@ _CAUSES: Mapping[int, str] = {
 
 
 def event_number(name: str) -> int:
-    """Return the number of an autopilot's event: FNV-1a of its name, 24 bits of it."""
+    """Return the number of an autopilot's event: 24 bits of the FNV-1a hash of its name."""
     value = _FNV_OFFSET
     for letter in name.encode():
         value = (value ^ letter) * _FNV_PRIME & 0xFFFFFFFF
     return value & 0xFFFFFF | _AUTOPILOT
 
 
-# Where the cause lies among the arguments: after mode and action, and the delay if it has one.
+# Index of the cause among the arguments: after mode and action, and the delay if there is one.
 _FAILSAFES = {
     event_number('commander_failsafe_enter'): 5,
     event_number('commander_failsafe_enter_hold'): 7,
@@ -44,7 +44,7 @@ _TEXTS = {
 
 
 def text_of_event(event: Message) -> Message:
-    """Return the STATUSTEXT that says what an EVENT does; the event itself if it is not one."""
+    """Return the STATUSTEXT with the meaning of an EVENT; the event itself if it is not known."""
     number = int(event['id'])
     if number in _TEXTS:
         return _text(event, f'Geofence violation: {_TEXTS[number]}')

@@ -12,7 +12,7 @@ from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
 from rocsafe_geo.position import distance_m
 from rocsafe_mavlink.knowledge.events import Event, EventKind, events_between
 from rocsafe_mavlink.knowledge.fix import LARGEST_SPEED_MPS, separation_m
-from rocsafe_mavlink.knowledge.vehicle import (
+from rocsafe_mavlink.knowledge.telemetry import (
     Attitude,
     Battery,
     Gps,
@@ -22,7 +22,7 @@ from rocsafe_mavlink.knowledge.vehicle import (
     MissionStatus,
     Motion,
     SystemStatus,
-    Vehicle,
+    VehicleTelemetry,
 )
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import (
@@ -36,25 +36,28 @@ from rocsafe_mavlink.wire.units import (
 
 ARMED_FLAG = 0x80
 PREARM_BIT = 1 << 28
-# MAV_AUTOPILOT of what is no autopilot: a camera, a ground station.
+# MAV_AUTOPILOT of a component without autopilot: a camera, a ground station.
 NO_AUTOPILOT = 8
-# Autopilot time that goes back by more is a new start; by less, a late message.
+# Autopilot time that goes back by more means a restart; by less, a late message.
 REBOOT_AFTER_S = 2.0
 UNKNOWN_SATELLITES = 255
-Reducer = Callable[[Vehicle, Message, float], Vehicle]
+Reducer = Callable[[VehicleTelemetry, Message, float], VehicleTelemetry]
 
 
 def reduce(
-    vehicle: Vehicle, message: Message, now_s: float, given_separation_m: float = math.nan
-) -> tuple[Vehicle, list[Event]]:
-    """Return what is known after a message, and what happened.
+    vehicle: VehicleTelemetry, message: Message, now_s: float, given_separation_m: float = math.nan
+) -> tuple[VehicleTelemetry, list[Event]]:
+    """Return what is known after a message, and the events.
 
     Messages of other senders change nothing.
 
     Parameters
     ----------
-    now_s: steady time of arrival, seconds.
-    given_separation_m: geoid above ellipsoid where the receiver does not tell; NaN if not known.
+    now_s
+        Steady time of arrival, seconds.
+    given_separation_m
+        Height of the geoid above the ellipsoid where the receiver does not tell, metres; NaN if
+        not known.
     """
     if (message.system, message.component) != (vehicle.system, vehicle.component):
         return vehicle, []
@@ -62,7 +65,7 @@ def reduce(
         return vehicle, [Event(EventKind.TEXT, str(message['text']), int(message['severity']))]
     events = []
     if _has_rebooted(vehicle, message):
-        vehicle = Vehicle(system=vehicle.system, component=vehicle.component)
+        vehicle = VehicleTelemetry(system=vehicle.system, component=vehicle.component)
         events.append(Event(EventKind.REBOOTED))
     reducer = _REDUCERS.get(message.name)
     after = vehicle if reducer is None else reducer(vehicle, message, now_s)
@@ -71,7 +74,7 @@ def reduce(
     return after, events + events_between(vehicle, after)
 
 
-def _has_rebooted(vehicle: Vehicle, message: Message) -> bool:
+def _has_rebooted(vehicle: VehicleTelemetry, message: Message) -> bool:
     if message.name == 'HEARTBEAT':
         was_up = vehicle.autopilot is not None and vehicle.status > SystemStatus.CALIBRATING
         return was_up and message['system_status'] in (SystemStatus.UNINIT, SystemStatus.BOOT)
@@ -80,7 +83,7 @@ def _has_rebooted(vehicle: Vehicle, message: Message) -> bool:
     return False
 
 
-def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+def _heartbeat(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleTelemetry:
     if message['autopilot'] == NO_AUTOPILOT:
         return vehicle
     is_armed = bool(message['base_mode'] & ARMED_FLAG)
@@ -99,11 +102,11 @@ def _heartbeat(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
     )
 
 
-def _position(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+def _position(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleTelemetry:
     boot_s = message['time_boot_ms'] / 1000.0
     last = vehicle.motion
     if last is not None and boot_s < last.boot_s:
-        # Overtaken on the way: what is known is newer.
+        # Overtaken on the way: a newer position is known already.
         return vehicle
     altitude_m = m_of_mm(message['alt'])
     motion = Motion(
@@ -124,12 +127,12 @@ def _position(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
 def _is_jump(last: Motion | None, motion: Motion) -> bool:
     if last is None:
         return False
-    # Positions are rounded: the shortest time counts as a fifth of a second.
+    # Positions are rounded: shorter times count as a fifth of a second.
     passed_s = max(motion.boot_s - last.boot_s, 0.2)
     return distance_m(last.position, motion.position) > LARGEST_SPEED_MPS * passed_s
 
 
-def _gps(vehicle: Vehicle, message: Message, now_s: float) -> Vehicle:
+def _gps(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleTelemetry:
     last = vehicle.gps
     is_new = message['time_usec'] != last.time_us
     satellites = message['satellites_visible']
@@ -148,15 +151,15 @@ def _accuracy_m(accuracy_mm: int) -> float:
     return m_of_mm(accuracy_mm) if accuracy_mm else math.nan
 
 
-def _with_geoid(vehicle: Vehicle, message: Message, given_m: float) -> Vehicle:
+def _with_geoid(vehicle: VehicleTelemetry, message: Message, given_m: float) -> VehicleTelemetry:
     if vehicle.is_armed and math.isfinite(vehicle.geoid_separation_m):
-        # Held still in flight, or the track would step where the source changes.
+        # Kept in flight: the track would step where the source changes.
         return vehicle
     found_m = separation_m(m_of_mm(message['alt']), m_of_mm(message['alt_ellipsoid']), given_m)
     return replace(vehicle, geoid_separation_m=found_m)
 
 
-def _sys_status(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _sys_status(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     charge, current = message['battery_remaining'], message['current_battery']
     voltage = message['voltage_battery']
     battery = Battery(
@@ -168,12 +171,12 @@ def _sys_status(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
     return replace(vehicle, battery=battery, is_prearm_ok=is_ok)
 
 
-def _ekf(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _ekf(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     return replace(vehicle, ekf_flags=message['flags'])
 
 
-def _attitude(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
-    # Forward, right, down becomes forward, left, up.
+def _attitude(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
+    # From forward, right, down to forward, left, up.
     attitude = Attitude(
         roll_rad=message['roll'],
         pitch_rad=-message['pitch'],
@@ -182,7 +185,7 @@ def _attitude(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
     return replace(vehicle, attitude=attitude)
 
 
-def _home(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _home(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     home = Home(
         latitude_deg=deg_of_e7(message['latitude']),
         longitude_deg=deg_of_e7(message['longitude']),
@@ -191,30 +194,30 @@ def _home(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
     return replace(vehicle, home=home)
 
 
-def _landed(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _landed(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     value = message['landed_state']
     landed = Landed(value) if value in set(Landed) else Landed.UNDEFINED
     is_in_air = vehicle.is_armed and landed in (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)
     return replace(vehicle, landed=landed, has_flown=vehicle.has_flown or is_in_air)
 
 
-def _mission(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _mission(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     value = message['mission_state']
     phase = MissionPhase(value) if value in set(MissionPhase) else MissionPhase.UNKNOWN
     mission = MissionStatus(current=message['seq'], reached=vehicle.mission.reached, phase=phase)
     return replace(vehicle, mission=mission)
 
 
-def _reached(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _reached(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     reached = max(vehicle.mission.reached, message['seq'])
     return replace(vehicle, mission=replace(vehicle.mission, reached=reached))
 
 
-def _fence(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _fence(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     return replace(vehicle, is_fence_breached=bool(message['breach_status']))
 
 
-def _time(vehicle: Vehicle, message: Message, _now_s: float) -> Vehicle:
+def _time(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     if not message['time_unix_usec']:
         return vehicle
     boot_s = message['time_unix_usec'] / 1e6 - message['time_boot_ms'] / 1e3

@@ -3,7 +3,7 @@
 
 ``udp://HOST:PORT`` waits there for vehicles; ``udp://HOST:PORT?peer=HOST:PORT`` hears that address
 only (``peer`` may be repeated); ``udpout://HOST:PORT`` and ``tcp://HOST:PORT`` call a vehicle;
-``serial:///dev/ttyACM0?baud=57600`` is a wire.
+``serial:///dev/ttyACM0?baud=57600`` is a serial port.
 """
 
 import ipaddress
@@ -19,7 +19,7 @@ LARGEST_BAUD = 4_000_000
 
 
 class EndpointKind(Enum):
-    """What carries the bytes."""
+    """Carrier of the bytes."""
 
     UDP = 'udp'
     UDP_OUT = 'udpout'
@@ -33,10 +33,14 @@ class Endpoint:
 
     Attributes
     ----------
-    kind: what carries the bytes.
-    host, port: to wait at or to call; not of a serial line.
-    peers: addresses to hear, none: whoever is on this machine.
-    device, baud: of a serial line.
+    kind
+        Carrier of the bytes.
+    host, port
+        Where to wait or whom to call; not of a serial port.
+    peers
+        Addresses to hear; empty: any on this machine.
+    device, baud
+        Of a serial port.
     """
 
     kind: EndpointKind
@@ -48,17 +52,17 @@ class Endpoint:
 
     @property
     def is_stream(self) -> bool:
-        """Whether bytes come without borders."""
+        """Whether the bytes come without message borders."""
         return self.kind in (EndpointKind.TCP, EndpointKind.SERIAL)
 
     @property
     def is_loopback(self) -> bool:
-        """Whether nobody on another machine can reach it."""
+        """Whether it cannot be reached from another machine."""
         return self.kind is not EndpointKind.UDP or is_loopback(self.host)
 
 
 def is_loopback(host: str) -> bool:
-    """Whether `host` is this machine and no other."""
+    """Whether `host` is this machine."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -70,12 +74,15 @@ def parse_endpoint(text: str, *, allow_network: bool = False) -> Endpoint:
 
     Parameters
     ----------
-    text: see the module.
-    allow_network: whether it may wait for senders on other machines.
+    text
+        See the module.
+    allow_network
+        Whether it may wait for senders on other machines.
 
     Raises
     ------
-    EndpointError: naming the text and what is wrong with it.
+    EndpointError
+        Naming the text and what is wrong with it.
     """
     try:
         endpoint = _parsed(text)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A link: addresses of peers, each with its own reader, and what is sent to each.
 
-No input or output: a transport hands in what came from which address, and takes what to send.
+No input or output: a transport hands in the bytes of an address and takes those to send.
 """
 
 from collections.abc import Hashable
@@ -20,7 +20,7 @@ LARGEST_PEER_COUNT = 32
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkIdentity:
-    """Who we are on the wire: a ground station, with a system number of its own."""
+    """Our own MAVLink numbers: a ground station with a system number of its own."""
 
     system: int = 255
     component: int = 190
@@ -33,14 +33,18 @@ class LinkIdentity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkRules:
-    """Whom to listen to.
+    """Addresses that a link hears.
 
     Attributes
     ----------
-    allowed: addresses that are listened to from the start.
-    called: those of them that are greeted before they were heard: we call, they answer.
-    is_discovering: whether any other address may become a peer; for loopback only.
-    is_stream: whether bytes come without borders.
+    allowed
+        Addresses that are heard from the start.
+    called
+        Those of them that get heartbeats before they were heard: we call, they answer.
+    is_discovering
+        Whether any other address may become a peer; for loopback only.
+    is_stream
+        Whether the bytes come without message borders.
     """
 
     allowed: frozenset[Address] = frozenset()
@@ -52,14 +56,17 @@ class LinkRules:
 class Link:
     """Reads and writes MAVLink for any number of peers.
 
-    An address that is not allowed becomes a peer by a well-signed message, or while discovering
-    by any believable one.
+    An address that is not allowed becomes a peer by a message with a good signature, or while
+    discovering by any plausible one.
 
     Parameters
     ----------
-    rules: whom to listen to.
-    identity: who we are.
-    gate, signer: signatures; both or none.
+    rules
+        Addresses to hear.
+    identity
+        Our own MAVLink numbers.
+    gate, signer
+        Check and make signatures; both or none.
     """
 
     def __init__(
@@ -83,16 +90,18 @@ class Link:
 
     @property
     def peers(self) -> tuple[Address, ...]:
-        """Addresses that were heard and believed, and those that we call."""
+        """Addresses that were heard with a good message, and those that we call."""
         return tuple(dict.fromkeys((*self._peers, *self._rules.called)))
 
     def receive(self, address: Address, data: bytes, now_s: float, time_s: float) -> list[Message]:
-        """Return the believable messages in `data` from `address`.
+        """Return the plausible messages in `data` from `address`.
 
         Parameters
         ----------
-        now_s: steady time, seconds.
-        time_s: time of day, seconds since 1970.
+        now_s
+            Steady time, seconds.
+        time_s
+            Time of day, seconds since 1970.
         """
         peer = self._peers.get(address)
         if peer is None and address in self._rules.allowed:
@@ -106,8 +115,10 @@ class Link:
 
         Raises
         ------
-        NotAllowedError: if it may not be sent.
-        ValueError: if a value does not fit into its field.
+        NotAllowedError
+            If it may not be sent.
+        ValueError
+            If a value does not fit into its field.
         """
         self._authority.require(message, now_s)
         number, payload = encode(message)
@@ -127,7 +138,7 @@ class Link:
             self.counters.drop(Reason.UNKNOWN_PEER)
             return []
         messages = self._stranger.receive(data, now_s, time_s)
-        # A modem's own word is unsigned and introduces nobody.
+        # A radio modem sends its own unsigned status; it does not make its address a peer.
         heard = [message for message in messages if message.name != 'RADIO_STATUS']
         if heard:
             self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)

@@ -1,29 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One sender on a link: bytes in, messages out that may be believed.
+"""One sender on a link: bytes in, plausible messages out.
 
 The order of checks: size, frame and checksum, signature, rate, use, plausibility. Nothing that a
-frame says is remembered before its signature was found good.
+frame says is stored before its signature was found good.
 """
 
 from rocsafe_mavlink.wire.counters import Counters, Reason
 from rocsafe_mavlink.wire.dialect import Message, decode
-from rocsafe_mavlink.wire.framing import LARGEST_FRAME, Frame, scan
+from rocsafe_mavlink.wire.framing import LARGEST_FRAME, MavlinkFrame, scan
 from rocsafe_mavlink.wire.plausibility import fault_of, is_read
 from rocsafe_mavlink.wire.rate_limit import RateLimit
-from rocsafe_mavlink.wire.signing import SignatureGate, Verdict
+from rocsafe_mavlink.wire.signing import SignatureGate, SignatureVerdict
 
 LARGEST_DATAGRAM = 4096
 LARGEST_RATE_PER_S = 2000.0
 LARGEST_SENDER_COUNT = 64
-# A gap wider than this is a restart of the sender, not a loss.
+# A larger gap is a restart of the sender, not a loss.
 LARGEST_GAP = 128
-# What a radio modem puts in of itself; it has no key.
+# RADIO_STATUS, which a radio modem inserts; it has no key.
 UNSIGNED_ALLOWED = frozenset({109})
 _REASONS = {
-    Verdict.FORGED: Reason.FORGED,
-    Verdict.REPLAYED: Reason.REPLAYED,
-    Verdict.TOO_OLD: Reason.REPLAYED,
-    Verdict.TOO_MANY_STREAMS: Reason.TOO_MANY_STREAMS,
+    SignatureVerdict.FORGED: Reason.FORGED,
+    SignatureVerdict.REPLAYED: Reason.REPLAYED,
+    SignatureVerdict.TOO_OLD: Reason.REPLAYED,
+    SignatureVerdict.TOO_MANY_STREAMS: Reason.TOO_MANY_STREAMS,
 }
 
 
@@ -32,9 +32,12 @@ class Peer:
 
     Parameters
     ----------
-    counters: of the link.
-    gate: judge of signatures; None reads everything, signed or not.
-    is_stream: whether bytes come without borders (TCP, serial), not in datagrams.
+    counters
+        Counters of the link.
+    gate
+        Checks signatures; None reads everything, signed or not.
+    is_stream
+        Whether the bytes come without message borders (TCP, serial), not in datagrams.
     """
 
     def __init__(
@@ -49,17 +52,20 @@ class Peer:
 
     @property
     def buffered(self) -> int:
-        """Bytes kept of a frame that has not arrived whole."""
+        """Number of bytes kept of a frame that has not arrived whole."""
         return len(self._rest)
 
     def receive(self, data: bytes, now_s: float, time_s: float) -> list[Message]:
-        """Return the believable messages in `data`.
+        """Return the plausible messages in `data`.
 
         Parameters
         ----------
-        data: a datagram, or the next bytes of a stream.
-        now_s: steady time, seconds.
-        time_s: time of day, seconds since 1970, for signatures.
+        data
+            A datagram, or the next bytes of a stream.
+        now_s
+            Steady time, seconds.
+        time_s
+            Time of day, seconds since 1970, for signatures.
         """
         messages = []
         for frame in self._frames(data):
@@ -75,13 +81,13 @@ class Peer:
         self._counters.received += len(messages)
         return messages
 
-    def _frames(self, data: bytes) -> list[Frame]:
+    def _frames(self, data: bytes) -> list[MavlinkFrame]:
         if not self._is_stream and len(data) > LARGEST_DATAGRAM:
             self._counters.drop(Reason.OVERSIZE)
             return []
         found = scan(self._rest + data, is_whole=not self._is_stream)
         if self._is_stream:
-            # At most one frame that is not yet whole, whatever was sent.
+            # At most one incomplete frame is kept, whatever was sent.
             self._rest = (self._rest + data)[found.used :][-LARGEST_FRAME:]
         elif not found.frames:
             self._counters.drop(Reason.NO_FRAME)
@@ -89,7 +95,7 @@ class Peer:
             self._counters.drop(Reason.FALSE_START, found.false_starts)
         return found.frames
 
-    def _is_genuine(self, frame: Frame, time_s: float) -> bool:
+    def _is_genuine(self, frame: MavlinkFrame, time_s: float) -> bool:
         if self._gate is None:
             return True
         if not frame.is_signed:
@@ -98,11 +104,11 @@ class Peer:
             self._counters.drop(Reason.UNSIGNED)
             return False
         verdict = self._gate.judge(frame, time_s)
-        if verdict is not Verdict.GOOD:
+        if verdict is not SignatureVerdict.GOOD:
             self._counters.drop(_REASONS[verdict])
-        return verdict is Verdict.GOOD
+        return verdict is SignatureVerdict.GOOD
 
-    def _count_lost(self, frame: Frame) -> None:
+    def _count_lost(self, frame: MavlinkFrame) -> None:
         sender = (frame.system, frame.component)
         last = self._sequences.get(sender)
         if last is None and len(self._sequences) >= LARGEST_SENDER_COUNT:
@@ -112,7 +118,7 @@ class Peer:
         if gap < LARGEST_GAP:
             self._counters.lost += gap
 
-    def _believable(self, frame: Frame) -> Message | None:
+    def _believable(self, frame: MavlinkFrame) -> Message | None:
         message = decode(frame.message_id, frame.payload, frame.system, frame.component)
         if not is_read(message.name):
             self._counters.drop(Reason.UNUSED)

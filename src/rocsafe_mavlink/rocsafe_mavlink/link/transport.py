@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bytes in and out, without waiting: UDP, TCP and serial lines.
+"""Bytes in and out, without waiting: UDP, TCP and serial ports.
 
-A line that breaks is opened again at a later call; what was to be sent meanwhile is lost, as on a
-radio. Nothing here knows MAVLink.
+A connection that breaks is opened again at a later call; what was to be sent meanwhile is lost, as
+on a radio. Nothing here knows MAVLink.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
 from rocsafe_mavlink.link.link import Address
 
-# One look takes at most this many pieces, so that a flood cannot hold its caller.
+# One call takes at most this many pieces, so that a flood cannot block its caller.
 LARGEST_TAKE = 256
 LARGEST_PIECE = 65_535
 RETRY_S = 1.0
@@ -25,7 +25,7 @@ Piece = tuple[Address, bytes]
 
 
 class Transport(Protocol):
-    """What a link needs of the world."""
+    """Carries bytes for a station."""
 
     def take(self, now_s: float) -> list[Piece]:
         """Return what has come since the last call: sender and bytes."""
@@ -34,7 +34,7 @@ class Transport(Protocol):
         """Send to a peer; return whether it went out."""
 
     def close(self) -> None:
-        """Give the socket or device back."""
+        """Close the socket or device."""
 
 
 class UdpTransport:
@@ -42,7 +42,8 @@ class UdpTransport:
 
     Raises
     ------
-    EndpointError: if the port cannot be had.
+    EndpointError
+        If the port cannot be opened.
     """
 
     def __init__(self, endpoint: Endpoint) -> None:
@@ -65,7 +66,7 @@ class UdpTransport:
         return int(self._socket.getsockname()[1])
 
     def take(self, now_s: float) -> list[Piece]:  # noqa: ARG002 - nothing to open again
-        """Return the datagrams that wait."""
+        """Return the datagrams that have arrived."""
         pieces: list[Piece] = []
         for _ in range(LARGEST_TAKE):
             try:
@@ -73,13 +74,13 @@ class UdpTransport:
             except BlockingIOError:
                 break
             except OSError:
-                # An earlier datagram was refused at the other end: nobody is there yet.
+                # An earlier datagram was refused: nobody listens at the other end yet.
                 continue
             pieces.append((sender[:2], data))
         return pieces
 
     def send(self, address: Address, data: bytes) -> bool:
-        """Send one datagram; False if it could not even be handed to the system."""
+        """Send one datagram; return False if the system did not take it."""
         try:
             if self._is_connected:
                 self._socket.send(data)
@@ -95,27 +96,29 @@ class UdpTransport:
 
 
 class StreamTransport:
-    """Bytes of one line, opened again when it breaks.
+    """Bytes of one connection, opened again when it breaks.
 
     Parameters
     ----------
-    address: name under which its bytes are reported.
-    open_line: opens it and returns a descriptor that does not block; raises OSError if it cannot.
+    address
+        Name under which its bytes are reported.
+    open_stream
+        Opens it and returns a descriptor that does not block; raises OSError if it cannot.
     """
 
-    def __init__(self, address: Address, open_line: Callable[[], int]) -> None:
+    def __init__(self, address: Address, open_stream: Callable[[], int]) -> None:
         self._address = address
-        self._open_line = open_line
+        self._open_stream = open_stream
         self._descriptor: int | None = None
         self._retry_at_s = -RETRY_S
 
     @property
     def is_open(self) -> bool:
-        """Whether the line is open."""
+        """Whether the connection is open."""
         return self._descriptor is not None
 
     def take(self, now_s: float) -> list[Piece]:
-        """Return the bytes that wait; open the line if it is not open."""
+        """Return the bytes that have arrived; open the connection if it is not open."""
         self._ensure_open(now_s)
         pieces: list[Piece] = []
         while self._descriptor is not None and len(pieces) < LARGEST_TAKE:
@@ -131,12 +134,12 @@ class StreamTransport:
             pieces.append((self._address, data))
         return pieces
 
-    def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a line has one end
-        """Send bytes; False if the line is closed or full."""
+    def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a stream has one end
+        """Send bytes; return False if the connection is closed or full."""
         if self._descriptor is None:
             return False
         try:
-            # A frame cut in two is a damaged one to its reader, and counted there.
+            # A frame that is cut in two is counted as damaged by its reader.
             return os.write(self._descriptor, data) == len(data)
         except BlockingIOError:
             return False
@@ -145,7 +148,7 @@ class StreamTransport:
             return False
 
     def close(self) -> None:
-        """Close the line; the next look opens it again."""
+        """Close the connection; the next `take` opens it again."""
         if self._descriptor is not None:
             with contextlib.suppress(OSError):
                 os.close(self._descriptor)
@@ -155,7 +158,7 @@ class StreamTransport:
         if self._descriptor is None and now_s >= self._retry_at_s:
             self._retry_at_s = now_s + RETRY_S
             with contextlib.suppress(OSError):
-                self._descriptor = self._open_line()
+                self._descriptor = self._open_stream()
 
 
 def open_transport(endpoint: Endpoint) -> Transport:
@@ -163,7 +166,8 @@ def open_transport(endpoint: Endpoint) -> Transport:
 
     Raises
     ------
-    EndpointError: if a port cannot be had or a baud rate is not one of the system's.
+    EndpointError
+        If a port cannot be opened, or the system does not know the baud rate.
     """
     if endpoint.kind in (EndpointKind.UDP, EndpointKind.UDP_OUT):
         return UdpTransport(endpoint)
@@ -183,18 +187,18 @@ def address_of(endpoint: Endpoint) -> Address:
 
 
 def _open_tcp(endpoint: Endpoint) -> int:
-    line = socket.socket(_family(endpoint.host), socket.SOCK_STREAM)
-    line.setblocking(False)
-    line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection = socket.socket(_family(endpoint.host), socket.SOCK_STREAM)
+    connection.setblocking(False)
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     try:
-        line.connect((endpoint.host, endpoint.port))
+        connection.connect((endpoint.host, endpoint.port))
     except BlockingIOError:
-        # The call is under way; until it is answered, reading finds nothing.
+        # The connection is being made; until then reading finds nothing.
         pass
     except OSError:
-        line.close()
+        connection.close()
         raise
-    return line.detach()
+    return connection.detach()
 
 
 def _open_serial(device: str, speed: int) -> int:

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """One command and its answer: ``(state, message or tick) -> (state, messages to send)``.
 
-A command is repeated while no answer comes, its `confirmation` counted up. An autopilot says why
-it refused in a text of its own, half a second before to a second and a half after the refusal;
-these texts belong to the answer.
+A command is repeated while no answer comes, with its `confirmation` counted up. An autopilot says
+why it refused in a text of its own, from half a second before to a second and a half after the
+refusal; these texts belong to the answer.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from rocsafe_mavlink.protocols.timing import COMMAND_TIMING, CommandTiming
 from rocsafe_mavlink.wire.authority import (
     COMPONENT_ARM_DISARM,
     DO_CHANGE_SPEED,
@@ -20,13 +21,7 @@ from rocsafe_mavlink.wire.authority import (
 )
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
-REPEAT_S = 1.5
-LARGEST_SEND_COUNT = 4
-TEXT_BEFORE_S = 0.5
-TEXT_AFTER_S = 1.5
 LARGEST_TEXT_COUNT = 10
-# How long a command may be under way.
-PROGRESS_S = 10.0
 ACCEPTED, IN_PROGRESS = 0, 5
 RESULTS = {
     1: 'temporarily rejected',
@@ -40,7 +35,7 @@ Target = tuple[int, int]
 
 
 class CallStage(Enum):
-    """How far a command is."""
+    """Progress of a command."""
 
     WAITING = 'waiting'
     EXPLAINING = 'explaining'
@@ -50,7 +45,7 @@ class CallStage(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class HeardText:
     """A text of the autopilot and when it came, steady seconds."""
 
     time_s: float
@@ -63,13 +58,22 @@ class CommandCall:
 
     Attributes
     ----------
-    command: the COMMAND_LONG or COMMAND_INT.
-    us: our (system, component), which an answer may name.
-    stage: how far it is.
-    wait_until_s: steady time until which nothing is done.
-    sends: how often it was sent.
-    result: number of the answer, -1 before.
-    heard: what the autopilot said around its refusal.
+    command
+        The COMMAND_LONG or COMMAND_INT.
+    us
+        Our own (system, component), which an answer may name.
+    stage
+        Progress of the command.
+    wait_until_s
+        Steady time until which nothing is done.
+    sends
+        How often it was sent.
+    result
+        MAV_RESULT of the answer, -1 before.
+    heard
+        Texts of the autopilot around its refusal.
+    timing
+        Deadlines and repetitions.
     """
 
     command: Message
@@ -78,7 +82,8 @@ class CommandCall:
     wait_until_s: float = 0.0
     sends: int = 0
     result: int = -1
-    heard: tuple[Heard, ...] = ()
+    heard: tuple[HeardText, ...] = ()
+    timing: CommandTiming = COMMAND_TIMING
 
     @property
     def is_over(self) -> bool:
@@ -87,7 +92,7 @@ class CommandCall:
 
     @property
     def error(self) -> str:
-        """Why it was not done, in the autopilot's words where it has some; empty if it was."""
+        """Why it was not done, with the autopilot's own texts; empty if it was."""
         if self.stage is CallStage.UNANSWERED:
             return f'no answer to command {self.command["command"]}'
         if self.stage is not CallStage.REFUSED:
@@ -97,17 +102,17 @@ class CommandCall:
         return '; '.join((f'command {self.command["command"]} {what}', *texts))
 
     def begin(
-        self, now_s: float, heard: Sequence[Heard] = ()
+        self, now_s: float, heard: Sequence[HeardText] = ()
     ) -> tuple['CommandCall', list[Message]]:
         """Send it; `heard` are the latest texts."""
-        return replace(self, heard=_recent(heard, now_s))._send(now_s)
+        return replace(self, heard=self._recent(heard, now_s))._send(now_s)
 
     def on_message(self, message: Message, now_s: float) -> 'CommandCall':
         """Take a message of the autopilot; those of others change nothing."""
         if self.is_over or message.system != self.command['target_system']:
             return self
         if message.name == 'STATUSTEXT':
-            return self._hear(Heard(now_s, str(message['text'])))
+            return self._hear(HeardText(now_s, str(message['text'])))
         if self.stage is CallStage.WAITING and self._is_answer(message):
             return self._answered(int(message['result']), now_s)
         return self
@@ -118,7 +123,7 @@ class CommandCall:
             return self, []
         if self.stage is CallStage.EXPLAINING:
             return replace(self, stage=CallStage.REFUSED), []
-        if self.sends >= LARGEST_SEND_COUNT:
+        if self.sends >= self.timing.largest_send_count:
             return replace(self, stage=CallStage.UNANSWERED), []
         return self._send(now_s)
 
@@ -126,13 +131,17 @@ class CommandCall:
         fields = dict(self.command.fields)
         if self.command.name == 'COMMAND_LONG':
             fields['confirmation'] = self.sends
-        sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + REPEAT_S)
+        sent = replace(self, sends=self.sends + 1, wait_until_s=now_s + self.timing.repeat_s)
         return sent, [Message(self.command.name, fields)]
 
-    def _hear(self, word: Heard) -> 'CommandCall':
+    def _hear(self, word: HeardText) -> 'CommandCall':
         is_explaining = self.stage is CallStage.EXPLAINING
-        kept = self.heard if is_explaining else _recent(self.heard, word.time_s)
+        kept = self.heard if is_explaining else self._recent(self.heard, word.time_s)
         return replace(self, heard=(*kept, word)[:LARGEST_TEXT_COUNT])
+
+    def _recent(self, heard: Sequence[HeardText], now_s: float) -> tuple[HeardText, ...]:
+        before_s = self.timing.text_before_s
+        return tuple(word for word in heard if now_s - word.time_s <= before_s)
 
     def _is_answer(self, message: Message) -> bool:
         if message.name != 'COMMAND_ACK' or message['command'] != self.command['command']:
@@ -145,10 +154,10 @@ class CommandCall:
         if result == ACCEPTED:
             return replace(self, stage=CallStage.ACCEPTED, result=result)
         if result == IN_PROGRESS:
-            return replace(self, wait_until_s=now_s + PROGRESS_S)
+            return replace(self, wait_until_s=now_s + self.timing.progress_s)
         stage = CallStage.EXPLAINING
-        until_s = now_s + TEXT_AFTER_S
-        heard = _recent(self.heard, now_s)
+        until_s = now_s + self.timing.text_after_s
+        heard = self._recent(self.heard, now_s)
         return replace(self, stage=stage, result=result, wait_until_s=until_s, heard=heard)
 
 
@@ -164,7 +173,7 @@ def arm(target: Target) -> Message:
 
 
 def disarm(target: Target) -> Message:
-    """Return the command to stop the motors, which an autopilot refuses in flight."""
+    """Return the command to stop the motors, which autopilots refuse in flight."""
     return command(COMPONENT_ARM_DISARM, target, 0.0)
 
 
@@ -174,12 +183,12 @@ def start_mission(target: Target, item: int = 0) -> Message:
 
 
 def pause(target: Target) -> Message:
-    """Return the command to stand still within a mission."""
+    """Return the command to stop within a mission."""
     return command(DO_PAUSE_CONTINUE, target, 0.0)
 
 
 def resume(target: Target) -> Message:
-    """Return the command to go on after a pause."""
+    """Return the command to continue after a pause."""
     return command(DO_PAUSE_CONTINUE, target, 1.0)
 
 
@@ -189,14 +198,10 @@ def change_speed(target: Target, speed_mps: float) -> Message:
 
 
 def set_current(target: Target, item: int) -> Message:
-    """Return the command to go on with item `item`."""
+    """Return the command to continue with item `item`."""
     return command(DO_SET_MISSION_CURRENT, target, item)
 
 
 def set_interval(target: Target, message_id: int, rate_hz: float) -> Message:
     """Return the command to send a message at a rate."""
     return command(SET_MESSAGE_INTERVAL, target, message_id, 1e6 / rate_hz)
-
-
-def _recent(heard: Sequence[Heard], now_s: float) -> tuple[Heard, ...]:
-    return tuple(word for word in heard if now_s - word.time_s <= TEXT_BEFORE_S)

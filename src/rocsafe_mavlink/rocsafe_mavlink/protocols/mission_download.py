@@ -5,17 +5,15 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rocsafe_mavlink.protocols.mission_item import MissionItem, item_of
+from rocsafe_mavlink.protocols.timing import TRANSFER_TIMING, TransferTiming
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
-ASK_AGAIN_S = 1.0
-# With 40 % of all messages lost, one item in ten thousand misses so many.
-LARGEST_ASK_COUNT = 20
 # More items than any autopilot holds.
 LARGEST_ITEM_COUNT = 5000
 
 
 class DownloadStage(Enum):
-    """How far a download is."""
+    """Progress of a download."""
 
     LISTING = 'listing'
     READING = 'reading'
@@ -29,14 +27,24 @@ class Download:
 
     Attributes
     ----------
-    target: (system, component) of the autopilot.
-    mission_type: mission, fence or rally points.
-    stage: how far it is.
-    count: items that there are, once it is known.
-    items: those read so far.
-    asked_s: steady time of the last question.
-    asks: how often it was asked.
-    error: why it failed.
+    target
+        (system, component) of the autopilot.
+    mission_type
+        Mission, fence or rally points.
+    stage
+        Progress of the download.
+    count
+        Number of items, once it is known.
+    items
+        Items read so far.
+    asked_s
+        Steady time of the last question.
+    asks
+        How often the last question was asked.
+    error
+        Why the download failed.
+    timing
+        Deadlines and repetitions.
     """
 
     target: tuple[int, int]
@@ -47,6 +55,7 @@ class Download:
     asked_s: float = 0.0
     asks: int = 0
     error: str = ''
+    timing: TransferTiming = TRANSFER_TIMING
 
     def begin(self, now_s: float) -> tuple['Download', list[Message]]:
         """Ask for the number of items."""
@@ -65,9 +74,9 @@ class Download:
     def on_tick(self, now_s: float) -> tuple['Download', list[Message]]:
         """Let time pass."""
         is_over = self.stage in (DownloadStage.DONE, DownloadStage.FAILED)
-        if is_over or now_s - self.asked_s < ASK_AGAIN_S:
+        if is_over or now_s - self.asked_s < self.timing.ask_again_s:
             return self, []
-        if self.asks >= LARGEST_ASK_COUNT:
+        if self.asks >= self.timing.largest_ask_count:
             what = f'item {len(self.items)}' if self.stage is DownloadStage.READING else 'a count'
             error = f'the mission could not be read back: no answer to {what}'
             return replace(self, stage=DownloadStage.FAILED, error=error), []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Items of a mission as they travel, and whether one that came back is the one that was sent."""
+"""Mission items as they are sent, and the comparison with an item that was read back."""
 
 import math
 import struct
@@ -9,11 +9,11 @@ from rocsafe_geo.limits import require_count, require_finite
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 GLOBAL, MISSION_FRAME, GLOBAL_RELATIVE, GLOBAL_INT, RELATIVE_INT = 0, 2, 3, 5, 6
-# Of two ways to say the same, autopilots answer with the older one.
+# Of two frames with one meaning, autopilots answer with the older one.
 _READ_BACK_FRAMES = {RELATIVE_INT: GLOBAL_RELATIVE, GLOBAL_INT: GLOBAL}
-# Commands without a place: their frame and coordinates come back as the autopilot likes.
+# Commands without a place: autopilots change their frame and coordinates.
 PLACELESS = frozenset({20, 178, 206, 112, 115})
-# Commands whose coordinates are parameters five and six: only their frame means nothing.
+# Commands whose coordinates are parameters five and six: their frame has no meaning.
 FRAMELESS = frozenset({203, 2000})
 PARAMETERS = ('param1', 'param2', 'param3', 'param4')
 # Heights are stored in centimetres, parameters in as little as two decimals.
@@ -27,11 +27,16 @@ class MissionItem:
 
     Attributes
     ----------
-    command: MAV_CMD.
-    frame: MAV_FRAME of `x_e7`, `y_e7` and `z_m`.
-    x_e7, y_e7: latitude and longitude in 1e-7 degrees.
-    z_m: height above home, or altitude above mean sea level, by the frame.
-    parameters: the first four.
+    command
+        MAV_CMD.
+    frame
+        MAV_FRAME of `x_e7`, `y_e7` and `z_m`.
+    x_e7, y_e7
+        Latitude and longitude in 1e-7 degrees.
+    z_m
+        Height above home, or altitude above mean sea level, depending on the frame.
+    parameters
+        The first four parameters.
     """
 
     command: int
@@ -67,7 +72,7 @@ class MissionItem:
 
 
 def item_of(message: Message) -> MissionItem:
-    """Return the item of a MISSION_ITEM_INT; what is no number counts as 0."""
+    """Return the item of a MISSION_ITEM_INT; parameters that are NaN count as 0."""
     parameters = tuple(_or_zero(message[name]) for name in PARAMETERS)
     return MissionItem(
         command=message['command'],
@@ -80,7 +85,7 @@ def item_of(message: Message) -> MissionItem:
 
 
 def difference(sent: MissionItem, back: MissionItem) -> str:
-    """Return how `back` differs from what was sent; empty if it means the same."""
+    """Return how `back` differs from what was sent; empty if both mean the same."""
     sent, back = _normal(sent), _normal(back)
     for name in ('command', 'frame', 'x_e7', 'y_e7'):
         if getattr(sent, name) != getattr(back, name):
@@ -107,5 +112,5 @@ def _or_zero(value: float) -> float:
 
 
 def _single(value: float) -> float:
-    """Return `value` as it travels, in single precision."""
+    """Return `value` in single precision, as it is sent."""
     return float(struct.unpack('<f', struct.pack('<f', value))[0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an autopilot means by the number of a MISSION_ACK."""
+"""Meaning of the number of a MISSION_ACK."""
 
 from collections.abc import Mapping
 from enum import IntEnum
@@ -11,6 +11,11 @@ class MissionType(IntEnum):
     MISSION = 0
     FENCE = 1
     RALLY = 2
+
+    @property
+    def word(self) -> str:
+        """Word for people."""
+        return self.name.lower()
 
 
 ACCEPTED, INVALID_SEQUENCE = 0, 13
@@ -31,7 +36,7 @@ RESULTS: Mapping[int, str] = {
     14: 'denied: another station transfers a mission',
     15: 'transfer cancelled',
 }
-# These may go better at the next try.
+# Another try may succeed after these.
 PASSING = frozenset({1, 14, 15})
 
 

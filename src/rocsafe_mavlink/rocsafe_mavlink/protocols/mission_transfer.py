@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission is on the vehicle when what was read back is what was sent, and not before.
+"""Verified upload: a mission is on the vehicle when what was read back is what was sent.
 
-An acknowledgement is no approval, and an upload that failed has overwritten the mission before it.
-So after an upload the mission is read back and compared; what differs is sent again; and when that
-does not help, the mission is cleared, so that nothing half-written can be flown.
+An acknowledgement is no proof, and an upload that failed has overwritten the mission before it. So
+after an upload the mission is read back and compared. If it differs it is sent again, and if that
+does not help it is cleared, so that no partial mission can be flown.
 """
 
 from collections.abc import Sequence
@@ -12,17 +12,13 @@ from enum import Enum
 
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
 from rocsafe_mavlink.protocols.mission_item import MissionItem, difference
-from rocsafe_mavlink.protocols.mission_results import ACCEPTED, result_text
+from rocsafe_mavlink.protocols.mission_results import ACCEPTED, MissionType, result_text
 from rocsafe_mavlink.protocols.mission_upload import Upload, UploadStage
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
-LARGEST_TRY_COUNT = 5
-CLEAR_AGAIN_S = 1.5
-LARGEST_CLEAR_COUNT = 5
-
 
 class TransferStage(Enum):
-    """How far a transfer is."""
+    """Progress of a transfer."""
 
     UPLOADING = 'uploading'
     READING_BACK = 'reading back'
@@ -37,15 +33,24 @@ class Transfer:
 
     Attributes
     ----------
-    upload, download: the parts under way.
-    first_compared: items before it belong to the autopilot (1 where item 0 is home).
-    stage: how far it is.
-    tries: uploads begun.
-    error: why it failed, or why the try before this one did.
-    asked_s, clears: of the clearing.
-    is_cleared: whether the autopilot said, after a failure, that its mission is empty.
-    begins_again: whether it is offered anew once an autopilot that was stuck is cleared.
-    clears_after_failure: whether what may be half written is cleared; not while it is flown.
+    upload, download
+        The parts under way.
+    first_compared
+        Items before it belong to the autopilot (1 where item 0 is home).
+    stage
+        Progress of the transfer.
+    tries
+        Uploads begun.
+    error
+        Why it failed, or why the try before this one did.
+    asked_s, clears
+        Steady time of the last request to clear, and number of requests.
+    is_cleared
+        Whether the autopilot confirmed, after a failure, that its mission is empty.
+    begins_again
+        Whether it is offered again once an autopilot that was stuck is cleared.
+    clears_after_failure
+        Whether a partial mission is cleared; not while it may be flown.
     """
 
     upload: Upload
@@ -62,8 +67,13 @@ class Transfer:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will happen."""
+        """Whether it is verified or has failed."""
         return self.stage in (TransferStage.VERIFIED, TransferStage.FAILED)
+
+    @property
+    def mission_type(self) -> MissionType:
+        """Mission, fence or rally points."""
+        return MissionType(self.upload.mission_type)
 
     def begin(self, now_s: float) -> tuple['Transfer', list[Message]]:
         """Start the upload."""
@@ -102,15 +112,19 @@ class Transfer:
         if self.stage is TransferStage.READING_BACK:
             download, sent = self.download.on_tick(now_s)
             return replace(self, download=download)._after_download(now_s, sent)
-        if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= CLEAR_AGAIN_S:
+        if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= self._clear_again_s:
             return self._clear(now_s)
         return self, []
+
+    @property
+    def _clear_again_s(self) -> float:
+        return self.upload.timing.clear_again_s
 
     def _after_upload(self, now_s: float, sent: list[Message]) -> tuple['Transfer', list[Message]]:
         if self.upload.stage is UploadStage.FAILED:
             return self._try_again(now_s, self.upload.error, is_passing=self.upload.is_passing)
         if self.upload.stage is UploadStage.DONE:
-            fresh = Download(target=self.upload.target, mission_type=self.upload.mission_type)
+            fresh = replace(self.download, stage=DownloadStage.LISTING, items=(), asks=0, error='')
             download, asked = fresh.begin(now_s)
             stage = TransferStage.READING_BACK
             return replace(self, stage=stage, download=download), sent + asked
@@ -133,14 +147,14 @@ class Transfer:
         self, now_s: float, error: str, *, is_passing: bool
     ) -> tuple['Transfer', list[Message]]:
         noted = replace(self, error=error)
-        if is_passing and self.tries < LARGEST_TRY_COUNT:
+        if is_passing and self.tries < self.upload.timing.largest_try_count:
             return noted.begin(now_s)
         if not self.clears_after_failure:
             return replace(noted, stage=TransferStage.FAILED), []
         return replace(noted, stage=TransferStage.CLEARING)._clear(now_s)
 
     def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
-        if self.clears >= LARGEST_CLEAR_COUNT:
+        if self.clears >= self.upload.timing.largest_clear_count:
             return replace(self, stage=TransferStage.FAILED), []
         asked, upload = replace(self, asked_s=now_s, clears=self.clears + 1), self.upload
         clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)
@@ -167,9 +181,12 @@ def transfer(
 
     Parameters
     ----------
-    items: as they shall lie on the autopilot, its own item 0 included where it has one.
-    target: (system, component) of the autopilot.
-    first_compared: 1 where item 0 is the autopilot's home, else 0.
+    items
+        As they shall lie on the autopilot, its own item 0 included where it has one.
+    target
+        (system, component) of the autopilot.
+    first_compared
+        1 where item 0 is the autopilot's home, else 0.
     """
     return Transfer(
         upload=Upload(items=tuple(items), target=target, mission_type=mission_type),
@@ -180,7 +197,7 @@ def transfer(
 
 
 def compare(sent: Sequence[MissionItem], back: Sequence[MissionItem], first_compared: int) -> str:
-    """Return how a mission that was read back differs from what was sent; empty if not at all."""
+    """Return how a mission that was read back differs from what was sent; empty if it does not."""
     if len(sent) != len(back):
         return f'the mission read back has {len(back)} items, sent were {len(sent)}'
     for number in range(first_compared, len(sent)):

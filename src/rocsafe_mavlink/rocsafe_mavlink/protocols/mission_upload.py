@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sending a mission: ``(state, message or tick) -> (state, messages to send)``.
+"""Mission upload: ``(state, message or tick) -> (state, messages to send)``.
 
-The autopilot leads: it asks for each item, as often as it likes, and every question is answered at
-once, also one asked again. Autopilots ask by the old MISSION_REQUEST as well; the answer is
-MISSION_ITEM_INT all the same, since the older item rounds places to metres.
+The autopilot leads: it asks for each item, as often as it likes, and every request is answered at
+once, repeated ones too. Autopilots also ask by the old MISSION_REQUEST. The answer is
+MISSION_ITEM_INT all the same: the older item rounds places to metres.
 """
 
 from dataclasses import dataclass, replace
@@ -16,22 +16,14 @@ from rocsafe_mavlink.protocols.mission_results import (
     PASSING,
     result_text,
 )
+from rocsafe_mavlink.protocols.timing import TRANSFER_TIMING, TransferTiming
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 REQUESTS = ('MISSION_REQUEST', 'MISSION_REQUEST_INT')
-OFFER_AGAIN_S = 1.5
-# With 40 % of all messages lost, one vehicle in a thousand misses so many.
-LARGEST_OFFER_COUNT = 15
-# A PX4 may think that another transfer is under way, and refuse every offer by its type.
-FEWEST_STUCK_OFFERS = 2
-# No autopilot asks again later than this.
-NO_REQUEST_S = 10.0
-# So long after the last item was sent, a lost acknowledgement is the likely reason for silence.
-NO_ACK_S = 3.5
 
 
 class UploadStage(Enum):
-    """How far an upload is."""
+    """Progress of an upload."""
 
     OFFERED = 'offered'
     SENDING = 'sending'
@@ -45,16 +37,28 @@ class Upload:
 
     Attributes
     ----------
-    items: what is sent.
-    target: (system, component) of the autopilot.
-    mission_type: mission, fence or rally points.
-    stage: how far it is.
-    heard_s: steady time of the last sign that it goes on.
-    offers: how often it was offered.
-    highest: highest item that was asked for; -1 if none.
-    error: why it failed.
-    is_passing: whether another try may go better.
-    is_stuck: whether offers are refused for a transfer of another type.
+    items
+        Items to send.
+    target
+        (system, component) of the autopilot.
+    mission_type
+        Mission, fence or rally points.
+    stage
+        Progress of the upload.
+    heard_s
+        Steady time of the last sign of progress.
+    offers
+        How often it was offered.
+    highest
+        Highest item that was asked for; -1 if none.
+    error
+        Why the upload failed.
+    is_passing
+        Whether another try may succeed.
+    is_stuck
+        Whether offers are refused because of a transfer of another type.
+    timing
+        Deadlines and repetitions.
     """
 
     items: tuple[MissionItem, ...]
@@ -67,6 +71,7 @@ class Upload:
     error: str = ''
     is_passing: bool = False
     is_stuck: bool = False
+    timing: TransferTiming = TRANSFER_TIMING
 
     def begin(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Offer the mission."""
@@ -88,16 +93,18 @@ class Upload:
     def on_tick(self, now_s: float) -> tuple['Upload', list[Message]]:
         """Let time pass."""
         silence_s = now_s - self.heard_s
-        if self.stage is UploadStage.OFFERED and silence_s >= OFFER_AGAIN_S:
-            if self.offers >= LARGEST_OFFER_COUNT:
+        if self.stage is UploadStage.OFFERED and silence_s >= self.timing.offer_again_s:
+            if self.offers >= self.timing.largest_offer_count:
                 return self._failed('no answer to the offer of a mission', is_passing=False), []
             return self.begin(now_s)
         if self.stage is UploadStage.SENDING:
-            if self._was_all_asked and silence_s >= NO_ACK_S:
+            if self._was_all_asked and silence_s >= self.timing.no_ack_s:
                 # Only reading it back can tell now.
                 return replace(self, stage=UploadStage.DONE), []
-            if silence_s >= NO_REQUEST_S:
-                text = f'no request for item {self.highest + 1} within {NO_REQUEST_S:g} s'
+            if silence_s >= self.timing.no_request_s:
+                text = (
+                    f'no request for item {self.highest + 1} within {self.timing.no_request_s:g} s'
+                )
                 return self._failed(text, is_passing=True), []
         return self, []
 
@@ -116,14 +123,14 @@ class Upload:
             self,
             stage=UploadStage.SENDING,
             heard_s=now_s,
-            # From its first item on it is another transfer: the offer was heard again.
+            # A request for item 0 begins a new transfer: the offer was heard again.
             highest=0 if number == 0 else max(self.highest, number),
         )
         return going, [self.items[number].message(number, self.target, self.mission_type)]
 
     def _on_ack(self, result: int) -> 'Upload':
         if result == ACCEPTED:
-            # Before the end it belongs to something older.
+            # Before the last item it belongs to an earlier transfer.
             return replace(self, stage=UploadStage.DONE) if self._was_all_asked else self
         if result == INVALID_SEQUENCE:
             # An item arrived twice; the autopilot goes on.
@@ -134,7 +141,9 @@ class Upload:
     def _on_other(self, message: Message) -> 'Upload':
         """Take a message about a transfer of another type."""
         is_refusal = message.name == 'MISSION_ACK' and message['type'] in PASSING
-        is_answer = self.stage is UploadStage.OFFERED and self.offers >= FEWEST_STUCK_OFFERS
+        is_answer = (
+            self.stage is UploadStage.OFFERED and self.offers >= self.timing.fewest_stuck_offers
+        )
         if not is_refusal or not is_answer:
             return self
         failed = self._failed(result_text(int(message['type'])), is_passing=False)

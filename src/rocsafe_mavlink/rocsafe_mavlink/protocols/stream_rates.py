@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which messages a vehicle shall send how often, and when to ask for one again.
+"""Rates of the messages of a vehicle, and when to ask for one again.
 
-Rates are kept per channel and are lost when an autopilot starts again: then only heartbeats come.
-So each message is watched, and asked for when three of it are missing.
+Rates are kept per channel and are lost when an autopilot restarts: then only heartbeats come. So
+each message is watched, and asked for when three of it in a row are missing.
 """
 
 import math
@@ -23,7 +23,7 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'HOME_POSITION': (242, 1.0),
 }
 MISSING_PERIODS = 3.0
-# An answer may take a while; what a vehicle does not have is asked for now and then.
+# An answer takes time; messages that a vehicle does not have are asked for rarely.
 ASK_AGAIN_S = 5.0
 # Between two questions to one vehicle, so that its commands find room.
 PACE_S = 0.3
@@ -34,7 +34,8 @@ class StreamRates:
 
     Parameters
     ----------
-    position_rate_hz: positions a second; None: as in `WANTED`.
+    position_rate_hz
+        Positions a second; None: as in `WANTED`.
     """
 
     def __init__(self, position_rate_hz: float | None = None) -> None:
@@ -53,7 +54,7 @@ class StreamRates:
     def due(self, now_s: float, unsent: frozenset[str] = frozenset()) -> tuple[int, float] | None:
         """Return number and rate of a message to ask for now, None if there is none.
 
-        `unsent` are those that this kind of autopilot does not have.
+        `unsent` are messages that this kind of autopilot does not have.
         """
         if now_s - self._last_ask_s < PACE_S:
             return None

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What may be sent to an autopilot at all; everything else is refused here, last before the wire.
+"""Messages and commands that may be sent to an autopilot; all others are refused before the wire.
 
-Ending a flight by force, rebooting and writing parameters are not among it.
+Ending a flight by force, rebooting and writing parameters are not among them.
 """
 
 import math
@@ -49,22 +49,23 @@ MESSAGES = frozenset(
     }
 )
 _COMMAND_MESSAGES = ('COMMAND_LONG', 'COMMAND_INT')
-# Unused parameters of these may be NaN, which then means "as it is".
+# In these an unused parameter may be NaN, which means "leave it as it is".
 _NAN_ALLOWED = frozenset({NAV_LAND, DO_REPOSITION})
 
 
 class Authority:
-    """Lets pass what may be sent, at most ten commands a second to each system."""
+    """Lets permitted messages pass, and at most ten commands a second to each system."""
 
     def __init__(self) -> None:
         self._rates: dict[int, RateLimit] = {}
 
     def require(self, message: Message, now_s: float) -> None:
-        """Check a message about to be sent.
+        """Check a message that is about to be sent.
 
         Raises
         ------
-        NotAllowedError: naming it and the rule that it breaks.
+        NotAllowedError
+            Naming the message and the rule that it breaks.
         """
         if message.name not in MESSAGES:
             raise NotAllowedError(f'{message.name} is not among the messages that may be sent')

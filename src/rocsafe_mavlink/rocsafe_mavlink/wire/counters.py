@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was received, sent and dropped, by reason: nothing is dropped in silence."""
+"""Counts of what was received, sent and dropped, with the reason: nothing is dropped unseen."""
 
 from collections import Counter
 from enum import Enum
@@ -27,9 +27,12 @@ class Counters:
 
     Attributes
     ----------
-    received: messages passed on.
-    sent: messages handed to the transport.
-    lost: messages missing between two sequence numbers of one sender.
+    received
+        Messages passed on.
+    sent
+        Messages handed to the transport.
+    lost
+        Messages missing between two sequence numbers of one sender.
     """
 
     def __init__(self) -> None:
@@ -43,7 +46,7 @@ class Counters:
         self._dropped[reason] += count
 
     def dropped(self, reason: Reason) -> int:
-        """Return how much was dropped for `reason`."""
+        """Return how many were dropped for `reason`."""
         return self._dropped[reason]
 
     def by_name(self) -> dict[str, int]:

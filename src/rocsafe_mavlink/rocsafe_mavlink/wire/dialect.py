@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """MAVLink's message definitions: payload bytes <-> named fields, and the checksum.
 
-The only module that imports pymavlink, and of it only the tables made from the XML definitions:
-its parser keeps state that anybody with reach of the socket can spoil.
+The only module that imports pymavlink, and only the tables that are generated from the XML
+definitions: the state of its parser can be spoiled by anybody who reaches the socket.
 """
 
 import struct
@@ -19,10 +19,14 @@ class Message:
 
     Attributes
     ----------
-    name: for instance ``HEARTBEAT``.
-    fields: by name; numbers, texts, and lists of numbers.
-    system: sender's system, 1 to 255.
-    component: sender's component, 1 to 255.
+    name
+        For instance ``HEARTBEAT``.
+    fields
+        Values by name: numbers, texts, and lists of numbers.
+    system
+        System of the sender, 1 to 255.
+    component
+        Component of the sender, 1 to 255.
     """
 
     name: str
@@ -40,7 +44,7 @@ def addressed(name: str, target: tuple[int, int], **fields: Any) -> Message:
 
 
 class _Layout:
-    """How the fields of one message lie in its payload."""
+    """Layout of the fields of one message in its payload."""
 
     def __init__(self, table: Any) -> None:
         self.name = str(table.msgname)
@@ -50,7 +54,7 @@ class _Layout:
         self.unpack = table.unpacker.unpack
         self.size = int(table.unpacker.size)
         self.names = tuple(table.ordered_fieldnames)
-        # Texts are one value to struct, arrays of numbers as many as they are long.
+        # For struct a text is one value, an array of numbers as many as it is long.
         self.counts = tuple(table.lengths)
         self.is_flat = all(count == 1 for count in self.counts)
 
@@ -106,12 +110,12 @@ _BY_ID = {
     number: _Layout(table) for number, table in {_Event.id: _Event, **_tables.mavlink_map}.items()
 }
 _BY_NAME = {layout.name: layout for layout in _BY_ID.values()}
-# What is added to the checksum of each message, so that both ends mean the same definition.
+# Byte added to the checksum of each message, so that both ends use the same definition.
 CRC_EXTRAS: Mapping[int, bytes] = {number: layout.crc_extra for number, layout in _BY_ID.items()}
 
 
 def clean_text(raw: bytes) -> str:
-    """Return a text as sent by who knows whom: what is no text replaced, control codes removed."""
+    """Return a text without control codes; what is not UTF-8 is replaced."""
     text = raw.split(b'\0', 1)[0].decode('utf-8', 'replace')
     return ''.join(letter for letter in text if letter.isprintable())
 
@@ -126,18 +130,20 @@ def decode(message_id: int, payload: bytes, system: int, component: int) -> Mess
 
     Raises
     ------
-    KeyError: if no message has this id.
+    KeyError
+        If no message has this id.
     """
     layout = _BY_ID[message_id]
     return Message(layout.name, layout.fields(payload), system, component)
 
 
 def encode(message: Message) -> tuple[int, bytes]:
-    """Return id and payload, uncut.
+    """Return id and payload; zeros at the end of the payload are not cut off.
 
     Raises
     ------
-    ValueError: if there is no such message or field, or a value does not fit into its field.
+    ValueError
+        If there is no such message or field, or a value does not fit into its field.
     """
     layout = _BY_NAME.get(message.name)
     if layout is None:
@@ -148,5 +154,5 @@ def encode(message: Message) -> tuple[int, bytes]:
     try:
         return layout.message_id, layout.payload(message.fields)
     except Exception as error:
-        # struct's own error class, or an overflow, by the kind of field.
+        # The class of the error depends on the field: struct.error or OverflowError.
         raise ValueError(f'{message.name}: {error}') from error

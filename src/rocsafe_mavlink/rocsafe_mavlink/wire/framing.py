@@ -2,8 +2,8 @@
 """Frames in bytes: where a message begins and ends, and whether it arrived whole.
 
 Format: https://mavlink.io/en/guide/serialization.html. A frame counts only if its message is known
-and its checksum right; anything else is stepped over by one byte, so that no false start can
-swallow a good message behind it.
+and its checksum right. Anything else is skipped by one byte, so that a false start cannot swallow
+a good message behind it.
 """
 
 import re
@@ -23,15 +23,19 @@ _MAGIC = re.compile(b'[\xfd\xfe]')
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """One whole frame, its checksum right.
+class MavlinkFrame:
+    """One whole frame with a right checksum.
 
     Attributes
     ----------
-    data: from the magic byte to the end.
-    message_id, system, component, sequence: of its header.
-    payload: zeros at its end may be cut off.
-    is_signed: whether it carries a signature, right or wrong.
+    data
+        All bytes, from the magic byte to the end.
+    message_id, system, component, sequence
+        Fields of the header.
+    payload
+        Zeros at its end may be cut off.
+    is_signed
+        Whether it carries a signature, right or wrong.
     """
 
     data: bytes
@@ -49,12 +53,15 @@ class Scan:
 
     Attributes
     ----------
-    frames: in order.
-    used: bytes that need not be looked at again.
-    false_starts: places that looked like a frame and were none.
+    frames
+        Frames, in order.
+    used
+        Number of bytes that need not be looked at again.
+    false_starts
+        Number of places that looked like a frame but were none.
     """
 
-    frames: list[Frame]
+    frames: list[MavlinkFrame]
     used: int = 0
     false_starts: int = 0
 
@@ -62,8 +69,8 @@ class Scan:
 def scan(data: bytes, *, is_whole: bool, extras: Mapping[int, bytes] = CRC_EXTRAS) -> Scan:
     """Return the frames in `data`.
 
-    With `is_whole` (a datagram) nothing follows; else (a stream) the rest may hold the beginning
-    of a frame, and `used` says where.
+    With `is_whole` (a datagram) nothing follows. Otherwise (a stream) the rest may hold the start
+    of a frame, which starts at `used`.
     """
     found = Scan([])
     while (start := _MAGIC.search(data, found.used)) is not None:
@@ -106,7 +113,7 @@ def pack_frame(
 
 
 def _frame_size(data: bytes, start: int) -> int:
-    """Return the size that the frame at `start` claims to have, 0 if not even that is there."""
+    """Return the size that the frame at `start` claims to have; 0 if even that is missing."""
     if len(data) < start + 3:
         return 0
     length = data[start + 1] + CHECKSUM_SIZE
@@ -116,7 +123,7 @@ def _frame_size(data: bytes, start: int) -> int:
     return HEADER_2 + length + signature
 
 
-def _frame(data: bytes, extras: Mapping[int, bytes]) -> Frame | None:
+def _frame(data: bytes, extras: Mapping[int, bytes]) -> MavlinkFrame | None:
     """Return the frame that `data` is, or None."""
     if data[0] == MAGIC_1:
         head, is_signed, message_id = HEADER_1, False, data[5]
@@ -126,7 +133,7 @@ def _frame(data: bytes, extras: Mapping[int, bytes]) -> Frame | None:
         sequence, system, component = data[4:7]
         message_id = int.from_bytes(data[7:10], 'little')
         if data[2] & ~SIGNED_FLAG:
-            # The standard forbids to read on with a flag that one does not know.
+            # The standard forbids reading a frame with an unknown flag.
             return None
     end = head + data[1]
     extra = extras.get(message_id)
@@ -134,4 +141,4 @@ def _frame(data: bytes, extras: Mapping[int, bytes]) -> Frame | None:
         return None
     if checksum(data[1:end] + extra) != int.from_bytes(data[end : end + 2], 'little'):
         return None
-    return Frame(data, message_id, system, component, sequence, data[head:end], is_signed)
+    return MavlinkFrame(data, message_id, system, component, sequence, data[head:end], is_signed)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether the numbers of a message can be true. A right checksum says nothing about that.
+"""Limits within which the numbers of a message can be true; a right checksum does not tell that.
 
-Only messages named here pass; each number that is read later is within its limits or the whole
-message is dropped. A comparison with NaN fails, so what is not finite never passes.
+Only messages named here pass. Each number that is used later must be within its limits, or the
+whole message is dropped. A comparison with NaN is false, so what is not finite never passes.
 """
 
 import math
@@ -59,7 +59,7 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'MISSION_ACK': {},
     'MISSION_COUNT': {},
     'MISSION_CURRENT': {'seq': SEQUENCE},
-    # What an item commands is compared with what was sent; unused parameters may be NaN.
+    # Items are compared with what was sent; their unused parameters may be NaN.
     'MISSION_ITEM_INT': {'seq': SEQUENCE, 'x': (-(2**31), 2**31 - 1), 'z': FINITE},
     'MISSION_ITEM_REACHED': {'seq': SEQUENCE},
     'MISSION_REQUEST': {'seq': SEQUENCE},
@@ -73,12 +73,12 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
 
 
 def is_read(name: str) -> bool:
-    """Whether anything here reads messages called `name`."""
+    """Whether any part of the bridge uses messages called `name`."""
     return name in LIMITS
 
 
 def fault_of(message: Message) -> str:
-    """Return the name of a field whose value cannot be true, empty if there is none."""
+    """Return the name of a field whose value cannot be true; empty if there is none."""
     for name, (low, high) in LIMITS[message.name].items():
         if not low <= message.fields[name] <= high:
             return name

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bucket of permits that refills with time."""
+"""A token bucket: permits that refill with time."""
 
 
 class RateLimit:
@@ -7,8 +7,10 @@ class RateLimit:
 
     Parameters
     ----------
-    per_s: permits a second.
-    now_s: time at the start, seconds of any steady clock.
+    per_s
+        Permits a second.
+    now_s
+        Time at the start, seconds of any steady clock.
     """
 
     def __init__(self, per_s: float, now_s: float = 0.0) -> None:
@@ -17,7 +19,7 @@ class RateLimit:
         self._then_s = now_s
 
     def take(self, now_s: float, count: int = 1) -> bool:
-        """Take `count` permits if they are there; return whether they were."""
+        """Take `count` permits if there are so many; return whether there were."""
         passed_s = max(0.0, now_s - self._then_s)
         self._then_s = max(self._then_s, now_s)
         self._left = min(self._per_s, self._left + passed_s * self._per_s)

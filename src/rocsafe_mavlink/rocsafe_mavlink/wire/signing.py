@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signatures: who may be believed, and never twice.
+"""Message signatures: check the sender and refuse replays.
 
-https://mavlink.io/en/guide/message_signing.html. A signature is compared, in constant time, before
-anything that a message says is remembered: the other order lets one forged message with a time
-far ahead silence a genuine sender for good. Signing is no secrecy: messages stay readable.
+See https://mavlink.io/en/guide/message_signing.html. A signature is compared, in constant time,
+before anything that a message says is stored. In the other order one forged message with a time
+far ahead would lock a genuine sender out for good. Signing does not encrypt: messages stay
+readable.
 """
 
 import hashlib
@@ -15,7 +16,7 @@ from pathlib import Path
 from stat import S_IMODE
 
 from rocsafe_mavlink.errors import KeyFileError
-from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, Frame
+from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, MavlinkFrame
 from rocsafe_mavlink.wire.timestamp_store import StreamKey, TimestampStore
 
 KEY_SIZE = 32
@@ -23,13 +24,13 @@ KEY_SIZE = 32
 EPOCH_S = 1_420_070_400
 TICKS_PER_S = 100_000
 LARGEST_TICKS = 2**48 - 1
-# By this much the first message of a stream may lag behind our own time.
+# The first message of a stream may lag behind our own time by this much.
 NEW_STREAM_LAG_TICKS = 60 * TICKS_PER_S
 MAC_SIZE = 6
 
 
-class Verdict(Enum):
-    """What became of a signature."""
+class SignatureVerdict(Enum):
+    """Result of the check of a signature."""
 
     GOOD = 'good'
     FORGED = 'bad signature'
@@ -40,7 +41,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SigningKey:
-    """32 secret bytes that never show in a text."""
+    """32 secret bytes that are never printed."""
 
     secret: bytes = field(repr=False)
 
@@ -58,7 +59,8 @@ def read_key(path: Path) -> SigningKey:
 
     Raises
     ------
-    KeyFileError: naming the file and what is wrong with it, never what is in it.
+    KeyFileError
+        Naming the file and what is wrong with it, never its content.
     """
     try:
         mode = S_IMODE(path.stat().st_mode)
@@ -78,7 +80,7 @@ def ticks_at(time_s: float) -> int:
 
 
 class Signer:
-    """Signs what we send, with time stamps that rise also across restarts."""
+    """Signs what we send, with time stamps that also rise across restarts."""
 
     def __init__(self, key: SigningKey, link_id: int, store: TimestampStore) -> None:
         self._key = key
@@ -86,35 +88,35 @@ class Signer:
         self._store = store
 
     def signature(self, frame: bytes, time_s: float) -> bytes:
-        """Return what to append to `frame`, a whole one up to its checksum."""
+        """Return the signature of `frame`, a whole frame up to its checksum, to be appended."""
         ticks = self._store.next_sent(ticks_at(time_s))
         stamp = struct.pack('<BQ', self._link_id, ticks)[:7]
         return stamp + self._key.mac(frame + stamp)
 
 
 class SignatureGate:
-    """Judges the signatures of received frames."""
+    """Checks the signatures of received frames."""
 
     def __init__(self, key: SigningKey, store: TimestampStore) -> None:
         self._key = key
         self._store = store
 
-    def judge(self, frame: Frame, time_s: float) -> Verdict:
-        """Return the verdict on a signed `frame`; only a good one is remembered."""
+    def judge(self, frame: MavlinkFrame, time_s: float) -> SignatureVerdict:
+        """Return the verdict on a signed `frame`; only a good one is stored."""
         if not hmac.compare_digest(self._key.mac(frame.data[:-MAC_SIZE]), frame.data[-MAC_SIZE:]):
-            return Verdict.FORGED
+            return SignatureVerdict.FORGED
         trailer = frame.data[-SIGNATURE_SIZE:]
         ticks = int.from_bytes(trailer[1:7], 'little')
         stream: StreamKey = (trailer[0], frame.system, frame.component)
         last = self._store.last_of(stream)
         if last is not None and ticks <= last:
-            return Verdict.REPLAYED
+            return SignatureVerdict.REPLAYED
         if last is None and ticks + NEW_STREAM_LAG_TICKS < self._store.newest(ticks_at(time_s)):
-            return Verdict.TOO_OLD
+            return SignatureVerdict.TOO_OLD
         if last is None and self._store.is_full:
-            return Verdict.TOO_MANY_STREAMS
+            return SignatureVerdict.TOO_MANY_STREAMS
         self._store.accept(stream, ticks)
-        return Verdict.GOOD
+        return SignatureVerdict.GOOD
 
 
 def _from_hexadecimal(path: Path, content: bytes) -> bytes:
@@ -123,7 +125,7 @@ def _from_hexadecimal(path: Path, content: bytes) -> bytes:
     except ValueError:
         key = b''
     if len(key) != KEY_SIZE:
-        # Not chained: the cause would quote what is in the file.
+        # Not chained: the cause would quote the content of the file.
         raise KeyFileError(
             f'signing key {path} must hold {KEY_SIZE} bytes or {2 * KEY_SIZE} hexadecimal digits'
         ) from None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Texts that are longer than a message, put together again.
+"""Joins texts that are longer than one message.
 
 A STATUSTEXT holds 50 characters. A longer text comes in pieces of one `id`, numbered by
 `chunk_seq`; a piece that is not full is the last (MAVLink common, STATUSTEXT).
@@ -11,19 +11,22 @@ from rocsafe_mavlink.wire.dialect import Message
 
 PIECE_LENGTH = 50
 LARGEST_PIECE_COUNT = 10
-# The next piece follows at once; what is missing by then was lost.
+# The next piece follows at once; a piece that is missing after this time was lost.
 LATEST_S = 1.0
 
 
 @dataclass(slots=True)
 class TextJoiner:
-    """Joins the pieces of one vehicle's texts.
+    """Joins the pieces of the texts of one vehicle.
 
     Attributes
     ----------
-    held: what came of a text whose end has not; None: nothing.
-    pieces: how many that are.
-    held_s: steady time of the last.
+    held
+        Pieces so far of a text whose end has not come; None: none.
+    pieces
+        Number of these pieces.
+    held_s
+        Steady time of the last of them.
     """
 
     held: Message | None = None
@@ -31,7 +34,7 @@ class TextJoiner:
     held_s: float = 0.0
 
     def take(self, message: Message, now_s: float) -> list[Message]:
-        """Return the texts that are whole with `message`, or will not become so any more."""
+        """Return the texts that are complete with `message`, or can no longer become so."""
         number, piece = message.fields.get('id', 0), message.fields.get('chunk_seq', 0)
         if self.held is not None and number == self.held['id'] and piece == self.pieces:
             message = _joined(self.held, message)
@@ -47,11 +50,11 @@ class TextJoiner:
         return [*before, message]
 
     def late(self, now_s: float) -> list[Message]:
-        """Return what was waited for in vain."""
+        """Return, as a list, the text whose end is overdue; it is no longer held."""
         return self.given_up() if now_s - self.held_s > LATEST_S else []
 
     def given_up(self) -> list[Message]:
-        """Return what is held, which is held no more."""
+        """Return, as a list, the text that is held; it is no longer held."""
         held, self.held = self.held, None
         return [] if held is None else [held]
 

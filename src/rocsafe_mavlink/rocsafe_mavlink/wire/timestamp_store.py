@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time stamps of signatures that outlive the process.
 
-A file keeps a limit that lies a little ahead of what was used: it is written, synchronously,
-only when a stamp passes it. After a crash everything up to the limit counts as used, so that
-nothing can be replayed; genuine messages are refused for at most that second.
+A file keeps a limit a little ahead of the last stamp. It is written, synchronously, only when a
+stamp passes the limit. After a crash everything up to the limit counts as used, so that nothing
+can be replayed; genuine messages are refused for at most that second.
 """
 
 import json
@@ -12,7 +12,7 @@ from pathlib import Path
 from rocsafe_geo.storage.durable import write_whole
 
 StreamKey = tuple[int, int, int]
-# How far a limit lies ahead, in ticks of 10 microseconds: one write a second and stream.
+# Distance of a limit ahead, in ticks of 10 microseconds: one write a second and stream.
 RESERVE_TICKS = 100_000
 LARGEST_STREAM_COUNT = 16
 LARGEST_FILE = 16_384
@@ -24,11 +24,13 @@ class TimestampStore:
 
     Parameters
     ----------
-    path: file that keeps them; None keeps them in memory only.
+    path
+        File that keeps them; None keeps them in memory only.
 
     Raises
     ------
-    ValueError: if the file does not hold what was written there.
+    ValueError
+        If the file is damaged.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -38,7 +40,7 @@ class TimestampStore:
 
     @property
     def is_full(self) -> bool:
-        """Whether no further stream is remembered."""
+        """Whether no further stream can be stored."""
         return len(self._used.keys() - {_SENT}) >= LARGEST_STREAM_COUNT
 
     def last_of(self, stream: StreamKey) -> int | None:
@@ -46,17 +48,18 @@ class TimestampStore:
         return self._used.get(_name(stream))
 
     def newest(self, now: int) -> int:
-        """Return our own time: that of the clock, or of what was sent or accepted after it."""
+        """Return our own time: `now` by the clock, or a later stamp that was sent or accepted."""
         return max(now, *self._used.values()) if self._used else now
 
     def accept(self, stream: StreamKey, ticks: int) -> None:
-        """Remember `ticks` as used by `stream`."""
+        """Store `ticks` as used by `stream`."""
         self._use(_name(stream), ticks)
 
     def next_sent(self, now: int) -> int:
-        """Return the next time stamp to send: our own time, or just above the last one.
+        """Return the next time stamp to send: our own time, or just above the last stamp.
 
-        A clock that runs behind an accepted sender follows it, or nobody would believe us.
+        If our clock is behind that of an accepted sender, stamps follow the sender: others would
+        refuse ours otherwise.
         """
         ticks = max(self.newest(now), self._used.get(_SENT, 0) + 1)
         self._use(_SENT, ticks)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """MAVLink's integers <-> SI units, radians and degrees.
 
-Angles of places are 1e-7 degrees (1.1 cm), rounded, never cut: cutting moves every place
-south-west by half a unit. They never pass through single-precision floats, whose step is metres
-there.
+Latitudes and longitudes are 1e-7 degrees (1.1 cm). They are rounded, never truncated: truncation
+moves every place south-west by half a unit. They never pass through single-precision floats, whose
+step is metres there.
 """
 
 import math
@@ -18,7 +18,13 @@ UNKNOWN_16 = 65_535
 
 
 def e7_of_deg(angle_deg: float) -> int:
-    """Return degrees as 1e-7 degrees; ValueError if not finite."""
+    """Return degrees as 1e-7 degrees.
+
+    Raises
+    ------
+    ValueError
+        If the angle is not finite.
+    """
     return round(require_finite('angle_deg', angle_deg) * E7)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `rocsafe` understands: a module a command.
+"""The commands of `rocsafe`, one module each.
 
 Each command loads what it needs when it runs: `--help` and `check` are quick and work where ROS
-is not set up, and a Ctrl-C while Python still loads is no traceback.
+is not set up, and a Ctrl-C while Python loads modules prints no traceback.
 """
 
 import argparse

@@ -16,7 +16,7 @@ LARGEST_PATIENCE_S = 300.0
 
 
 def speed(text: str) -> float:
-    """Return simulated seconds a second; an error names value and limits."""
+    """Return a factor of real time; an error names value and limits."""
     return _number(text, 0.0, LARGEST_SPEED, ' simulated seconds a second')
 
 
@@ -65,7 +65,7 @@ def count(text: str) -> int:
     return _whole(text, 1, LARGEST_FLEET)
 
 
-def patience(text: str) -> float:
+def waiting_time(text: str) -> float:
     """Return a time to wait in seconds; an error names value and limits."""
     return _number(text, 0.0, LARGEST_PATIENCE_S, ' s')
 

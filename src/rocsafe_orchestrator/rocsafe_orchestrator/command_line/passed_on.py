@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that other packages carry out: `rocsafe localize ...` runs their executable."""
+"""Commands of other packages: `rocsafe localize ...` runs the executable of the package."""
 
 import os
 import subprocess
@@ -16,9 +16,12 @@ class PassedOn:
 
     Attributes
     ----------
-    word: the command, after `rocsafe`.
-    package, executable: who carries it out.
-    summary: its line in `rocsafe --help`.
+    word
+        The command, after `rocsafe`.
+    package, executable
+        The executable that carries it out.
+    summary
+        Its line in `rocsafe --help`.
     """
 
     word: str
@@ -32,7 +35,7 @@ PASSED_ON = (
         word='localize',
         package='rocsafe_radiation',
         executable='localize',
-        summary='find sources in readings',
+        summary='estimate sources from readings',
     ),
     PassedOn(
         word='map',
@@ -44,43 +47,43 @@ PASSED_ON = (
         word='scene',
         package='rocsafe_scene',
         executable='scene',
-        summary='check, list, render the scenes that cameras see; write their heights',
+        summary='check, list and render scenes; write their terrain heights',
     ),
     PassedOn(
         word='dataset',
         package='rocsafe_dataset',
         executable='dataset',
-        summary='make labelled pictures of a scene for training',
+        summary='make labelled images of a scene for training',
     ),
     PassedOn(
         word='changes',
         package='rocsafe_mapping',
         executable='changes',
-        summary='what changed between two flights',
+        summary='find changes between two flights',
     ),
     PassedOn(
         word='import',
         package='rocsafe_mapping',
         executable='import',
-        summary='take photographs into a store',
+        summary='import photographs into an image store',
     ),
     PassedOn(
         word='repository',
         package='rocsafe_mapping',
         executable='repository',
-        summary='keep photographs sent over HTTP',
+        summary='receive photographs over HTTP and store them',
     ),
 )
 
 
 def add_to(commands: Commands) -> None:
-    """Name the commands among those of `rocsafe`; `pass_on` comes before their arguments."""
+    """List the commands in the help of `rocsafe`; `pass_on` handles their arguments."""
     for row in PASSED_ON:
         commands.add_parser(row.word, help=row.summary, add_help=False)
 
 
 def passed_on(argv: Sequence[str]) -> PassedOn | None:
-    """Return who carries out the command line `argv`, None: `rocsafe` itself."""
+    """Return the row for the command line `argv`, None if `rocsafe` itself handles it."""
     return next((row for row in PASSED_ON if argv and argv[0] == row.word), None)
 
 
@@ -89,7 +92,8 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
 
     Raises
     ------
-    SetupError: if it is not installed.
+    SetupError
+        If it is not installed.
     """
     from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
 

@@ -30,14 +30,14 @@ def add_to(commands: Commands) -> None:
         help='scenario (.yaml) or region (.geojson, .json, .kml, .kmz, .plan, .csv)',
     )
     add_options(parser, 'out', 'method', 'budget', 'exclude')
-    group = parser.add_argument_group('region files', 'what a scenario says and they do not')
+    group = parser.add_argument_group('region files', 'settings that a region file does not hold')
     add_options(group, 'drones', 'height', 'home')
-    group = parser.add_argument_group('survey', "instead of the scenario's own values")
+    group = parser.add_argument_group('survey', 'override the values of the scenario')
     add_options(
         group, 'objective', 'grid', 'overlap', 'front-overlap', 'spacing-rule', 'clearance',
         'wind', 'separation', 'separation-by', 'terrain', 'terrain-clearance', 'seed',
     )  # fmt: skip
-    group = parser.add_argument_group('vehicles', 'for all of them')
+    group = parser.add_argument_group('vehicles', 'values for all vehicles')
     add_options(group, 'speed', 'hover', 'endurance', 'swap', 'open')
     parser.set_defaults(command=_plan)
 

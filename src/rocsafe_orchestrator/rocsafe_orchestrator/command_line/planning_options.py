@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options of the commands that plan: each is said once, and taken by the commands that want it."""
+"""Options of the commands that plan; each is defined once and shared by the commands."""
 
 import argparse
 from pathlib import Path
@@ -37,17 +37,17 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         **_AGAIN,
         'type': Path,
         'metavar': 'REGION',
-        'help': 'region file that no leg crosses, besides those known; may be repeated',
+        'help': 'region file of an exclusion zone, in addition to those known; may be repeated',
     },
     'terrain': {
         'type': Path,
         'metavar': 'DEM.tif',
-        'help': 'GeoTIFF of heights of the ground, which the flights follow',
+        'help': 'GeoTIFF of terrain heights; the flights follow the terrain',
     },
     'budget': {
         'type': budget,
         'metavar': 'S',
-        'help': "seconds that may be used to improve the plan (default: the scenario's, or none)",
+        'help': "time to improve the plan, seconds (default: the scenario's, or none)",
     },
     'method': {
         'default': '',
@@ -57,95 +57,105 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'type': count,
         'default': 3,
         'metavar': 'N',
-        'help': 'how many fly (default: 3); also --vehicles',
+        'help': 'number of vehicles (default: 3)',
     },
     'height': {
         'type': height,
         'default': 32.0,
         'metavar': 'M',
-        'help': 'metres above the ground (default: 32)',
+        'help': 'height of flight above the ground, metres (default: 32)',
     },
     'home': {
         'type': float,
         'nargs': 2,
         'metavar': ('LAT', 'LON'),
-        'help': "where all take off and land (default: the region's first corner)",
+        'help': "place where all vehicles take off and land (default: the region's first corner)",
     },
     'overlap': {
         'type': overlap,
         'metavar': 'Y',
-        'help': 'of neighbouring photographs, 0 to 0.95 (default: 0.2)',
+        'help': 'overlap of neighbouring photographs, 0 to 0.95 (default: 0.2)',
     },
     'front-overlap': {
         'type': overlap,
         'metavar': 'Y',
-        'help': 'of those that follow each other in the direction of flight (default: the same)',
+        'help': 'overlap of successive photographs along a line (default: as --overlap)',
     },
-    'spacing-rule': {'choices': tuple(SPACING_RULES), 'help': 'what an overlap is a fraction of'},
-    'grid': {'choices': GRIDS, 'help': 'its angle'},
-    'objective': {'choices': OBJECTIVES, 'help': 'what is to be small'},
-    'clearance': {'type': metres, 'metavar': 'M', 'help': 'that legs keep from exclusions'},
+    'spacing-rule': {
+        'choices': tuple(SPACING_RULES),
+        'help': 'definition of the overlap: intersection over union, or part of the image side',
+    },
+    'grid': {
+        'choices': GRIDS,
+        'help': 'orientation of the grid of viewpoints',
+    },
+    'objective': {'choices': OBJECTIVES, 'help': 'quantity to minimise'},
+    'clearance': {
+        'type': metres,
+        'metavar': 'M',
+        'help': 'least distance of the routes to exclusion zones, metres',
+    },
     'wind': {
         'type': wind,
         'nargs': 2,
         'metavar': ('EAST', 'NORTH'),
-        'help': 'm/s that the air moves towards',
+        'help': 'wind velocity towards east and north, m/s',
     },
     'separation': {
         'type': metres,
         'metavar': 'M',
-        'help': 'least distance of two vehicles in the air',
+        'help': 'least distance between two vehicles in the air, metres',
     },
     'separation-by': {
         'choices': SEPARATIONS,
-        'help': 'how it is kept: take-offs are delayed, or vehicles fly at unlike heights',
+        'help': 'means of separation: delayed take-offs, or different heights',
     },
     'terrain-clearance': {
         'type': metres,
         'metavar': 'M',
-        'help': 'that legs keep above the terrain',
+        'help': 'least height of the routes above the terrain, metres',
     },
-    'seed': {'type': seed, 'metavar': 'N', 'help': 'of the search'},
-    'speed': {'type': vehicle_speed, 'metavar': 'M/S', 'help': 'at which they cruise'},
+    'seed': {'type': seed, 'metavar': 'N', 'help': 'seed of the random numbers of the search'},
+    'speed': {'type': vehicle_speed, 'metavar': 'M/S', 'help': 'cruise speed, m/s'},
     'hover': {
         'type': seconds,
         'metavar': 'S',
-        'help': 'that they stand at each viewpoint; 0: they pass it',
+        'help': 'hover time at each viewpoint, seconds; 0: no stop',
     },
     'endurance': {
         'type': seconds,
         'metavar': 'S',
-        'help': 'flight time on a full battery, of which the reserve (10 %%) is not used',
+        'help': 'flight time of a full battery, seconds; a reserve of 10 %% is not used',
     },
     'swap': {
         'type': seconds,
         'metavar': 'S',
-        'help': 'batteries are changed at home in so many seconds',
+        'help': 'time to change batteries at home, seconds',
     },
     'open': {
         'action': 'store_true',
         'default': None,
-        'help': 'each lands at its last viewpoint',
+        'help': 'land at the last viewpoint instead of at home',
     },
     'visited': {
         'default': '',
         'metavar': 'IDS',
-        'help': 'viewpoints that are photographed, e.g. 0-20,33',
+        'help': 'viewpoints that have been photographed, e.g. 0-20,33',
     },
-    'lost': {**_AGAIN, 'metavar': 'NAME', 'help': 'a vehicle; may be repeated'},
+    'lost': {**_AGAIN, 'metavar': 'NAME', 'help': 'name of a lost vehicle; may be repeated'},
     'at': {
         **_AGAIN,
         'nargs': 4,
         'metavar': ('NAME', 'LAT', 'LON', 'USED_S'),
-        'help': 'where a vehicle is in the air, and for how long it has used its battery; may be '
-        'repeated; the others stand at home',
+        'help': 'position of a vehicle in the air, and seconds for which it has used its battery; '
+        'may be repeated; the other vehicles are at home',
     },
     'add': {
         **_AGAIN,
         'nargs': 2,
         'type': float,
         'metavar': ('LAT', 'LON'),
-        'help': 'a place to photograph too; may be repeated',
+        'help': 'an additional place to photograph; may be repeated',
     },
 }
 _ALIASES = {'drones': ('--vehicles',)}

@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import patience
+from rocsafe_orchestrator.command_line.numbers import waiting_time
 
 
 def add_to(commands: Commands) -> None:
@@ -18,7 +18,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument('scenario', type=Path, metavar='SCENARIO', help='scenario file (YAML)')
     parser.add_argument(
         '--wait',
-        type=patience,
+        type=waiting_time,
         default=20.0,
         metavar='S',
         help='how long to wait for vehicles to be heard and ready (default: 20)',

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe preflight`: real vehicles looked at before a flight."""
+"""`rocsafe preflight`: check real vehicles before a flight."""
 
-import math
 from collections.abc import Iterable
 from datetime import datetime, timezone
 from pathlib import Path
@@ -20,25 +19,26 @@ from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
 
-# What starting the executable and ending it may take besides.
+# Time to start and end the executable, in addition to its own waiting time.
 SPARE_S = 30.0
 STYLES = {'pass': 'green', 'warn': 'yellow', 'fail': 'bold red'}
 
 
-def preflight(path: Path, patience_s: float, console: Console) -> int:
+def preflight(path: Path, wait_s: float, console: Console) -> int:
     """Print every check of the real vehicles of the scenario at `path`; return the exit code.
 
     Raises
     ------
-    OrchestratorError: if the scenario is not valid, has no real vehicle, or a link cannot be used.
+    OrchestratorError
+        If the scenario is not valid, has no real vehicle, or a link cannot be used.
     """
     scenario = read_scenario(path)
     if not scenario.linked:
         raise ScenarioError(f'{path}: no vehicle is real (has a link): nothing to check')
-    first = look(scenario, patience_s)
+    first = look(scenario, wait_s)
     scenario = with_homes(scenario, first)
     unknown = [vehicle.name for vehicle in scenario.linked if not vehicle.has_home]
-    answers = first if unknown else look(scenario, patience_s, planned_routes(path, scenario))
+    answers = first if unknown else look(scenario, wait_s, planned_routes(path, scenario))
     for answer in answers:
         console.print(_table(answer))
     failed = [answer['name'] for answer in answers if not answer['may_fly']]
@@ -48,30 +48,32 @@ def preflight(path: Path, patience_s: float, console: Console) -> int:
 
 
 def look(
-    scenario: Scenario, patience_s: float, routes: dict[str, Any] | None = None
+    scenario: Scenario, wait_s: float, routes: dict[str, Any] | None = None
 ) -> list[dict[str, Any]]:
     """Return what the executable `preflight` says of each real vehicle.
 
     Raises
     ------
-    OrchestratorError: saying why it says nothing.
+    OrchestratorError
+        If there is no answer, with the reason.
     """
-    bridge = {key: _json_value(value) for key, value in bridge_parameters(scenario, '').items()}
-    request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': patience_s}
+    bridge = bridge_parameters(scenario, state_directory='')
+    request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': wait_s}
     executable = find_executable('rocsafe_mavlink', 'preflight')
-    answer = answer_of(executable, request, patience_s + SPARE_S)
+    answer = answer_of(executable, request, wait_s + SPARE_S)
     vehicles: list[dict[str, Any]] = answer['vehicles']
     return vehicles
 
 
-def cleared(scenario: Scenario, patience_s: float, now: datetime) -> Scenario:
-    """Return `scenario` as it is flown with real vehicles: at their homes, by the clock.
+def cleared(scenario: Scenario, wait_s: float, now: datetime) -> Scenario:
+    """Check the real vehicles and return `scenario` with their homes and the present time.
 
     Raises
     ------
-    OrchestratorError: if a vehicle must not fly, with every reason.
+    OrchestratorError
+        If a vehicle must not fly, with every reason.
     """
-    answers = look(scenario, patience_s)
+    answers = look(scenario, wait_s)
     reasons = [
         f'{answer["name"]} must not fly: {check["name"]} is {check["value"]}: must be '
         f'{check["limit"]}'
@@ -88,7 +90,7 @@ def cleared(scenario: Scenario, patience_s: float, now: datetime) -> Scenario:
 
 
 def with_homes(scenario: Scenario, answers: Iterable[dict[str, Any]]) -> Scenario:
-    """Return the scenario with the homes that real vehicles told, where it has none."""
+    """Return the scenario with the homes reported by real vehicles where it has none."""
     told = {answer['name']: answer['home'] for answer in answers if answer['home']}
     vehicles = tuple(
         vehicle
@@ -117,12 +119,6 @@ def planned_routes(path: Path, scenario: Scenario) -> dict[str, Any]:
 def _waypoint(viewpoint: Viewpoint, ground_m: float) -> list[float]:
     place = viewpoint.position
     return [place.latitude_deg, place.longitude_deg, place.altitude_m - ground_m]
-
-
-def _json_value(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_json_value(part) for part in value]
-    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def _table(answer: dict[str, Any]) -> Table:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A running mission on the console: live on a terminal, plain lines elsewhere."""
+"""Progress of a mission on the console: a live table on a terminal, plain lines elsewhere."""
 
 import math
 from types import TracebackType
@@ -39,7 +39,7 @@ class Display(Protocol):
     """Shows the progress of a run."""
 
     def __enter__(self) -> 'Display':
-        """Begin to show."""
+        """Start to display."""
 
     def __exit__(
         self,
@@ -47,13 +47,13 @@ class Display(Protocol):
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Leave the console as it was found."""
+        """Restore the console."""
 
     def show(self, status: RunStatus) -> None:
         """Show `status`; called several times a second."""
 
     def say(self, text: str) -> None:
-        """Show one line that stays."""
+        """Print one line."""
 
 
 def make_display(console: Console, title: str, *, is_quiet: bool) -> Display:
@@ -129,7 +129,7 @@ class LiveDisplay:
 
     def show(self, status: RunStatus) -> None:
         """Redraw."""
-        self._live.update(picture(self._title, status), refresh=True)
+        self._live.update(status_table(self._title, status), refresh=True)
 
     def say(self, text: str) -> None:
         """Write a line above the table."""
@@ -152,8 +152,8 @@ def plain_line(status: RunStatus) -> str:
     return ', '.join(parts)
 
 
-def picture(title: str, status: RunStatus) -> RenderableType:
-    """Return `status` as a table of vehicles between a headline and the figures of the fleet."""
+def status_table(title: str, status: RunStatus) -> RenderableType:
+    """Return `status` as a headline, a table of vehicles and the figures of the fleet."""
     headline = Text.assemble(
         (title, 'bold'), '  ', (status.phase.name, _PHASE_STYLES.get(status.phase, 'bold cyan'))
     )
@@ -210,7 +210,7 @@ def clock_text(seconds: float) -> str:
 
 
 def percent_text(fraction: float) -> str:
-    """Return a percentage, a dash for what is not known."""
+    """Return a percentage, a dash if it is unknown."""
     return '-' if math.isnan(fraction) else f'{100.0 * fraction:.0f} %'
 
 

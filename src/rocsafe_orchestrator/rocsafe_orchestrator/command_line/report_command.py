@@ -15,7 +15,8 @@ def report(path: Path, console: Console) -> int:
 
     Raises
     ------
-    ScenarioError: if `path` is no run directory.
+    ScenarioError
+        If `path` is no run directory.
     """
     run = RunDirectory(path.resolve())
     if not run.run_info.is_file():

@@ -25,27 +25,27 @@ def add_to(commands: Commands) -> None:
         '--speed',
         type=speed,
         metavar='X',
-        help="simulated seconds a second, 0: as fast as possible (default: the scenario's)",
+        help="simulated time over real time, 0: as fast as possible (default: the scenario's)",
     )
     parser.add_argument(
         '--seed',
         type=seed,
         metavar='N',
-        help="seed of all that is random (default: the scenario's)",
+        help="seed of the random numbers (default: the scenario's)",
     )
     parser.add_argument(
         '--config',
         type=Path,
         metavar='FILE',
-        help='ROS parameter file with defaults of the nodes, like config/rocsafe.yaml; what the '
-        'scenario says wins',
+        help='ROS parameter file with defaults of the nodes, like config/rocsafe.yaml; '
+        'values of the scenario take precedence',
     )
     parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
     parser.set_defaults(command=_run)
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    # Before numpy is loaded: its threads would forbid that nodes begin as copies of this process.
+    # Before numpy is loaded: nodes cannot be forked from a process with threads.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from rich.console import Console
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe run`: fly a scenario, leave a run directory."""
+"""`rocsafe run`: fly a scenario and write a run directory."""
 
 import logging
 import os
@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rocsafe_orchestrator.command_line.mission_run import MissionRun, Parts
+from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
@@ -29,8 +29,8 @@ from rocsafe_orchestrator.processes.launches import (
     require_executables,
 )
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
-from rocsafe_orchestrator.processes.process_start import begin_as_copy
-from rocsafe_orchestrator.processes.processes import crew_of, process_table
+from rocsafe_orchestrator.processes.process_start import begin_as_fork
+from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
@@ -40,22 +40,22 @@ from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
 
-# How far ROS looks for other participants; the user who sets one of these has decided.
+# Variables that limit how far ROS searches for participants; one that is set is respected.
 REACH_VARIABLES = (
     'ROS_AUTOMATIC_DISCOVERY_RANGE',
     'ROS_STATIC_PEERS',
     'ROS_DISCOVERY_SERVER',
     'ROS_LOCALHOST_ONLY',
 )
-# How long real vehicles may take to be heard and ready.
+# Real vehicles must be heard and ready within this time.
 PREFLIGHT_S = 60.0
-# Vehicles report once a simulated second.
+# Simulated seconds between two reports of the vehicles, with a margin.
 BEATS_PERIOD_S = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRequest:
-    """What the command line asks for; None where the scenario decides."""
+    """Arguments of the command; None means the value of the scenario."""
 
     scenario: Path
     parent: Path
@@ -70,7 +70,8 @@ def run_scenario(request: RunRequest, console: Console) -> int:
 
     Raises
     ------
-    OrchestratorError: if it cannot be flown at all.
+    OrchestratorError
+        If the run cannot start.
     """
     scenario = read_scenario(request.scenario, speed=request.speed, seed=request.seed)
     lines = flight_mistakes(scenario)
@@ -87,7 +88,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
 
 
 def _stay_on_this_machine() -> None:
-    """Keep a simulated fleet from announcing itself to the whole network, unless told to."""
+    """Limit ROS discovery to this machine unless the user has set a range."""
     if not any(os.environ.get(name) for name in REACH_VARIABLES):
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
@@ -125,7 +126,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
 
 @dataclass(kw_only=True)
 class _Flight:
-    """Puts a run together from its parts."""
+    """Builds the parts of a run."""
 
     request: RunRequest
     scenario: Scenario
@@ -145,17 +146,17 @@ class _Flight:
 
     @contextmanager
     def processes(self) -> Iterator[None]:
-        """Start every process before this one has ROS, whose threads forbid copies of it."""
+        """Start every process before ROS: its threads would prevent forking."""
         try:
             for spec in self.table:
-                self.supervisor.start(spec.name, begin_as_copy)
+                self.supervisor.start(spec.name, begin_as_fork)
             yield
         finally:
             self.supervisor.stop(must_hurry=lambda: self.interrupt.is_urgent)
 
     def fly(self, display: Display) -> Phase:
-        """Fly and return how it ended."""
-        # Here, not above: `rocsafe check` works where ROS is not set up.
+        """Fly and return the outcome."""
+        # Imported late: `rocsafe check` works without ROS.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
         with ros_session(self.request.config):
@@ -183,7 +184,7 @@ class _Flight:
                 run_info=self.run_info,
             )
             try:
-                run = MissionRun(parts, node.deadlines.stop_s, self.started_s)
+                run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)
                 return run.fly()
             finally:
                 self.text = mission.text
@@ -191,7 +192,7 @@ class _Flight:
 
 
 def _log_to(directory: RunDirectory) -> None:
-    """Send what the orchestrator notes to a file beside the logs of the processes."""
+    """Write the log of the orchestrator to a file beside those of the processes."""
     handler = logging.FileHandler(directory.log_of('orchestrator'), encoding='utf-8')
     handler.setFormatter(logging.Formatter('%(asctime)s %(levelname)s %(message)s'))
     package = logging.getLogger('rocsafe_orchestrator')
@@ -201,7 +202,7 @@ def _log_to(directory: RunDirectory) -> None:
 
 
 def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase) -> Text:
-    """Return the last lines of a run: how it ended, and where to look."""
+    """Return the last lines of a run: the outcome and where to find the report or the logs."""
     style = 'bold green' if phase is Phase.COMPLETE else 'bold red'
     lines = Text.assemble((f'mission {phase.name.lower()}', style))
     if text:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Vehicles that are lost in flight, and how the others are gathered to take over.
+"""Vehicles lost in flight, and how the others take over their viewpoints.
 
-They hold, time is paused, the rest of the survey is planned for them. Then they fly on.
+The others hold, simulated time is paused and the rest of the survey is planned for them. Then
+they fly the new plan.
 """
 
 from collections.abc import Iterable
@@ -14,13 +15,16 @@ PLANNER, WORLD = 'planner', 'world'
 
 
 class Losses:
-    """Keeps who is lost, and asks for what follows.
+    """Keeps the lost vehicles and makes the requests that replace them.
 
     Parameters
     ----------
-    crew: who takes part.
-    requests: of the mission.
-    is_replaced: whether others take over at all.
+    crew
+        Who takes part.
+    requests
+        Requests of the mission.
+    is_replaced
+        Whether other vehicles take over.
     """
 
     def __init__(self, crew: Crew, requests: RequestBook, *, is_replaced: bool) -> None:
@@ -38,14 +42,14 @@ class Losses:
         return [name for name in self._crew.vehicle_processes if name not in self.lost]
 
     def of_process(self, process: str) -> list[str]:
-        """Return the vehicles that live in a process."""
+        """Return the vehicles that a process runs."""
         processes = self._crew.vehicle_processes
         return [name for name, lives_in in processes.items() if lives_in == process]
 
     def note(self, vehicles: Iterable[str], why: str, *, is_gone: bool) -> bool:
-        """Note that vehicles are lost, and gather the others; return whether there are any.
+        """Note that vehicles are lost and let the others hold; return whether there are others.
 
-        `is_gone`: nothing of them is heard any more, and time is not to wait for them.
+        `is_gone`: they are no longer heard, and simulated time must not wait for them.
         """
         self.lost.update(dict.fromkeys(vehicles, why))
         if not self._is_replaced or not self.others:
@@ -56,12 +60,12 @@ class Losses:
         return True
 
     def dismiss_again(self) -> None:
-        """Tell a world that was started again whom it is not to wait for."""
+        """Tell a restarted world which vehicles it must not wait for."""
         for name in self._gone:
             self._requests.renew(OrderKind.DISMISS, WORLD, name)
 
     def advance(self, situation: Situation) -> None:
-        """Ask for the next thing: a hold, a pause of time, a plan of the rest."""
+        """Make the next request: hold, pause time, plan the rest."""
         if not self._requests.all_done(OrderKind.HOLD) and self._flying:
             return
         if not set(self.others) <= situation.still:
@@ -71,7 +75,7 @@ class Losses:
             self._requests.add(OrderKind.PLAN, PLANNER)
 
     def go_on(self, routed: Iterable[str] | None = None) -> None:
-        """Let vehicles fly the new plan, or without one those that flew go on with the old."""
+        """Let vehicles fly the new plan; without one, those in flight continue the old plan."""
         self.is_gathering = False
         self._requests.forget()
         self.dismiss_again()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The phases of a mission and what each waits for: a state machine, time passed in.
+"""State machine of a mission: its phases and what each waits for. Time is an argument.
 
-`Mission.advance` returns orders; whoever carries them out reports with `accepted`, `answered` and
-`refused`. A failure ends the phase that it happens in, never the hand-over of what there is: the
-mosaic and the products are made of what was recorded.
+`Mission.advance` returns orders; the caller carries them out and reports with `accepted`,
+`answered` and `refused`. A failure ends the present phase only: the mosaic and the products are
+still made from what was recorded.
 """
 
 from collections.abc import Callable, Iterable
@@ -25,12 +25,18 @@ class Mission:
 
     Parameters
     ----------
-    crew: who takes part.
-    options: deadlines.
-    planning_budget_s: wall time that the planner may use.
-    slowest_beat_s: wall time between two beats of simulated time when all is well.
-    extra_rounds: how often, at most, all fly again to where readings tell most.
-    replans: whether the others take over what a lost vehicle has not photographed.
+    crew
+        Vehicles and processes that take part.
+    deadlines
+        Limits of all waits.
+    planning_budget_s
+        Wall time that the planner may use.
+    slowest_beat_s
+        Wall time between two reports of the vehicles in normal operation, seconds.
+    extra_rounds
+        Largest number of further flights to the places where readings are most informative.
+    replans
+        Whether the other vehicles take over the viewpoints of a lost one.
     """
 
     def __init__(
@@ -86,10 +92,10 @@ class Mission:
             step(now_s, situation)
         return self._due_orders(now_s)
 
-    # What the surroundings report.
+    # Reports of the caller.
 
     def accepted(self, order: Order) -> None:
-        """Note that `order` was taken; its answer comes later."""
+        """Note that the server has accepted `order`; its answer comes later."""
         if (request := self._requests.of(order)) is not None:
             request.accept()
 
@@ -105,7 +111,7 @@ class Mission:
             return
         request.finish()
         if order.kind is OrderKind.HOLD:
-            return  # it is on the ground, or comes down
+            return  # it is on the ground or landing
         if self._losses.is_gathering and order.kind is OrderKind.PLAN:
             self._fault(f'no plan for the rest: {text}')
             self._losses.go_on()
@@ -116,7 +122,7 @@ class Mission:
             self._fault(text)
 
     def advised(self, place_count: int, text: str) -> None:
-        """Note at how many places more to measure, none if what is known is enough, and why."""
+        """Note how many further places to measure at, 0 if the evidence suffices, and why."""
         request = self._requests.get(OrderKind.ADVISE)
         if request is None or request.status is Status.DONE or self.phase is not Phase.PLANNING:
             return
@@ -130,7 +136,7 @@ class Mission:
     def planned(self, routed: Iterable[str], visited: int = 0) -> None:
         """Note the plan: the vehicles named have viewpoints to visit.
 
-        `visited` is the number of viewpoints of the plan before that it leaves out because they
+        `visited` is the number of viewpoints of the previous plan that it leaves out because they
         are photographed.
         """
         plan = self._requests.get(OrderKind.PLAN)
@@ -184,7 +190,7 @@ class Mission:
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
-        """Ask `process`, which has lost its memory of our requests, again."""
+        """Repeat the requests to `process`, which has lost them by its restart."""
         self._progress.restart(now_s)
         for request in self._requests:
             if request.server == process:
@@ -195,12 +201,12 @@ class Mission:
         if clock is not None and (
             process == WORLD or process in self._crew.vehicle_processes.values()
         ):
-            # Time may have paused while the process was away.
+            # The clock may have been paused while the process was not running.
             clock.status = Status.WAITING
             clock.reset()
 
     def gave_up(self, process: str, text: str) -> None:
-        """Note that `process` will not come back."""
+        """Note that `process` is not started again."""
         if process == REPORT:
             self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
         elif self.phase is Phase.MAPPING and process != MOSAIC:
@@ -211,7 +217,7 @@ class Mission:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
     def cancel(self, text: str) -> None:
-        """Give the mission up: processes end, products are made if that is quick."""
+        """Cancel the mission: processes end, products are made within a short time."""
         if self.phase.is_over or self._is_cancelled:
             return
         self._is_cancelled = True
@@ -250,7 +256,7 @@ class Mission:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
 
     def _gather(self, now_s: float, situation: Situation) -> None:
-        """Let those that are not lost hold, and plan the rest for them."""
+        """Let the vehicles that are not lost hold, and plan the rest for them."""
         self._losses.advance(situation)
         if self._phase_s(now_s) > self._plan_timeout_s:
             self._fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
@@ -274,7 +280,7 @@ class Mission:
             self._watch_time(now_s, situation)
 
     def _go_on_or_collect(self) -> None:
-        """All are back: ask where to measure next, while there are rounds left, or end."""
+        """All have landed: ask where to measure next while rounds are left, else collect."""
         if self._rounds_left <= 0 or self.faults:
             self._collect_next()
             return
@@ -325,16 +331,16 @@ class Mission:
             self._fault(f'the products were not written within {limit:g} s')
         self._enter(self._outcome)
 
-    # Book-keeping.
+    # State.
 
     def _fault(self, text: str) -> None:
-        """Note a reason for which the mission is not complete, and go on."""
+        """Note a reason why the mission is not complete, and continue."""
         self.faults.append(text)
         if self._outcome is Phase.COMPLETE:
             self._outcome = Phase.FAILED
 
     def _fail(self, text: str = '', *, has_mosaic: bool = True) -> None:
-        """End this phase; make the best of what was recorded."""
+        """End this phase; map and products are made from what was recorded."""
         if text:
             self._fault(text)
         has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or self._is_extra

@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class OrderKind(Enum):
-    """What the mission asks of its surroundings."""
+    """Kinds of orders that the mission sends."""
 
     PLAN = 'plan the survey'
     FLY = 'fly the route'
@@ -28,7 +28,7 @@ class Order:
 
 
 class Status(Enum):
-    """How far a request has come."""
+    """State of a request."""
 
     WAITING = 'waiting'
     ACCEPTED = 'accepted'
@@ -36,13 +36,16 @@ class Status(Enum):
 
 
 class Request:
-    """One order on its way.
+    """One order and its state.
 
     Parameters
     ----------
-    order: what is asked for.
-    server: name of the process that answers it.
-    repeat_s: an order that nobody accepted is sent again after this long, then after twice that.
+    order
+        The order to send.
+    server
+        Name of the process that answers it.
+    repeat_s
+        An order that is not accepted is sent again after this time, then after twice that.
     """
 
     def __init__(self, order: Order, server: str, repeat_s: float) -> None:
@@ -53,7 +56,7 @@ class Request:
         self.reset()
 
     def reset(self) -> None:
-        """Begin again, for instance because the server was restarted; an answer stays."""
+        """Send again, for instance because the server was restarted; an answered request stays."""
         if self.status is Status.DONE:
             return
         self.status = Status.WAITING

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All requests of a mission that are under way."""
+"""All open requests of a mission."""
 
 from collections.abc import Iterator
 
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Request, Status
 
-# These take long to answer, and work through every repetition.
+# These take long to answer, and the server carries out every repetition.
 SLOW_ORDERS = (OrderKind.SAVE_MOSAIC, OrderKind.WRITE_PRODUCTS)
-PATIENT_REPEAT_S = 5.0
+SLOW_REPEAT_S = 5.0
 
 
 class RequestBook:
-    """Keeps one request an order; `repeat_s` as for `Request`."""
+    """Keeps one request for each order; `repeat_s` as for `Request`."""
 
     def __init__(self, repeat_s: float) -> None:
         self._repeat_s = repeat_s
@@ -29,19 +29,19 @@ class RequestBook:
         return self._requests.get(order)
 
     def add(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
-        """Ask `server` for an order from now on, if it is not asked already."""
+        """Add a request to `server` unless there is one for this order."""
         order = Order(kind=kind, vehicle=vehicle)
         if order not in self._requests:
-            repeat_s = PATIENT_REPEAT_S if kind in SLOW_ORDERS else self._repeat_s
+            repeat_s = SLOW_REPEAT_S if kind in SLOW_ORDERS else self._repeat_s
             self._requests[order] = Request(order, server, repeat_s)
 
     def renew(self, kind: OrderKind, server: str, vehicle: str = '') -> None:
-        """Ask `server` for an order, again if it has been carried out."""
+        """Add a request to `server`, in place of an earlier one for this order."""
         self._requests.pop(Order(kind=kind, vehicle=vehicle), None)
         self.add(kind, server, vehicle)
 
     def forget(self) -> None:
-        """Ask for nothing any more."""
+        """Drop all requests."""
         self._requests = {}
 
     def due(self, now_s: float) -> list[Order]:
@@ -53,7 +53,7 @@ class RequestBook:
         return [request for order, request in self._requests.items() if order.kind is kind]
 
     def all_done(self, kind: OrderKind) -> bool:
-        """Return whether all of one kind are answered; a plan without routes is flown at once."""
+        """Return whether all of one kind are answered; without routes, flying is done at once."""
         requests = self.of_kind(kind)
         is_flight = kind is OrderKind.FLY
         return (bool(requests) or is_flight) and all(r.status is Status.DONE for r in requests)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who takes part in a mission, and what its surroundings look like."""
+"""Participants of a mission, and the present state of processes, clock and image store."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,16 +7,22 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Situation:
-    """What the surroundings look like now.
+    """Present state of processes, clock, image store and vehicles.
 
     Attributes
     ----------
-    ready: processes that can be used.
-    simulated_s: simulated time, seconds.
-    waiting_for: whom simulated time waits for, as far as is known.
-    images_stored: photographs that are safe in the store.
-    images_rejected: photographs that never will be.
-    still: vehicles that stand, in the air or on the ground.
+    ready
+        Processes that are ready.
+    simulated_s
+        Simulated time, seconds.
+    waiting_for
+        Participants that simulated time waits for, as far as known.
+    images_stored
+        Number of photographs in the store.
+    images_rejected
+        Number of photographs that the store refuses.
+    still
+        Vehicles that do not move, in the air or on the ground.
     """
 
     ready: frozenset[str]
@@ -29,7 +35,7 @@ class Situation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crew:
-    """Who takes part: for each vehicle its process, and all processes that must be ready."""
+    """Participants: the process of each vehicle, and all processes that must be ready."""
 
     vehicle_processes: Mapping[str, str]
     processes: frozenset[str]

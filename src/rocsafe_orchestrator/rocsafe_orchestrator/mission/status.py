@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a running mission: gathered from the nodes' messages, shown to people."""
+"""State of a running mission, gathered from the messages of the nodes."""
 
 import math
 from dataclasses import dataclass, field
@@ -35,13 +35,13 @@ class FlightState(IntEnum):
 GROUNDED = frozenset(
     {FlightState.DISARMED, FlightState.WAITING, FlightState.LANDED, FlightState.CRASHED}
 )
-# A vehicle that holds and is slower than this stands.
+# A vehicle that holds counts as still below this speed.
 STILL_MPS = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleStatus:
-    """Latest word of one vehicle; `time_s` is its stamp, seconds since the epoch."""
+    """Latest state of one vehicle; `time_s` is its stamp, seconds since the epoch."""
 
     name: str
     state: FlightState = FlightState.UNKNOWN
@@ -57,7 +57,7 @@ class VehicleStatus:
 
     @property
     def is_still(self) -> bool:
-        """Whether it stands, in the air or on the ground."""
+        """Whether it does not move, in the air or on the ground."""
         if self.state is FlightState.HOLDING:
             return self.speed_mps < STILL_MPS
         return self.state in GROUNDED
@@ -78,13 +78,20 @@ class RunStatus:
 
     Attributes
     ----------
-    text: why the mission failed or was cancelled, empty if neither.
-    images_expected: by all plans that are flown one after the other.
-    viewpoints_planned: by the plan that is flown now.
-    flight_time_s: simulated seconds since the first take-off.
-    wall_time_s: seconds since the run began.
-    real_time_factor: simulated over wall time of late; NaN while nothing flies.
-    restarts: how often each process was started again.
+    text
+        Why the mission failed or was cancelled, empty if neither.
+    images_expected
+        Photographs of all plans that are flown one after the other.
+    viewpoints_planned
+        Viewpoints of the present plan.
+    flight_time_s
+        Simulated seconds since the first take-off.
+    wall_time_s
+        Seconds since the run began.
+    real_time_factor
+        Recent simulated time over wall time; NaN while nothing flies.
+    restarts
+        How often each process was started again.
     """
 
     phase: Phase
@@ -101,11 +108,12 @@ class RunStatus:
 
 
 class Monitor:
-    """Keeps the latest of everything that the nodes say.
+    """Keeps the latest state from the messages of the nodes.
 
     Parameters
     ----------
-    vehicles: names, in the order in which they are shown.
+    vehicles
+        Names, in the order in which they are shown.
     """
 
     def __init__(self, vehicles: tuple[str, ...]) -> None:
@@ -129,12 +137,12 @@ class Monitor:
 
     @property
     def still(self) -> frozenset[str]:
-        """Names of the vehicles that stand."""
+        """Names of the vehicles that do not move."""
         return frozenset(name for name, status in self._vehicles.items() if status.is_still)
 
     @property
     def images_stored(self) -> int:
-        """Photographs that are safe in the store."""
+        """Number of photographs in the store."""
         return len(self._stored)
 
     @property
@@ -148,7 +156,7 @@ class Monitor:
         return 0.0 if self._takeoff_s is None else max(0.0, self.time_s - self._takeoff_s)
 
     def on_vehicle(self, status: VehicleStatus) -> None:
-        """Note the state of a vehicle; one that we do not know is passed over."""
+        """Note the state of a vehicle; unknown vehicles are ignored."""
         if status.name not in self._vehicles:
             return
         self._vehicles[status.name] = status
@@ -163,7 +171,7 @@ class Monitor:
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
 
     def on_stored(self, shot_id: str) -> None:
-        """Note that a photograph is safe."""
+        """Note that a photograph is stored."""
         self._stored.add(shot_id)
         self._rejected.pop(shot_id, None)
 
@@ -174,11 +182,12 @@ class Monitor:
 
 
 class Pace:
-    """Simulated seconds a wall second, over the last few seconds.
+    """Simulated time over wall time in the last few seconds.
 
     Parameters
     ----------
-    window_s: wall time that is looked back.
+    window_s
+        Length of the window, seconds of wall time.
     """
 
     def __init__(self, window_s: float = 3.0) -> None:

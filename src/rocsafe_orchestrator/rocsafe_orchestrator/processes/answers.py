@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Executables of other packages that are asked by JSON, answer by JSON, and end."""
+"""Executables of other packages that read a request as JSON and write an answer as JSON."""
 
 import json
 import subprocess
@@ -14,7 +14,8 @@ def answer_of(executable: Path, request: dict[str, Any], timeout_s: float) -> di
 
     Raises
     ------
-    OrchestratorError: in one line, why there is no answer: its own reason, or the time.
+    OrchestratorError
+        If there is no answer, with the reason in one line.
     """
     try:
         done = subprocess.run(
@@ -34,6 +35,6 @@ def answer_of(executable: Path, request: dict[str, Any], timeout_s: float) -> di
 
 
 def reason_of(done: 'subprocess.CompletedProcess[str]', name: str) -> str:
-    """Return why a process gave up: its last line, or how it ended."""
+    """Return why a process failed: its last line, or how it ended."""
     words = done.stderr.strip().splitlines() or [f'{name} ended with {done.returncode}']
     return words[-1].removeprefix('error: ')

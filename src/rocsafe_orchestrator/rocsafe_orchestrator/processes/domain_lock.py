@@ -16,7 +16,7 @@ COMPANY_TEXT = (
 )
 
 
-# Descriptors of the locks that are held. A copy of this process must not hold them with it.
+# Descriptors of the locks that are held. A forked process must not keep them open.
 _held: set[int] = set()
 
 
@@ -31,16 +31,19 @@ os.register_at_fork(after_in_child=_let_go)
 
 @contextmanager
 def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
-    """Hold the domain; the kernel lets go of it when this process ends, however that happens.
+    """Lock the domain; the kernel releases the lock when this process ends, in any way.
 
     Parameters
     ----------
-    domain: value of ``ROS_DOMAIN_ID``.
-    folder: where the lock file lies, by default the system's folder for temporary files.
+    domain
+        Value of ``ROS_DOMAIN_ID``.
+    folder
+        Where the lock file lies, by default the system's folder for temporary files.
 
     Raises
     ------
-    SetupError: if another mission of this user holds it.
+    SetupError
+        If another mission of this user holds it.
     """
     folder = Path(tempfile.gettempdir()) if folder is None else folder
     path = folder / f'rocsafe-{os.getuid()}-domain-{domain}.lock'

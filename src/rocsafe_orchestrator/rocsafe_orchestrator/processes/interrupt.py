@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Being asked to stop: once to end in order, twice to end at once."""
+"""Signals that stop a run: the first ends it in order, the second at once."""
 
 import signal
 from types import FrameType
@@ -10,7 +10,7 @@ NAMES = {signal.SIGINT: 'Ctrl-C', signal.SIGTERM: 'SIGTERM', signal.SIGHUP: 'clo
 
 
 class Interrupt:
-    """Counts SIGINT, SIGTERM and SIGHUP from its creation on, instead of dying of them."""
+    """Counts SIGINT, SIGTERM and SIGHUP instead of ending on them."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -25,15 +25,15 @@ class Interrupt:
 
     @property
     def is_urgent(self) -> bool:
-        """True once the user has asked twice."""
+        """True after the second signal."""
         return self.count > 1
 
     @property
     def text(self) -> str:
-        """What interrupted, for people; empty if nothing did."""
+        """Description of the signal, empty if there was none."""
         return '' if self._first is None else f'interrupted by {NAMES[self._first]}'
 
     @property
     def exit_code(self) -> int | None:
-        """The shell's exit code of a command that this signal ended; None without one."""
+        """Exit code of a command that this signal ended, None without one."""
         return None if self._first is None else EXIT_SIGNAL_BASE + self._first

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the table of processes to commands: executables found, parameter files written."""
+"""Commands of the processes: finds executables and writes parameter files."""
 
 import os
 import sys
@@ -9,14 +9,14 @@ from pathlib import Path
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.node_parameters import write_parameters
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
-from rocsafe_orchestrator.processes.processes import ProcessSpec
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
-# Threads of the linear algebra would only wait for each other on matrices this small.
+# Threads of the linear algebra cost more than they save on matrices this small.
 ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
 
 
@@ -25,7 +25,8 @@ def find_executable(package: str, executable: str) -> Path:
 
     Raises
     ------
-    SetupError: saying what to do.
+    SetupError
+        If it is not installed, saying what to do.
     """
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     for prefix in filter(None, prefixes):
@@ -43,7 +44,8 @@ def require_executables(table: Iterable[ProcessSpec]) -> None:
 
     Raises
     ------
-    SetupError: if an executable is missing.
+    SetupError
+        If an executable is missing.
     """
     for spec in table:
         find_executable(spec.package, spec.executable)
@@ -56,11 +58,13 @@ def launches(
 
     Parameters
     ----------
-    config: a parameter file for all nodes; the scenario's values come after it and win.
+    config
+        A parameter file for all nodes; the scenario's values take precedence.
 
     Raises
     ------
-    SetupError: if an executable is missing.
+    SetupError
+        If an executable is missing.
     """
     return (*(_launch(spec, run, config) for spec in table), _report_launch(run))
 
@@ -70,10 +74,10 @@ def child_environment(run: RunDirectory) -> Mapping[str, str]:
     return {
         **os.environ,
         SUPERVISOR_VARIABLE: str(os.getpid()),
-        # ROS writes a file a process; beside ours they would hide in the user's home.
+        # ROS writes one log file for each process, by default in the user's home.
         'ROS_LOG_DIR': str(run.logs / 'ros'),
         'PYTHONUNBUFFERED': '1',
-        # Many processes share few cores: threads of each would only wait for each other.
+        # Many processes share few cores, so that threads of each would only compete.
         'OPENBLAS_NUM_THREADS': '1',
     }
 
@@ -83,7 +87,7 @@ def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch
     parameters = run.parameters_of(spec.name)
     write_parameters(parameters, spec.node, spec.parameters)
     files = [str(path) for path in (config, parameters) if path is not None]
-    # Every process stamps what it says in the world's time.
+    # Every process uses simulated time.
     arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
     for file in files:
         arguments += ['--params-file', file]
@@ -96,7 +100,7 @@ def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch
 
 
 def _report_launch(run: RunDirectory) -> Launch:
-    """Return how to make the products: in a process of its own, which can be ended."""
+    """Return how to make the products, in a separate process that can be killed."""
     command = (sys.executable, '-m', 'rocsafe_orchestrator.cli', 'report', str(run.path))
     return Launch(
         name=REPORT, command=command, log=run.log_of(REPORT), restart=NEVER, is_task=True

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scenario to the ROS parameters of each node."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -47,8 +46,6 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'autostart': is_real,
         'pause_when_idle': not is_real,
         'scene': scenario.scene,
-        'seed': scenario.seed,
-        **_origin(scenario),
     }
 
 
@@ -77,22 +74,23 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
     """Return the parameters of the bridge to all real vehicles."""
-    linked, camera = scenario.linked, scenario.camera
-    separations = [vehicle.drone.geoid_separation_m for vehicle in linked]
     return {
-        'vehicles': [vehicle.name for vehicle in linked],
-        'links': [vehicle.link for vehicle in linked],
-        'systems': [vehicle.drone.system for vehicle in linked],
-        'components': [vehicle.drone.component for vehicle in linked],
-        'speeds_mps': [vehicle.cruise_speed_mps for vehicle in linked],
-        'hovers_s': [vehicle.hover_s for vehicle in linked],
-        'endurances_s': [vehicle.endurance_s for vehicle in linked],
-        'image_folders': [vehicle.drone.image_folder for vehicle in linked],
-        'signing_key_files': [vehicle.drone.signing_key_file for vehicle in linked],
-        'geoid_separations_m': [math.nan if s is None else s for s in separations],
+        'drones_file': {
+            'drones': [
+                {
+                    'name': vehicle.name,
+                    'link': vehicle.link,
+                    'speed_mps': vehicle.cruise_speed_mps,
+                    'hover_s': vehicle.hover_s,
+                    'endurance_s': vehicle.endurance_s,
+                    **vehicle.drone.model_dump(exclude={'detector'}),
+                }
+                for vehicle in scenario.linked
+            ]
+        },
         'state_directory': state_directory,
         'needs_supervisor': True,
-        'camera_horizontal_fov_deg': camera.horizontal_fov_deg,
+        'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **_origin(scenario),
     }
 

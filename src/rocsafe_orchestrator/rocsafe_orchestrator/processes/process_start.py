@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a process begins: as a program of its own, or as a copy of this one.
+"""Start of a process: as a new program, or as a fork of this process.
 
-An interpreter needs half a second of a core until it has imported ROS, numpy and a node: ten
-nodes kept two cores busy for five seconds before any of them could answer. A copy has imported
-already what this process has, and shares that memory until it writes to it.
+An interpreter needs half a second of a core to import ROS, numpy and a node: ten nodes kept two
+cores busy for five seconds before any of them could answer. A fork shares the imported modules.
+
+The fork server of `multiprocessing` does not fit: its processes are no children of this one, so
+that `os.waitid` cannot tell their end before their process group is signalled, and the server has
+to import again what this process has imported.
 """
 
 import contextlib
@@ -28,25 +31,28 @@ log = logging.getLogger(__name__)
 
 
 class Process(Protocol):
-    """A process that this one has started."""
+    """A child process."""
 
     @property
     def pid(self) -> int:
-        """Its id, and that of its session."""
+        """Id of the process and of its session."""
 
     def wait(self) -> int:
-        """Wait for its end and return the exit code, negative for a signal; forget it."""
+        """Wait for its end, reap it and return the exit code, negative for a signal."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
-    """What a process begins with.
+    """Command, output and environment of a process to start.
 
     Attributes
     ----------
-    command: executable, as a path, and arguments.
-    output: takes what it prints.
-    environment: all of its variables.
+    command
+        Executable, as a path, and arguments.
+    output
+        File that takes its output and errors.
+    environment
+        All of its environment variables.
     """
 
     command: tuple[str, ...]
@@ -55,11 +61,12 @@ class Start:
 
 
 def begin_anew(start: Start) -> Process:
-    """Start a program in a session of its own.
+    """Start a program in a new session.
 
     Raises
     ------
-    OSError: if it cannot be started.
+    OSError
+        If it cannot be started.
     """
     return subprocess.Popen(
         start.command,
@@ -71,53 +78,54 @@ def begin_anew(start: Start) -> Process:
     )
 
 
-def begin_as_copy(start: Start) -> Process:
-    """Start a script of this interpreter as a copy of this process, anything else anew.
+def begin_as_fork(start: Start) -> Process:
+    """Start a script of this interpreter as a fork of this process, any other program anew.
 
-    What the script's console entry point imports is imported here, once for all copies. Must
-    come before ROS is started, and only a process with a single thread of Python is copied: locks
-    that other threads hold would never open in the copy. (The two threads of LTTng that ROS's
-    libraries bring sleep until somebody traces; copies are not traced.)
+    The modules of the script's console entry point are imported here, once for all forks. Must
+    be called before ROS is started; a process with several Python threads is not forked, because
+    locks that other threads hold would never be released in the fork. (The two threads of LTTng
+    that the libraries of ROS start sleep unless tracing is on; forks are not traced.)
 
     Raises
     ------
-    OSError: if it cannot be started.
+    OSError
+        If it cannot be started.
     """
     script = Path(start.command[0])
     if not _is_of_this_interpreter(script) or threading.active_count() > 1:
         return begin_anew(start)
     _import_for(script)
-    # What is here now stays: looking through it would copy the memory that is shared.
+    # Garbage collection of the objects made so far would copy the shared memory.
     gc.freeze()
-    return _Copy(start)
+    return _Fork(start)
 
 
-class _Copy:
-    """A process that began as a copy of this one."""
+class _Fork:
+    """A fork of this process."""
 
     def __init__(self, start: Start) -> None:
         heard, told = os.pipe()
         context = multiprocessing.get_context('fork')
         self._process = context.Process(target=_run_script, args=(start, told))
-        # Until the copy has handlers of its own a signal is kept for it, not lost to ours.
+        # Block signals until the fork has set its own handlers.
         former = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
         try:
             self._process.start()
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, former)
             os.close(told)
-        # Closed once the copy leads a session: before, its group could not be signalled.
+        # The fork closes its end after setsid: before, its process group cannot be signalled.
         os.read(heard, 1)
         os.close(heard)
 
     @property
     def pid(self) -> int:
-        """Its id, and that of its session."""
+        """Id of the process and of its session."""
         assert self._process.pid is not None  # noqa: S101 - it was started
         return self._process.pid
 
     def wait(self) -> int:
-        """Wait for its end and return the exit code, negative for a signal; forget it."""
+        """Wait for its end, reap it and return the exit code, negative for a signal."""
         self._process.join()
         assert self._process.exitcode is not None  # noqa: S101 - it has ended
         return self._process.exitcode
@@ -140,19 +148,19 @@ def _import_for(script: Path) -> None:
         for point in points:
             point.load()
     except (ImportError, AttributeError) as error:
-        # The copy meets it too, and its last words say so in its own log.
+        # The fork fails likewise and writes the reason to its log.
         log.info('%s: nothing imported for it: %s', script, error)
 
 
 def _run_script(start: Start, told: int) -> None:
-    """Be what a new interpreter would be that runs the script of `start`."""
+    """Set up this fork like a new interpreter, and run the script of `start`."""
     os.setsid()
     os.close(told)
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    _speak_to(start.output)
-    _be_called(Path(start.command[0]).name)
+    _redirect_to(start.output)
+    _set_name(Path(start.command[0]).name)
     os.environ.clear()
     os.environ.update(start.environment)
     sys.argv = list(start.command)
@@ -160,22 +168,22 @@ def _run_script(start: Start, told: int) -> None:
     runpy.run_path(start.command[0], run_name='__main__')
 
 
-def _speak_to(output: IO[bytes]) -> None:
-    """Let all that this process prints or notes go to `output` at once."""
+def _redirect_to(output: IO[bytes]) -> None:
+    """Redirect standard output, errors and logging to `output`, unbuffered."""
     with Path(os.devnull).open('rb') as nothing:
         os.dup2(nothing.fileno(), 0)
     for number in (1, 2):
         os.dup2(output.fileno(), number)
     sys.stdout = open(1, 'w', encoding='utf-8', buffering=1, closefd=False)  # noqa: SIM115
     sys.stderr = open(2, 'w', encoding='utf-8', buffering=1, closefd=False)  # noqa: SIM115
-    # What the original notes goes to a file of its own.
+    # The parent logs to a file of its own.
     package = logging.getLogger(__name__.partition('.')[0])
     package.handlers.clear()
     package.setLevel(logging.NOTSET)
     package.propagate = True
 
 
-def _be_called(name: str) -> None:
-    """Show `name` in `ps -e` and `top`, instead of that of the original."""
+def _set_name(name: str) -> None:
+    """Set the name that `ps -e` and `top` show."""
     with contextlib.suppress(OSError):
         Path('/proc/self/comm').write_text(name, encoding='utf-8')

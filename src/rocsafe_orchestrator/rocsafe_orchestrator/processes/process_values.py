@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the supervisor is told about a process, and what it tells."""
+"""Values that the supervisor takes and returns: launches, restart policy, events."""
 
 import signal
 from dataclasses import dataclass, field
@@ -9,13 +9,16 @@ from pathlib import Path
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestartPolicy:
-    """How often a process that ended is started again, and how soon.
+    """How often and how soon a process that ended is started again.
 
     Attributes
     ----------
-    limit: restarts in a run; 0: never.
-    first_pause_s: before the first restart; each further pause is twice as long.
-    longest_pause_s: no pause is longer.
+    limit
+        Restarts in a run; 0: never.
+    first_pause_s
+        Pause before the first restart; each further pause is twice as long.
+    longest_pause_s
+        Longest pause.
     """
 
     limit: int = 5
@@ -44,9 +47,12 @@ class Launch:
 
     Attributes
     ----------
-    command: executable, as a path, and arguments.
-    log: file to which its output is appended.
-    is_task: it does one thing and ends with code 0; otherwise every end is a failure.
+    command
+        Executable, as a path, and arguments.
+    log
+        File to which its output is appended.
+    is_task
+        Whether it may end with exit code 0; otherwise every end is a failure.
     """
 
     name: str
@@ -64,7 +70,7 @@ class Exit:
 
     @property
     def text(self) -> str:
-        """What happened, for people."""
+        """Description of the exit."""
         if self.code >= 0:
             return f'ended with exit code {self.code}'
         try:
@@ -84,7 +90,7 @@ class ProcessEventKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProcessEvent:
-    """Something that happened to the process `name`; `text` is for people."""
+    """An event of the process `name`; `text` describes it."""
 
     name: str
     kind: ProcessEventKind

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps processes running: start, watch, restart within limits, stop all of them for certain.
+"""Starts, watches, restarts within limits, and stops processes.
 
-Every process leads a session of its own, so that a Ctrl-C of the terminal reaches only the
-supervisor, and so that whatever a process leaves behind can be ended with it.
+Every process leads its own session, so that a Ctrl-C in the terminal reaches only the supervisor,
+and so that the children of a process can be killed with it.
 """
 
 import logging
@@ -22,10 +22,10 @@ from rocsafe_orchestrator.processes.process_values import (
     ProcessEventKind,
 )
 
-# A process refuses its parameters with this code: starting it again would change nothing.
+# Exit code of a process that refuses its parameters; a restart would not help.
 EXIT_USAGE = 2
 STOP_DEADLINE_S = 5.0
-# How often the end of a process is looked for while all are being stopped.
+# Period of the checks whether stopped processes have ended.
 STOP_POLL_S = 0.02
 
 log = logging.getLogger(__name__)
@@ -51,9 +51,12 @@ class Supervisor:
 
     Parameters
     ----------
-    launches: what may be started; nothing is until `start`.
-    environment: of every process.
-    clock: seconds, monotonic.
+    launches
+        Processes that can be started; `start` starts one.
+    environment
+        Environment of every process.
+    clock
+        Monotonic clock, seconds.
     """
 
     def __init__(
@@ -73,7 +76,7 @@ class Supervisor:
 
     @property
     def restarts(self) -> dict[str, int]:
-        """How often each process has been started again, unless never."""
+        """Number of restarts of each process that was restarted."""
         return {name: child.restarts for name, child in self._children.items() if child.restarts}
 
     def pid_of(self, name: str) -> int | None:
@@ -82,15 +85,17 @@ class Supervisor:
         return process.pid if process is not None else None
 
     def start(self, name: str, begin: Callable[[Start], Process] = begin_anew) -> None:
-        """Start `name` unless it is running or about to.
+        """Start `name` unless it is running or waits for its restart.
 
         Parameters
         ----------
-        begin: how; if it is started again it always begins anew.
+        begin
+            How to start it; a restart always uses `begin_anew`.
 
         Raises
         ------
-        SetupError: if the executable cannot be started.
+        SetupError
+            If the executable cannot be started.
         """
         child = self._children[name]
         if not child.is_running and child.start_at_s is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading the recording of a run, by the message definitions that it carries itself."""
+"""Reader of the recording of a run; it uses the message definitions in the recording."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -37,7 +37,8 @@ def read_flight_log(path: Path) -> FlightLog:
 
     Raises
     ------
-    RecordingError: if it cannot be read.
+    RecordingError
+        If it cannot be read.
     """
     try:
         with path.open('rb') as stream:
@@ -47,7 +48,7 @@ def read_flight_log(path: Path) -> FlightLog:
 
 
 class _Log:
-    """Gathers what the messages of a recording say."""
+    """Collects the messages of a recording."""
 
     def __init__(self, reader: McapReader) -> None:
         self._reader = reader
@@ -83,11 +84,11 @@ class _Log:
             for channel in summary.channels.values()
             if summary.schemas[channel.schema_id].name in kinds
         }
-        # Where a vehicle's true positions are recorded, nobody asks what it believed.
+        # The fix is needed only where true positions are not recorded.
         topics -= {topic.replace(_TRUTH_SUFFIX, '/fix') for topic in topics if _is_truth(topic)}
         if not topics:
             return
-        # The recording is in order already: sorting it again would take as long as reading it.
+        # The recording is sorted already.
         for decoded in self._reader.iter_decoded_messages(
             topics=sorted(topics), log_time_order=False
         ):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading the image store of a run as far as the report needs it."""
+"""Reader of the image store of a run, as far as the report needs it."""
 
 import json
 import math
@@ -35,7 +35,7 @@ def _listed(manifest: Path) -> Iterator[str]:
             name = json.loads(line)['shot_id']
         except (ValueError, KeyError, TypeError):
             continue
-        # The name becomes part of a path.
+        # The name becomes part of a path, so that only safe names are accepted.
         if isinstance(name, str) and name == Path(name).name:
             yield name
 

@@ -34,8 +34,8 @@ COLUMNS = (
 def write_readings(path: Path, readings: Sequence[Reading], frame: LocalFrame | None) -> None:
     """Write `readings` as CSV (RFC 4180, UTF-8), one row each, with a row of column names.
 
-    What is not known is left empty: all of east, north and up without `frame`. Positions keep a
-    millimetre, dose rates every digit that a reader needs to get the same number back.
+    Unknown values are empty; without `frame` east, north and up are empty. Positions are rounded
+    to a millimetre, dose rates have all digits that restore the same number.
     """
     places = _places(readings, frame)
     with path.open('w', encoding='utf-8', newline='') as stream:

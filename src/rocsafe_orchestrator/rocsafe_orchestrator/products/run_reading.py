@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading back all that a run left in its directory, whole or not."""
+"""Reader of a run directory, complete or not."""
 
 import json
 from collections.abc import Callable
@@ -23,12 +23,12 @@ T = TypeVar('T')
 
 
 def read_run(directory: Path) -> RunRecord:
-    """Read the run in `directory`; what is missing is told, not refused."""
+    """Read the run in `directory`; missing parts are listed, not refused."""
     return _Reading(RunDirectory(directory)).read()
 
 
 class _Reading:
-    """Reads one thing after the other and notes what is missing."""
+    """Reads the files of a run and lists what is missing."""
 
     def __init__(self, run: RunDirectory) -> None:
         self._run = run
@@ -65,7 +65,7 @@ class _Reading:
     def _check(
         self, plan: Plan | None, log: FlightLog | None, photographs: tuple[Photograph, ...]
     ) -> None:
-        """Note what a whole run would have had."""
+        """List what a complete run would have."""
         self._file(self._run.mosaic, 'map', _require_raster)
         expected = sum(len(route.viewpoints) for route in plan.routes) if plan else 0
         if len(photographs) < expected:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a finished run: values read from its files, before anything is made of them."""
+"""A finished run: values as read from its files."""
 
 import math
 from collections.abc import Mapping
@@ -104,9 +104,12 @@ class Track:
 
     Attributes
     ----------
-    time_ns: shape (n,), increasing.
-    latitude_deg, longitude_deg, altitude_m: shape (n,), WGS84, above the ellipsoid.
-    is_truth: true positions of a simulated vehicle; else what the vehicle believed.
+    time_ns
+        Shape (n,), increasing.
+    latitude_deg, longitude_deg, altitude_m
+        Shape (n,), WGS84, above the ellipsoid.
+    is_truth
+        Whether these are the true positions of a simulated vehicle, not its fixes.
     """
 
     time_ns: IntArray
@@ -185,7 +188,7 @@ class RecordingFacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlightLog:
-    """What the recording of a run says."""
+    """The content of the recording of a run."""
 
     facts: RecordingFacts
     readings: tuple[Reading, ...] = ()
@@ -196,14 +199,18 @@ class FlightLog:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRecord:
-    """All that the files of a run say. What is None or empty could not be read.
+    """The content of the files of a run; None or empty if it could not be read.
 
     Attributes
     ----------
-    path: the run directory.
-    info: content of ``run.json``.
-    missing: one line for each thing that is not there or cannot be read, for people.
-    estimates: sources that the readings support.
+    path
+        The run directory.
+    info
+        Content of ``run.json``.
+    missing
+        One line for each part that is missing or cannot be read.
+    estimates
+        Sources estimated from the readings.
     """
 
     path: Path

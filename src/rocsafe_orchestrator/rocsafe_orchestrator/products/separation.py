@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How near two vehicles came to each other in the air, by the recording."""
+"""Least distance between two vehicles in the air, from the recording."""
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,9 +24,9 @@ class Nearest:
 
 
 def airborne_spans_ns(samples: Sequence[VehicleSample]) -> tuple[Span, ...]:
-    """Return when a vehicle was off the ground: from the first such word to the next other one.
+    """Return the spans in which a vehicle was in the air: from such a state to the next other one.
 
-    A vehicle that was never seen to land flies until the last word heard of it.
+    A vehicle that was never seen to land counts as flying until its last message.
     """
     spans = []
     for is_airborne, group in itertools.groupby(
@@ -89,7 +89,7 @@ def _common(a: Sequence[Span], b: Sequence[Span]) -> Iterator[Span]:
 
 
 def _least(apart: FloatArray, times: IntArray) -> tuple[float, int]:
-    """Return the least length of a vector (n, 3) that changes evenly between times, and when."""
+    """Return the least length of a vector (n, 3), linear between times, and its time."""
     change = np.diff(apart, axis=0)
     square = (change**2).sum(axis=1)
     towards = -(apart[:-1] * change).sum(axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources estimated from the readings of a run: ``sources.json`` and its like."""
+"""Sources estimated from the readings of a run: ``sources.json`` and related files."""
 
 import json
 import math
@@ -15,7 +15,7 @@ from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.processes.answers import reason_of
 from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
 
-# Thousands of readings take seconds, on a machine that still ends other processes.
+# Thousands of readings take seconds; the machine may be busy.
 TIMEOUT_S = 120.0
 
 
@@ -33,9 +33,9 @@ class SourceEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimates:
-    """All sources that the readings support, the probability of each number, if it is enough.
+    """All estimated sources, the probability of each number of sources, and the verdict.
 
-    `doubts` says what is not as the estimator assumes.
+    `doubts` lists the assumptions of the estimator that are violated.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -52,8 +52,10 @@ def _localize(arguments: Sequence[str]) -> None:
 
     Raises
     ------
-    SetupError: if it is not installed.
-    OrchestratorError: if there is nothing to localise from; the reason is told.
+    SetupError
+        If it is not installed.
+    OrchestratorError
+        If no source can be estimated, with the reason.
     """
     command = [str(find_executable('rocsafe_radiation', 'localize')), *arguments]
     try:
@@ -79,7 +81,8 @@ def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
 
     Raises
     ------
-    OrchestratorError: saying why there are none.
+    OrchestratorError
+        If there are no estimates, with the reason.
     """
     folder = readings.parent
     _localize([str(readings), f'--out={folder}', *options])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of a run: what was planned, what was flown, what was measured, what is missing."""
+"""The figures of a run: planned, flown, measured, missing."""
 
 import dataclasses
 import math
@@ -66,15 +66,18 @@ class HighestReading:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleFigures:
-    """What one vehicle did. None: not known.
+    """Figures of one vehicle; None if unknown.
 
     Attributes
     ----------
-    flown_duration_s: take-off to touch-down, or to the last word heard.
-    planned_duration_s, planned_length_m: of its route, None if it flew more than one plan: what
-        each took of the flight is not told.
-    viewpoints_planned: by all plans; of one that another replaced, those visited before.
-    integrated_dose_usv: dose that the vehicle took, by trapezoids over its readings.
+    flown_duration_s
+        Take-off to touch-down, or to the last message.
+    planned_duration_s, planned_length_m
+        Of its route; None if it flew more than one plan.
+    viewpoints_planned
+        Viewpoints of all plans; of a replaced plan, those visited before.
+    integrated_dose_usv
+        Dose of the vehicle, microsievert, by the trapezoidal rule over its readings.
     """
 
     name: str
@@ -94,19 +97,28 @@ class VehicleFigures:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunSummary:
-    """All figures of a run, as ``summary.json`` holds them. None: not known.
+    """All figures of a run, as in ``summary.json``; None if unknown.
 
     Attributes
     ----------
-    outcome: ``complete``, ``failed``, ``cancelled`` or ``unknown``.
-    mission_duration_s: first take-off to last touch-down, simulated.
-    wall_time_s: from the command to the making of the report.
-    start_up_s: wall time from the start of the run to the first word of a flight.
-    real_time_factor: simulated seconds a second of wall time while flying.
-    processes_restarted: process to number of restarts.
-    estimates: sources that the readings support.
-    nearest: the least distance of any two vehicles in the air.
-    missing: one line for each thing that is not there.
+    outcome
+        ``complete``, ``failed``, ``cancelled`` or ``unknown``.
+    mission_duration_s
+        First take-off to last touch-down, simulated.
+    wall_time_s
+        Seconds from the command to the report.
+    start_up_s
+        Wall time from the start of the run to the first take-off.
+    real_time_factor
+        Simulated time over wall time while flying.
+    processes_restarted
+        Process to number of restarts.
+    estimates
+        Sources estimated from the readings.
+    nearest
+        The least distance of any two vehicles in the air.
+    missing
+        One line for each missing part.
     """
 
     run: str
@@ -202,7 +214,7 @@ def integrated_dose_usv(readings: Sequence[Reading]) -> float | None:
 def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
     """Return when a vehicle took off first and was on the ground again, None if it never flew.
 
-    A vehicle that was never seen to land flies until the last word heard of it.
+    A vehicle that was never seen to land counts as flying until its last message.
     """
     spans = airborne_spans_ns(samples)
     return (spans[0][0], spans[-1][1]) if spans else None
@@ -211,9 +223,9 @@ def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
 def viewpoints_of(
     samples: Sequence[VehicleSample], route: PlannedRoute | None
 ) -> tuple[int | None, int | None]:
-    """Return how many viewpoints a vehicle visited, and how many were planned. None: unknown.
+    """Return the number of viewpoints visited and planned; None if unknown.
 
-    `samples` tell of every plan that it flew; `route` is for one that has heard of none.
+    `samples` cover every plan that it flew; `route` is used if it received none.
     """
     plans = {sample.plan_id: sample for sample in samples if sample.plan_id}
     if not plans:
@@ -231,7 +243,7 @@ def utc_text(time_ns: int) -> str:
 
 
 def _outcome(info: Mapping[str, object], mission: Sequence[MissionSample]) -> tuple[str, str]:
-    """Return the outcome and its reason, of the run's own words or else of the recording."""
+    """Return the outcome and its reason, from ``run.json`` or else from the recording."""
     if isinstance(info.get('outcome'), str):
         return str(info['outcome']), str(info.get('outcome_text') or '')
     if mission and mission[-1].phase.is_over:
@@ -315,7 +327,7 @@ def _real_time_factor(mission: Sequence[MissionSample]) -> float | None:
 
 
 def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -> float | None:
-    """Return the time from the command to the report; a report made again says the same."""
+    """Return the time from the command to the report; a remade report has the same value."""
     if mission:
         return mission[-1].wall_time_s
     wall_time_s = info.get('wall_time_s')
@@ -328,7 +340,7 @@ def _restarts(info: Mapping[str, object]) -> dict[str, int]:
 
 
 def _versions(info: Mapping[str, object]) -> dict[str, str]:
-    """Return the versions of everything that the run was made with."""
+    """Return the versions of the software of the run."""
     found = {}
     if info.get('git_revision'):
         changes = ' with changes' if info.get('git_dirty') else ''

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Making one indexed recording of the segments that the recorder left.
+"""Merges the segments of the recorder into one indexed recording.
 
 Segments may be torn at the end (their recorder was killed) and may repeat messages (a restarted
-node publishes again what it had published). Both are put right and counted here. Only positions
-are held in memory, so a recording may be larger than it.
+node publishes again what it had published). Both are corrected and counted here. Only positions
+are held in memory, so a recording may be larger than the memory.
 """
 
 import hashlib
@@ -24,9 +24,9 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Schema as SchemaRecord
 from mcap.writer import MCAP0_MAGIC, Writer
 
-from rocsafe_orchestrator.recording import recording
+from rocsafe_orchestrator.recording import segments as recording
 from rocsafe_orchestrator.recording.message_definitions import starts_with_header
-from rocsafe_orchestrator.recording.recording import MISSION_FILE, RosWriter
+from rocsafe_orchestrator.recording.segments import MISSION_FILE, RosWriter
 
 _FRAME = struct.Struct('<BQ')
 _MESSAGE_HEAD = struct.Struct('<HIQQ')
@@ -36,15 +36,20 @@ _LATCHED_MARK = 'durability: 1\n'
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FinalisedRecording:
-    """What became of the segments.
+    """The merged recording.
 
     Attributes
     ----------
-    path: of the recording.
-    segment_count: segments it was made of; 0 if it had been made before.
-    message_count: messages in it.
-    duplicate_count: messages left out because the same had been recorded.
-    torn_bytes: bytes at the ends of segments that made no whole record.
+    path
+        Path of the recording.
+    segment_count
+        Number of segments merged; 0 if the recording existed.
+    message_count
+        Number of messages.
+    duplicate_count
+        Number of repeated messages left out.
+    torn_bytes
+        Bytes of incomplete records at the ends of segments.
     """
 
     path: Path
@@ -150,18 +155,21 @@ class _Segment:
 
 
 def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedRecording | None:
-    """Make ``mission.mcap`` of the segments in `directory`, then remove them.
+    """Write ``mission.mcap`` from the segments in `directory`, then remove them.
 
-    May be repeated, after an interruption too: nothing recorded is lost and nothing doubled.
+    May be repeated, also after an interruption: no message is lost or doubled.
 
     Parameters
     ----------
-    directory: the run directory.
-    attachments: small files to keep inside the recording; those missing are left out.
+    directory
+        The run directory.
+    attachments
+        Small files to store in the recording; missing ones are left out.
 
     Returns
     -------
-    What was made, or None if there are no segments.
+    FinalisedRecording or None
+        None if there are no segments.
     """
     path = directory / MISSION_FILE
     if not recording.segments(directory):
@@ -195,7 +203,7 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
 def _without_repeats(
     opened: list[_Segment], positions: Iterable[_Position]
 ) -> Iterator[_Position]:
-    """Leave out messages whose bytes have been seen on the same topic, stamp included."""
+    """Leave out messages that repeat an earlier one of the same topic, stamp included."""
     seen: set[bytes] = set()
     drops = {
         (number, channel): source.drops_repeats
@@ -249,11 +257,12 @@ def _write_attachments(
 
 
 def _reopen(path: Path, directory: Path) -> None:
-    """Turn a finished recording back into a segment: an earlier making was cut off at its end.
+    """Turn a recording back into a segment after an interrupted merge.
 
     Raises
     ------
-    ValueError: if the file is no recording.
+    ValueError
+        If the file is no recording.
     """
     try:
         with path.open('rb') as source:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Definitions of message types as recordings embed them: the ``ros2msg`` schema encoding.
 
-A recording that carries its definitions can be read by anybody for ever, without the packages that
-made it. The files are those of the ament index, ``<prefix>/share/<package>/msg/<Name>.msg``, which
-wheels and distributions install alike.
+A recording with its definitions can be read without the packages that made it. The files are
+those of the ament index, ``<prefix>/share/<package>/msg/<Name>.msg``, of wheels and of
+distributions.
 """
 
 import json
@@ -19,7 +19,7 @@ _PRIMITIVES = frozenset(
     {'bool', 'byte', 'char', 'float32', 'float64', 'int8', 'uint8', 'int16', 'uint16', 'int32',
      'uint32', 'int64', 'uint64', 'string', 'wstring'}
 )  # fmt: skip
-# A field, no constant: its type is package and name, then a string's limit or array bounds.
+# A field, not a constant: package and name, then the limit of a string or array bounds.
 _FIELD = re.compile(r'^(?P<type>[A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]\w*(?!\w|\s*=)')
 
 
@@ -32,7 +32,8 @@ class MessageDefinitions:
 
     Parameters
     ----------
-    prefixes: folders that hold ``share/<package>``; the first that has a type wins.
+    prefixes
+        Folders that hold ``share/<package>``; the first that has a type wins.
     """
 
     def __init__(self, prefixes: Iterable[Path]) -> None:
@@ -50,7 +51,8 @@ class MessageDefinitions:
 
         Raises
         ------
-        DefinitionError: if a definition is not found.
+        DefinitionError
+            If a definition is not found.
         """
         parts = [self._own_text(message_type)]
         for dependency in self._dependencies(message_type):

@@ -8,7 +8,7 @@ lock-step (log times hold them).
 
 from collections.abc import Iterable, Iterator
 
-from rocsafe_orchestrator.recording.recording import Channel
+from rocsafe_orchestrator.recording.segments import Channel
 from rocsafe_ros import topics
 from rocsafe_ros.topics import TopicSpec
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources from readings on a grid of beliefs."""
+"""Sources from a grid of probabilities."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A search with sensors that only say yes or no: a grid of probabilities, by Bayes' rule.
+"""Search with yes-or-no sensors: a grid of probabilities, by Bayes' rule.
 
-Several agents search the same grid. What one sees is an observation with a name of its own; merged
-beliefs are made from the union of observations, so none counts twice, in whatever order and
-however often agents meet.
+Several agents search the same grid. Each answer of a sensor is a sighting with a unique name.
+Merged beliefs come from the union of sightings: none counts twice, in any order and for any number
+of merges.
 """
 
 import math
@@ -16,14 +16,14 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class YesNoSensor:
-    """A sensor that says whether there is something in the cell below.
+    """A sensor that reports whether there is a source in the cell below.
 
     Attributes
     ----------
     false_positive
-        Probability of yes where nothing is.
+        Probability of yes where there is no source.
     false_negative
-        Probability of no where something is.
+        Probability of no where there is a source.
     """
 
     false_positive: float
@@ -35,7 +35,7 @@ class YesNoSensor:
                 raise ValueError(f'{name} = {getattr(self, name)} must be between 0 and 0.5')
 
     def log_ratio(self, is_yes: bool) -> float:
-        """Return by how much an answer raises the logarithm of the odds."""
+        """Return the change of the log odds by an answer."""
         if is_yes:
             return math.log((1.0 - self.false_negative) / self.false_positive)
         return math.log(self.false_negative / (1.0 - self.false_positive))
@@ -43,7 +43,7 @@ class YesNoSensor:
 
 @dataclass(frozen=True, slots=True)
 class Sighting:
-    """An answer of a sensor: who asked, its number, the cell (row, column) and the log ratio."""
+    """An answer of a sensor: agent, number, cell (row, column) and change of the log odds."""
 
     agent: str
     number: int
@@ -52,14 +52,14 @@ class Sighting:
 
 
 class BeliefGrid:
-    """What one agent believes of each cell.
+    """The probability of a source in each cell, as one agent knows it.
 
     Parameters
     ----------
     prior
-        Probability of something in each cell before, shape (rows, columns).
+        Prior probability of a source in each cell, shape (rows, columns).
     agent
-        Name of the agent, different from all others.
+        Name of the agent, unique.
     """
 
     def __init__(self, prior: FloatArray, agent: str) -> None:
@@ -74,15 +74,15 @@ class BeliefGrid:
 
     @property
     def sightings(self) -> tuple[Sighting, ...]:
-        """All that this agent has seen or been told."""
+        """All sightings of this agent and of those merged."""
         return tuple(self._seen.values())
 
     def probabilities(self) -> FloatArray:
-        """Return the probability of something in each cell, shape (rows, columns)."""
+        """Return the probability of a source in each cell, shape (rows, columns)."""
         return np.asarray(1.0 / (1.0 + np.exp(-np.clip(self._log_odds, -500.0, 500.0))))
 
     def observe(self, sensor: YesNoSensor, cell: tuple[int, int], is_yes: bool) -> Sighting:
-        """Take an answer of this agent's own sensor."""
+        """Add an answer of this agent's own sensor."""
         rows, columns = self._log_odds.shape
         if not (0 <= cell[0] < rows and 0 <= cell[1] < columns):
             raise ValueError(f'cell = {cell} must lie within {rows} rows and {columns} columns')
@@ -92,7 +92,7 @@ class BeliefGrid:
         return sighting
 
     def merge(self, other: 'BeliefGrid') -> None:
-        """Take what `other` has seen or been told, each sighting once."""
+        """Add the sightings of `other`, each once."""
         if other._log_odds.shape != self._log_odds.shape:
             raise ValueError('grids of different shape cannot be merged')
         for sighting in other.sightings:

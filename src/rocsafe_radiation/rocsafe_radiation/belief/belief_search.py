@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A second, simple way to find sources: a grid of beliefs, fed by readings that say yes or no.
+"""The method ``belief-grid``: sources from readings that say yes or no about the cell below.
 
-A reading says yes when it counts more than background and half of the smallest source below would,
-and no other one around counts far more. It tells of the cell below it alone; how often it is wrong
-follows from Poisson's law. Cells believed in that touch make one source, at their centre of
-weight. It needs no law of the dose rate to converge and cannot be led astray by one, but knows
-places no better than a cell.
+A reading says yes when it has more counts than the background and half of the smallest source
+below would give, and no reading around has far more. It counts for the cell below it only. Its
+error rates follow from the Poisson distribution. Probable cells that touch make one source, at
+their centre of mass. The method does not depend on the law of the dose rate; it knows places to a
+cell.
 """
 
 import itertools
@@ -25,18 +25,18 @@ from rocsafe_radiation.localization.localize import (
     require_enough,
 )
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 CELL_HEIGHTS = 0.5
 SMALLEST_CELL_M = 2.0
 LARGEST_GRID = 40_000
-# Sources expected on the whole ground before any reading.
+# Expected number of sources on the whole ground before any reading.
 EXPECTED_SOURCES = 1.0
-# Nothing is as sure as Poisson's law alone would have it.
+# Least error rates: real readings are less certain than Poisson statistics.
 SMALLEST_ERROR, LARGEST_ERROR = 1e-5, 0.45
-# Background alone says yes in 2e-5 of readings.
+# With background alone, 2e-5 of the readings say yes.
 YES_DEVIATIONS = 4.1
-# A reading that says yes is at least so much of the highest within so many heights.
+# A reading that says yes has at least this share of the highest excess within so many heights.
 PEAK_SHARE, PEAK_HEIGHTS = 0.5, 2.0
 BLOCK = 1024
 BELIEVED = 0.9
@@ -45,7 +45,7 @@ SMALLEST_USVH = 92.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BeliefMap:
-    """What is believed: probability of a source in each cell, shape (rows, columns)."""
+    """Probability of a source in each cell, shape (rows, columns)."""
 
     corner_m: tuple[float, float]
     cell_m: float
@@ -53,12 +53,12 @@ class BeliefMap:
 
 
 def believe(
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
     agents: Sequence[str] = (),
     smallest_usvh: float = SMALLEST_USVH,
 ) -> tuple[Localization, BeliefMap]:
-    """Return the sources that `survey` makes believable, and what it makes of each cell.
+    """Return the probable sources of `survey` and the probability of each cell.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def believe(
     options
         Law of the dose rate and height of sources.
     agents
-        Who took each reading; each keeps a grid of its own, and all are merged.
+        Agent of each reading; each has a grid of its own, and all are merged.
     smallest_usvh
         Dose rate at 1 m of the weakest source that matters.
 
@@ -86,7 +86,7 @@ def believe(
     probabilities = merged.probabilities()
     clusters = _clusters(probabilities > BELIEVED)
     sources = [_source(one, probabilities, grid, survey, options) for one in clusters]
-    # Within so much, nothing tells a source from those found already.
+    # Within this distance, a further source cannot be told from one that is found.
     apart = round(PEAK_HEIGHTS * survey.height_m(options.source_up_m) / grid.cell_m)
     others = probabilities[~_about(clusters, grid.shape, apart)]
     return _localization(survey, sources, others), BeliefMap(
@@ -103,7 +103,7 @@ class _Grid:
     shape: tuple[int, int]
 
     @classmethod
-    def over(cls, survey: Survey, source_height_m: float) -> '_Grid':
+    def over(cls, survey: RadiationSurvey, source_height_m: float) -> '_Grid':
         places = survey.positions_enu_m[:, :2]
         low, extent = places.min(axis=0), np.ptp(places, axis=0)
         cell = max(
@@ -124,7 +124,7 @@ class _Grid:
 
 
 def _beliefs(
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
     grid: _Grid,
     names: list[str],
@@ -135,10 +135,11 @@ def _beliefs(
     beliefs = {name: BeliefGrid(prior, name) for name in dict.fromkeys(names)}
     background = survey.exposures * _median_level_usvh(survey)
     height = survey.height_m(options.source_up_m)
-    # At the edge of a cell it is hardest to see.
+    # A source at the edge of a cell gives the weakest signal.
     square = np.array([height**2 + 0.5 * grid.cell_m**2])
     added = survey.exposures * smallest_usvh * options.kernel.values(square)[0]
-    # Half way, a reading is wrong as seldom as it can be, either way; but there are many readings.
+    # Half of the signal is the best limit for both errors, but with many readings false alarms
+    # must be rarer.
     surely = background + YES_DEVIATIONS * np.sqrt(background) + YES_DEVIATIONS**2 / 6.0
     limits = np.ceil(np.maximum(background + added / 2.0 + 0.5, surely))
     missed = poisson_below(limits, background + added)
@@ -152,16 +153,16 @@ def _beliefs(
     return list(beliefs.values())
 
 
-def _median_level_usvh(survey: Survey) -> float:
-    """Return the background as half of the readings have it: sources raise fewer than half."""
+def _median_level_usvh(survey: RadiationSurvey) -> float:
+    """Return the median rate as background: sources raise fewer than half of the readings."""
     return max(float(np.median(survey.counts / survey.exposures)), 1e-6)
 
 
 def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:
-    """Return the probability of fewer counts than `limits`: good to 0.006.
+    """Return the probability of fewer counts than `limits`, to 0.006.
 
-    Fewer than n counts come in a time in which the n-th has not come yet, a time with the gamma
-    law, whose cube root is nearly normal (Wilson and Hilferty 1931).
+    The time of the n-th count has a gamma distribution, whose cube root is nearly normal (Wilson
+    and Hilferty 1931).
     """
     orders = np.maximum(limits, 1.0)
     scores = 3.0 * np.sqrt(orders) * (np.cbrt(means / orders) - 1.0 + 1.0 / (9.0 * orders))
@@ -169,10 +170,10 @@ def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:
     return np.where(limits < 0.5, 0.0, below)
 
 
-def _are_peaks(survey: Survey, background: FloatArray, radius_m: float) -> BoolArray:
+def _are_peaks(survey: RadiationSurvey, background: FloatArray, radius_m: float) -> BoolArray:
     """Return which readings exceed the background at least half as much as any around them.
 
-    A strong source is felt from afar: only where it is felt most it may be below.
+    A strong source raises readings far away, too: only the highest of them is above it.
     """
     rates = (survey.counts - background) / survey.exposures
     places = survey.positions_enu_m[:, :2]
@@ -186,7 +187,7 @@ def _are_peaks(survey: Survey, background: FloatArray, radius_m: float) -> BoolA
 
 
 def _clusters(believed: BoolArray) -> list[list[tuple[int, int]]]:
-    """Return the cells of each connected patch, corners connecting, too."""
+    """Return the cells of each connected patch; cells that share a corner are connected."""
     left = set(map(tuple, np.argwhere(believed).tolist()))
     clusters = []
     while left:
@@ -217,10 +218,10 @@ def _source(
     cluster: list[tuple[int, int]],
     probabilities: FloatArray,
     grid: _Grid,
-    survey: Survey,
+    survey: RadiationSurvey,
     options: LocalizationOptions,
 ) -> SourceEstimate:
-    """Return the source of one patch: where its readings exceed the background most."""
+    """Return the source of one patch, at the mean of its readings weighted by their excess."""
     cells = np.array(cluster)
     centres = np.array(grid.corner_m) + cells[:, ::-1] * grid.cell_m
     below = grid.cells(survey.positions_enu_m[:, :2])
@@ -233,7 +234,8 @@ def _source(
     spread = grid.cell_m**2 / 12.0 + centres.var(axis=0) / len(cluster)
     aside = np.diag(np.sqrt(spread))
     moved = [_strength(centre + way, survey, options)[0] for way in (*aside, *-aside)]
-    # Beside what is counted, the place is not known: half the square for each side of an axis.
+    # The place is uncertain, and so is the strength: half the squared change to both sides of an
+    # axis.
     log_std = math.hypot(
         log_std, float(np.linalg.norm(np.log(np.array(moved) / strength))) / 2**0.5
     )
@@ -249,11 +251,12 @@ def _source(
 
 
 def _strength(
-    centre: FloatArray, survey: Survey, options: LocalizationOptions
+    centre: FloatArray, survey: RadiationSurvey, options: LocalizationOptions
 ) -> tuple[float, float]:
-    """Return the strength that explains the readings around, and the deviation of its log.
+    """Return the strength by the readings around, and the standard deviation of its logarithm.
 
-    Farther ones tell more of the background, which half of the readings know too high.
+    Farther readings are left out: they depend more on the background, which the median
+    overestimates.
     """
     place = survey.ground.raised(np.array([[*centre.tolist(), options.source_up_m]]))[0]
     kernel: Kernel = options.kernel
@@ -268,11 +271,11 @@ def _strength(
 
 
 def _localization(
-    survey: Survey, sources: list[SourceEstimate], others: FloatArray
+    survey: RadiationSurvey, sources: list[SourceEstimate], others: FloatArray
 ) -> Localization:
-    """Return what was found; `others`: probabilities of the cells away from all of `sources`."""
+    """Return the result; `others` are the probabilities of the cells away from all `sources`."""
     count = len(sources)
-    # Cells are independent: nothing more when none of the others holds a source.
+    # Cells are independent: there is no further source if none of the others has one.
     surely = float(np.exp(np.log1p(-np.minimum(others, 0.999)).sum()))
     order = [0.0] * count + [surely, 1.0 - surely]
     background = _median_level_usvh(survey)

@@ -13,17 +13,17 @@ from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide_names
 
 AUTO = 'auto'
 COLUMNS = """\
-columns of the file, comma separated, with a row of names; others do not matter:
+columns of the file, comma separated, with a row of names; others are ignored:
   latitude_deg, longitude_deg, altitude_m   WGS84, metres above any one datum
   or east_m, north_m, up_m                  metres in any local frame, up above the ground
   dose_rate_usvh                            microsievert per hour; or _nsvh, _msvh, _svh (per
                                             hour) or _usvps (microsievert per second)
-  or counts, live_time_s                    with --sensitivity; or both, which is best
-  dose_rate_std_usvh, time_ns, vehicle      if there are any
-  saturated                                 1 where the detector was: left out
+  or counts, live_time_s                    with --sensitivity; best give both
+  dose_rate_std_usvh, time_ns, vehicle      optional
+  saturated                                 1: the detector was saturated; left out
   reference_counts                          of a window of the spectrum above the lines of the
-                                            source: they foretell the background of counts
-Rows without a valid place and value are left out and counted.
+                                            source: they predict the background of counts
+Rows without a valid place and value are left out; their number is printed.
 """
 
 
@@ -31,15 +31,15 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe localize',
-        description='Find gamma sources in a file of readings, and say how sure that is.',
+        description='Find gamma sources in a file of readings, with their uncertainty.',
         epilog=COLUMNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     found.add_argument('file', type=Path, metavar='READINGS.csv')
-    _add_physics(found.add_argument_group('what is known before'))
-    _add_ground(found.add_argument_group('how high the ground is'))
-    _add_method(found.add_argument_group('how to search'))
-    _add_output(found.add_argument_group('what to tell'))
+    _add_physics(found.add_argument_group('prior knowledge'))
+    _add_ground(found.add_argument_group('ground'))
+    _add_method(found.add_argument_group('search'))
+    _add_output(found.add_argument_group('output'))
     return found
 
 
@@ -48,14 +48,14 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         '--model',
         choices=(AUTO, PAPER_MODEL, AIR_MODEL),
         default=AUTO,
-        help='law of the dose rate (default: what the file says, else air)',
+        help='law of the dose rate (default: that of the file, else air)',
     )
     group.add_argument(
         '--nuclide',
         choices=nuclide_names(),
         default=DEFAULT_NUCLIDE,
         metavar='NAME',
-        help=f'whose photons air attenuates (default: {DEFAULT_NUCLIDE})',
+        help=f'nuclide whose photons air attenuates (default: {DEFAULT_NUCLIDE})',
     )
     group.add_argument(
         '--sensitivity',
@@ -69,7 +69,7 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         type=_number('height', 0.0, 1e4),
         default=math.nan,
         metavar='M',
-        help='metres above the ground, of a file without altitudes',
+        help='height above the ground of a file without altitudes, metres',
     )
 
 
@@ -79,7 +79,8 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
         type=_number('ground', -1e3, 1e4),
         default=math.nan,
         metavar='M',
-        help='altitude of level ground, in the datum of the file (default: the lowest reading)',
+        help='altitude of level ground, in the datum of the file, metres (default: that of the '
+        'lowest reading)',
     )
     group.add_argument(
         '--terrain',
@@ -96,7 +97,7 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
         default=[],
         metavar=('LAT', 'LON', 'ALT'),
         help='a place on the ground with its altitude in the datum of the file: the heights of '
-        '--terrain are shifted to agree; may be given several times (default: same datum)',
+        '--terrain are shifted to agree; may be repeated (default: same datum)',
     )
 
 
@@ -106,15 +107,15 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
         '--method',
         choices=METHODS,
         default=ML_METHOD,
-        help='poisson-ml: by likelihood, exact; belief-grid: by readings that say yes or no, '
-        f'rough (default: {ML_METHOD})',
+        help='poisson-ml: maximum likelihood; belief-grid: yes-or-no readings, known to a cell '
+        f'(default: {ML_METHOD})',
     )
     group.add_argument(
         '--errors',
         type=_number('errors', 1e-6, 0.49),
         default=rule.false_alarm,
         metavar='P',
-        help='probability of a wrong decision, either way, at which the evidence is enough '
+        help='probability of each wrong decision at which the evidence is enough '
         f'(default: {rule.false_alarm:g})',
     )
     group.add_argument(
@@ -122,7 +123,7 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
         type=_number('ellipse', 1e-3, 1e4),
         default=rule.ellipse_95_m,
         metavar='M',
-        help='longest half axis of a 95 %% ellipse that is enough, metres '
+        help='longest half axis of a 95 %% ellipse that is precise enough, metres '
         f'(default: {rule.ellipse_95_m:g})',
     )
     group.add_argument(
@@ -149,14 +150,14 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         choices=range(101),
         default=0,
         metavar='N',
-        help='also say at which N places to measure next to know more',
+        help='also print N places at which to measure next',
     )
     group.add_argument('--json', action='store_true', help='print JSON instead of a table')
     group.add_argument(
         '--out',
         type=Path,
         metavar='DIR',
-        help='also write sources.json and, of places in degrees, sources.geojson, '
+        help='also write sources.json and, for places in degrees, sources.geojson, '
         'cordons.geojson, cordons.kml, dose_map.tif and dose_map.png',
     )
 

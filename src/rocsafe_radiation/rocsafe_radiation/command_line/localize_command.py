@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`localize`: sources from a survey file, without ROS."""
+"""The command `localize`: sources from a survey file, without ROS."""
 
 import argparse
 import dataclasses
@@ -19,19 +19,23 @@ from rocsafe_radiation.localization.localize import Localization, LocalizationOp
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.assessment import (
-    Picture,
-    PictureOptions,
-    picture_of,
+    Assessment,
+    AssessmentOptions,
+    assess,
     suggested_waypoints,
 )
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH
 from rocsafe_radiation.products.dose_map import LARGEST_CELLS
 from rocsafe_radiation.products.files import write_products
-from rocsafe_radiation.products.source_document import picture_document, place_of, source_document
+from rocsafe_radiation.products.source_document import (
+    assessment_document,
+    place_of,
+    source_document,
+)
 from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
 from rocsafe_radiation.readings.readings_file import ReadingsFile, read_readings
 from rocsafe_radiation.readings.spectral_window import background_shape
-from rocsafe_radiation.readings.survey import Survey, survey_of
+from rocsafe_radiation.readings.survey import RadiationSurvey, survey_of
 
 EXIT_OK, EXIT_REFUSED = 0, 2
 
@@ -42,32 +46,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         readings = read_readings(options.file, options.height, options.ground)
         survey = _survey(readings, options)
-        picture = picture_of(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
+        assessment = assess(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
         if options.out is not None:
-            write_products(options.out, picture, readings.frame)
+            write_products(options.out, assessment, readings.frame)
     except (RadiationError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
-    places = suggested_waypoints(picture, options.next)
+    places = suggested_waypoints(assessment, options.next)
     if options.json:
-        document = picture_document(picture, readings.frame)
+        document = assessment_document(assessment, readings.frame)
         document['next_places'] = [
             place_of(np.array(one.position_enu_m), readings.frame) for one in places
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        lines = [*_notes(readings, options), *_lines(picture.found, readings)]
-        lines += _advice(picture, places, readings)
+        lines = [*_notes(readings, options), *_lines(assessment.found, readings)]
+        lines += _advice(assessment, places, readings)
         sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK
 
 
-def _options(options: argparse.Namespace, readings: ReadingsFile) -> PictureOptions:
+def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentOptions:
     model = options.model
     if model == AUTO:
         model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
     kernel = Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide)
-    return PictureOptions(
+    return AssessmentOptions(
         known=LocalizationOptions(kernel=kernel),
         method=options.method,
         rule=StoppingRule(
@@ -80,7 +84,7 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> PictureOpti
     )
 
 
-def _survey(readings: ReadingsFile, options: argparse.Namespace) -> Survey:
+def _survey(readings: ReadingsFile, options: argparse.Namespace) -> RadiationSurvey:
     survey = survey_of(readings.observations, options.sensitivity)
     if survey.size and options.terrain:
         survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
@@ -92,13 +96,15 @@ def _survey(readings: ReadingsFile, options: argparse.Namespace) -> Survey:
     return dataclasses.replace(survey, background_shape=shape)
 
 
-def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace) -> Ground:
+def _ground(
+    readings: ReadingsFile, survey: RadiationSurvey, options: argparse.Namespace
+) -> Ground:
     """Return the ground of ``--terrain``.
 
     Raises
     ------
     GroundError
-        In one line, why there is none.
+        In one line, if there is none.
     """
     if readings.frame is None:
         raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
@@ -111,7 +117,7 @@ def _ground(readings: ReadingsFile, survey: Survey, options: argparse.Namespace)
     return ground_over(shifted, readings.frame, survey.positions_enu_m[:, :2])
 
 
-def _require_above_ground(survey: Survey) -> None:
+def _require_above_ground(survey: RadiationSurvey) -> None:
     height_m = float(np.median(survey.heights_m))
     if height_m <= 0.0:
         raise GroundError(
@@ -120,11 +126,13 @@ def _require_above_ground(survey: Survey) -> None:
         )
 
 
-def _advice(picture: Picture, places: Sequence[Waypoint], readings: ReadingsFile) -> list[str]:
-    rule = picture.options.rule
+def _advice(
+    assessment: Assessment, places: Sequence[Waypoint], readings: ReadingsFile
+) -> list[str]:
+    rule = assessment.options.rule
     limits = f'errors {rule.false_alarm:.2g}, ellipses within {rule.ellipse_95_m:g} m'
-    enough = 'enough' if picture.verdict.is_enough else 'not enough yet'
-    lines = [f'the evidence is {enough}: {picture.verdict.reason} ({limits})']
+    enough = 'enough' if assessment.verdict.is_enough else 'not enough yet'
+    lines = [f'the evidence is {enough}: {assessment.verdict.reason} ({limits})']
     for place in places:
         named = place_of(np.array(place.position_enu_m), readings.frame)
         where = ', '.join(f'{name} {value}' for name, value in named.items())
@@ -140,7 +148,7 @@ def _notes(readings: ReadingsFile, options: argparse.Namespace) -> list[str]:
         lowest = readings.frame.origin.altitude_m if readings.frame else 0.0
         notes.append(
             f'the lowest reading, at {lowest:.1f} m, is taken for the ground: '
-            '--ground or --terrain may know better'
+            'use --ground or --terrain to set it'
         )
     return notes
 

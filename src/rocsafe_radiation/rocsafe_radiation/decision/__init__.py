@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When it is enough, and where to measure next."""
+"""When the evidence is enough, and where to measure next."""

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a question about all readings can be answered: while they still come in, not at once."""
+"""When a request for an assessment of all readings can be answered."""
 
-# The readings of vehicles that have come to rest are all in after so long without a new one.
+# After so long without a new reading, all readings of vehicles at rest have come.
 QUIET_NS = 1_000_000_000
-# Vehicles that measure on, on the ground, are never quiet: then the third asking counts.
+# Vehicles may go on measuring on the ground: the third call of a request is then the last.
 MOST_ASKINGS = 3
 
 
-class Inquiry:
-    """One question at a time, asked again until it is answered."""
+class PendingRequest:
+    """One request at a time, repeated until it can be answered."""
 
     def __init__(self) -> None:
         self._newest_ns: int | None = None
@@ -16,20 +16,20 @@ class Inquiry:
         self._wanted: int | None = None
 
     def news(self, now_ns: int) -> None:
-        """Note that a reading has come, at a time of any steady clock."""
+        """Note that a reading has come, at the time `now_ns` of any steady clock."""
         self._newest_ns = now_ns
 
     def is_answerable(self, now_ns: int, reading_count: int, evaluated_count: int) -> bool:
-        """Return whether the question can be answered now; ask again if not.
+        """Return whether the request can be answered now; call again if not.
 
         Parameters
         ----------
         now_ns
             Time of the same clock.
         reading_count
-            Readings that there are.
+            Number of readings so far.
         evaluated_count
-            How many of them what is known comes from.
+            Number of readings that the newest assessment is made from.
         """
         if self._wanted is None:
             self._askings += 1

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wald's sequential test for a source that may be anywhere: enough evidence, however often looked.
+"""Wald's sequential test for a source anywhere; valid for any number of looks at the data.
 
-Without a source, counts are Poisson about the background; with one they are, too, about background
-plus source. Where the source is and how strong is not known, so its likelihood is the mean over
-the ground surveyed and over a range of strengths (Wald's weight functions; a mixture). The mean
-likelihood ratio M is, without a source, a martingale of mean 1, whatever the order of readings:
-by Ville's inequality the probability that M ever reaches 1/a is at most a. So deciding for a
-source at M >= (1 - missed) / false_alarm, and against one of at least a given strength at
-M <= missed / (1 - false_alarm), errs at most so often, at any number of looks, when decided
-against means against the mean over ground and strengths, and the background is known.
+Counts are Poisson about the background, or about background plus source. Place and strength of the
+source are not known: its likelihood is the mean over the ground surveyed and over a range of
+strengths (Wald's weight functions; a mixture). Without a source, the mean likelihood ratio M is a
+martingale of mean 1 for any order of readings. By Ville's inequality, the probability that M ever
+reaches 1/a is at most a. The test decides for a source at M >= (1 - missed) / false_alarm, and
+against one of at least a given strength at M <= missed / (1 - false_alarm). Its error rates hold
+for any number of looks, if a decision against a source means against the mean over ground and
+strengths, and if the background is known.
 
-The background is not known but estimated from the same readings, which is why the error rates are
-also measured: ``benchmarks/localisation.py --only stopping``.
+The background is estimated from the same readings. The error rates are therefore also measured:
+``benchmarks/localisation.py --only stopping``.
 """
 
 import math
@@ -22,32 +22,32 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 STRENGTHS = 9
-# The range of strengths spans so many decades above the smallest that is looked for.
+# The range of strengths spans so many decades above the smallest one looked for.
 DECADES = 4.0
-# Newton's method for the background beside a source: so many rounds are good to 1e-4.
+# Rounds of Newton's method for the background beside a source: good to 1e-4.
 ROUNDS = 5
-# Of the background without a source: less is not looked for beside one.
+# Least background beside a source, as a share of the background without one.
 LOWEST_LEVEL = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SequentialEvidence:
-    """Logarithms of mean likelihood ratios.
+    """Logarithms of mean likelihood ratios of a source to no source.
 
     Attributes
     ----------
     log_ratio
-        A source of any strength anywhere against none.
+        For a source of any strength anywhere.
     log_ratio_smallest
-        One of the smallest strength looked for, anywhere, against none.
+        For a source of the smallest strength looked for, anywhere.
     places_m
         East and north of the places tried, shape (m, 2).
     doubts
-        Log ratio of one of the smallest strength at each: where it is highest, such a source could
-        still be, shape (m,).
+        Log ratio of a source of the smallest strength at each place, shape (m,); such a source is
+        most likely where it is highest.
     """
 
     log_ratio: float
@@ -59,7 +59,7 @@ class SequentialEvidence:
 
 
 def sequential_evidence(
-    survey: Survey, setting: Setting, smallest_usvh: float
+    survey: RadiationSurvey, setting: Setting, smallest_usvh: float
 ) -> SequentialEvidence:
     """Return the evidence of `survey` for a source of at least `smallest_usvh` at 1 m.
 
@@ -68,7 +68,7 @@ def sequential_evidence(
     survey
         Readings.
     setting
-        Law of the dose rate and height of sources; a rho above 0 weighs readings down.
+        Law of the dose rate and height of sources; a rho above 0 reduces the weight of readings.
     smallest_usvh
         Dose rate at 1 m of the weakest source that matters.
 
@@ -79,7 +79,7 @@ def sequential_evidence(
     """
     if not 0.0 < smallest_usvh < math.inf:
         raise ValueError(f'smallest_usvh = {smallest_usvh} must be above 0 and finite')
-    grid = _within(candidate_grid(survey, setting.source_up_m), survey)
+    grid = _within(candidate_grid(survey, setting), survey)
     kernel = grid_kernel(survey, setting, grid)
     shape = np.ones(survey.size) if survey.background_shape is None else survey.background_shape
     natural = survey.exposures * shape
@@ -94,22 +94,22 @@ def sequential_evidence(
     )
 
 
-def _within(grid: FloatArray, survey: Survey) -> FloatArray:
+def _within(grid: FloatArray, survey: RadiationSurvey) -> FloatArray:
     """Return the places of `grid` over the ground surveyed, at least one."""
     places = survey.positions_enu_m[:, :2]
     inside = ((grid >= places.min(axis=0)) & (grid <= places.max(axis=0))).all(axis=1)
     return grid[inside] if inside.any() else grid
 
 
-def _level(survey: Survey, natural: FloatArray) -> float:
+def _level(survey: RadiationSurvey, natural: FloatArray) -> float:
     """Return the background without a source, uSv/h: the mean, by maximum likelihood."""
     return max(float(survey.counts.sum() / natural.sum()), 1e-9)
 
 
 def _log_ratios(
-    survey: Survey, added: FloatArray, natural: FloatArray, level: float
+    survey: RadiationSurvey, added: FloatArray, natural: FloatArray, level: float
 ) -> FloatArray:
-    """Return the log of the ratio of each place: each side with its own best background.
+    """Return the log likelihood ratio of each place, each hypothesis with its best background.
 
     `added` are the counts that a source at each place adds, shape (places, n).
     """
@@ -117,7 +117,7 @@ def _log_ratios(
     levels = np.full(len(added), level)
     for _ in range(ROUNDS):
         inverse = 1.0 / (np.outer(levels, natural) + added)
-        # The slope of the likelihood by the level falls ever less: from below, no step is too far.
+        # The derivative by the level is convex: from below, Newton's step never goes too far.
         slopes = inverse @ (counts * natural) - natural.sum()
         bends = np.square(inverse, out=inverse) @ (counts * natural**2)
         levels = np.maximum(levels + slopes / np.maximum(bends, 1e-300), LOWEST_LEVEL * level)

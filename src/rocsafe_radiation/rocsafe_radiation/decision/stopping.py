@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When the evidence is enough: Wald's sequential test, and sources placed well enough."""
+"""When the evidence is enough: Wald's sequential test, and the size of the ellipses."""
 
 import math
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
-    """Whether a survey may end, and why or why not, in words."""
+class StoppingVerdict:
+    """Whether a survey may end, and the reason in words."""
 
     is_enough: bool
     reason: str
@@ -23,8 +23,8 @@ class StoppingRule:
     """Error rates and precision at which a search may end.
 
     Wald (1945): decide for a source when the likelihood ratio exceeds (1 - missed) / false_alarm,
-    against it below missed / (1 - false_alarm); in between, measure on. The rates hold for any
-    number of looks at the data, which a test of fixed size does not allow.
+    and against it below missed / (1 - false_alarm); in between, continue to measure. The rates
+    hold for any number of looks at the data, which a test of fixed size does not allow.
 
     Attributes
     ----------
@@ -59,35 +59,41 @@ class StoppingRule:
             return ABSENT
         return CONTINUE
 
-    def verdict(self, found: Localization, evidence: SequentialEvidence) -> Verdict:
-        """Return whether it is decided what there is, and all of that is placed well enough."""
+    def verdict(self, found: Localization, evidence: SequentialEvidence) -> StoppingVerdict:
+        """Return whether the number of sources is decided and each is placed well enough."""
         if not found.sources:
             return self._verdict_of_none(evidence)
         ratio = _log_ratio_to_rival(found.order_probabilities)
         count = len(found.sources)
         what = f'{count} source{"s" if count > 1 else ""}'
         if ratio < self._upper:
-            return Verdict(is_enough=False, reason=f'{what} found, but the number is not decided')
+            return StoppingVerdict(
+                is_enough=False, reason=f'{what} found, but the number is not decided'
+            )
         widest = max(source.ellipse_95()[0] for source in found.sources)
-        # Nothing is placed within 0.0 m.
+        # A width is never stated as 0.0 m.
         within = f'placed within {max(widest, 0.1):.1f} m (95 %)'
         if widest > self.ellipse_95_m:
             limit = f'{self.ellipse_95_m:g} m are wanted'
-            return Verdict(is_enough=False, reason=f'{what}, {within}: {limit}')
-        return Verdict(is_enough=True, reason=f'{what}, {within}')
+            return StoppingVerdict(is_enough=False, reason=f'{what}, {within}: {limit}')
+        return StoppingVerdict(is_enough=True, reason=f'{what}, {within}')
 
     @property
     def _upper(self) -> float:
         return math.log((1.0 - self.missed) / self.false_alarm)
 
-    def _verdict_of_none(self, evidence: SequentialEvidence) -> Verdict:
+    def _verdict_of_none(self, evidence: SequentialEvidence) -> StoppingVerdict:
         weakest = f'{self.smallest_usvh:g} uSv/h at 1 m'
         decision = self.decision(evidence)
         if decision == ABSENT:
-            return Verdict(is_enough=True, reason=f'no source of {weakest} or more')
+            return StoppingVerdict(is_enough=True, reason=f'no source of {weakest} or more')
         if decision == PRESENT:
-            return Verdict(is_enough=False, reason='more than background, but no source placed')
-        return Verdict(is_enough=False, reason=f'a source of {weakest} may still be hidden')
+            return StoppingVerdict(
+                is_enough=False, reason='more than background, but no source placed'
+            )
+        return StoppingVerdict(
+            is_enough=False, reason=f'a source of {weakest} may still be hidden'
+        )
 
 
 def _log_ratio_to_rival(probabilities: tuple[float, ...]) -> float:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where to measure next: the places from which a reading says most about the sources found.
+"""Where to measure next: the places whose readings reduce the uncertainty most.
 
 The information of a reading about the parameters is known before it is taken: w/m times the outer
-product of the slopes of its expected counts. The next place is the one that most shrinks the
-volume of the sources' joint ellipse (D-optimal, the gain log det(1 + s' C s)); taken one after the
-other, each with the information of those before.
+product of the slopes of its expected counts. The next place is the one that most reduces the
+volume of the sources' joint ellipse (D-optimal design, gain log det(1 + s' C s)). Places are
+chosen one after the other, each with the information of those before.
 """
 
 import math
@@ -15,7 +15,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_GRID = 5000
 PITCH_STEP_M = 0.5
@@ -23,7 +23,7 @@ PITCH_STEP_M = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waypoint:
-    """A place to measure at, and by how much the logarithm of the ellipse's volume falls there."""
+    """A place to measure at, and the decrease of the logarithm of the ellipse's volume."""
 
     position_enu_m: tuple[float, float, float]
     gain: float
@@ -32,20 +32,20 @@ class Waypoint:
 def next_waypoints(
     found: Localization, candidates_enu_m: FloatArray, exposure: float, kernel: Kernel, count: int
 ) -> tuple[Waypoint, ...]:
-    """Return up to `count` of the `candidates_enu_m`, shape (n, 3), the most telling first.
+    """Return up to `count` of the `candidates_enu_m`, shape (n, 3), the largest gain first.
 
     Parameters
     ----------
     found
-        What is known so far; without sources there is nothing to sharpen.
+        Sources found so far, at least one.
     candidates_enu_m
-        Places that a vehicle could go to.
+        Places that a vehicle can go to.
     exposure
-        Counts that a reading there has for 1 uSv/h.
+        Counts of a reading there for 1 uSv/h.
     kernel
         Law of the dose rate.
     count
-        Places wanted; a place may be worth a second visit.
+        Number of places; a place may be chosen twice.
     """
     if not found.sources or count < 1:
         return ()
@@ -66,12 +66,12 @@ def next_waypoints(
     return tuple(chosen)
 
 
-def candidate_places(survey: Survey, source_height_m: float) -> FloatArray:
+def candidate_places(survey: RadiationSurvey, source_height_m: float) -> FloatArray:
     """Return places at the height of a survey above its ground, half a height apart, (n, 3)."""
     height = survey.height_m(source_height_m)
     low, high = survey.positions_enu_m.min(axis=0), survey.positions_enu_m.max(axis=0)
     pitch = max(height / 2.0, math.sqrt(float(np.prod(high[:2] - low[:2]) / LARGEST_GRID)))
-    # One reading more or less changes nothing.
+    # Rounded up, so that a single further reading does not move all places.
     pitch = PITCH_STEP_M * math.ceil(pitch / PITCH_STEP_M)
     axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low[:2], high[:2], strict=True))
     east, north = (part.ravel() for part in np.meshgrid(*axes))
@@ -99,7 +99,7 @@ def _scaled_slopes(
         parts.append((-2.0 * strength * by_square)[:, None] * offsets)
         parts.append((strength * values)[:, None])
         rates = rates + strength * values
-    # Readings scatter beyond their counts where positions or gains are not exact.
+    # Errors of positions and gains make readings scatter beyond their counts.
     excess = exposure * (rates - found.background_usvh)
     counts = np.maximum(exposure * rates, 1e-9)
     deviations = np.sqrt(counts + (found.rho * excess) ** 2)

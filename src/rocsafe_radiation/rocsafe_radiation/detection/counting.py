@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Windows of a counting detector: samples of the field along a flight become measurements."""
+"""Windows of a counting detector: measurements from samples of the field along a flight."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,12 +21,12 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """One moment of a flight; places are latitude and longitude in degrees, altitude in metres.
+    """A moment of a flight; places are latitude and longitude in degrees, altitude in metres.
 
     Attributes
     ----------
     time_ns
-        Of the moment.
+        Time of the moment, nanoseconds.
     place
         Where the detector is.
     believed
@@ -49,7 +49,7 @@ class WindowReading:
     altitude_m: float
 
 
-# The dose rate of Cs-137 that makes as many counts as the field, at n samples, uSv/h, shape (n,).
+# Dose rate of Cs-137 that gives as many counts as the field, at n samples, uSv/h, shape (n,).
 DoseRates = Callable[[Sequence[Sample]], FloatArray]
 
 
@@ -59,7 +59,7 @@ class WindowCounter:
     The counts of a window depend on the seed, the vehicle, the number of the window and the field
     along it, so restarts and speed change nothing; a window of which only a part was seen, as
     after a restart, gives no reading. A window is complete with a sample at its end or, without
-    one, with the first sample thereafter. The field is asked once a window, for all its samples.
+    one, with the first sample after it. The field is evaluated once for all samples of a window.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class WindowCounter:
         return sample.time_ns % self._window_ns == 0
 
     def _closed(self) -> WindowReading | None:
-        """Return the reading of the window at hand, once, if it was seen whole."""
+        """Return the reading of the current window, once, if all of it was seen."""
         samples, self._samples = self._samples, []
         if not samples or not self._is_whole or self._index is None:
             return None

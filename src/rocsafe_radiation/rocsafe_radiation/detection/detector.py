@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Detectors: how many counts a dose rate makes, and what dose rate counts say.
+"""Detectors: counts from a dose rate, and the dose rate that counts mean.
 
 Sensitivities are those for Cs-137 at the dose rate H*(10). Sources: SBM-20 tube sheet (2.5
 cps per uSv/h, 190 us); volume-scaled estimates for CsI(Tl) of 1 and 33 cm^3; Ludlum 44-10 for
@@ -20,9 +20,10 @@ from rocsafe_radiation.physics.nuclide import nuclide
 NO_DEAD_TIME, NON_PARALYSABLE, PARALYSABLE = 'none', 'non-paralysable', 'paralysable'
 # Beyond this share of time dead, a reading is a lower limit.
 SATURATION_SHARE = 0.3
-# Of measured counts a second times dead time, where a paralysable detector turns back.
+# Measured counts a second times dead time where the count rate of a paralysable detector begins to
+# fall.
 LARGEST_PARALYSABLE_SHARE = 1.0 / math.e
-# Fields of a message hold no more.
+# The largest count that a message field holds.
 LARGEST_COUNTS = 2**32 - 1
 FLAT = ((20.0, 1.0), (3000.0, 1.0))
 GM_RESPONSE = (
@@ -42,13 +43,13 @@ class DetectorModel:
     Attributes
     ----------
     name
-        Of the kind.
+        Name of the kind.
     sensitivity_cps_per_usvh
-        True counts a second for one microsievert per hour of Cs-137.
+        Counts a second without dead time for one microsievert per hour of Cs-137.
     dead_time_s
-        After each count.
+        Dead time after each count, seconds.
     dead_time_model
-        Whether hits within the dead time prolong it.
+        Whether events within the dead time prolong it.
     dark_rate_cps
         Counts a second without any radiation.
     response
@@ -74,11 +75,11 @@ class DetectorModel:
             raise ValueError(f'dead_time_model = {self.dead_time_model!r} is not known')
 
     def relative_response(self, nuclide_name: str) -> float:
-        """Return the counts per dose of a nuclide over those of Cs-137, in the open."""
+        """Return the counts per dose of a nuclide relative to Cs-137, unshielded."""
         return self._mean_response(nuclide_name) / self._mean_response('Cs-137')
 
     def live_share(self, true_rates_cps: FloatArray) -> FloatArray:
-        """Return the share of hits that is counted at each true rate, shape (n,)."""
+        """Return the share of events that is counted at each true rate, shape (n,)."""
         load = np.asarray(true_rates_cps) * self.dead_time_s
         if self.dead_time_model == NON_PARALYSABLE:
             return np.asarray(1.0 / (1.0 + load))
@@ -93,7 +94,7 @@ class DetectorModel:
         return folds_back or counted * self.dead_time_s > SATURATION_SHARE
 
     def live_time_s(self, counts: int, window_s: float) -> float:
-        """Return the time in which the detector was ready, as it can tell from its counts."""
+        """Return the live time that the detector derives from its counts."""
         if self.dead_time_model == PARALYSABLE:
             share = min(counts / window_s * self.dead_time_s, LARGEST_PARALYSABLE_SHARE)
             return window_s * math.exp(-_lambert(share))
@@ -110,7 +111,7 @@ class DetectorModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """What a detector says at the end of a window; fields as in RadiationReading."""
+    """Measurement at the end of a window; fields as in RadiationReading."""
 
     counts: int
     window_s: float
@@ -126,11 +127,11 @@ def measure(
     window_s: float,
     generator: np.random.Generator,
 ) -> Measurement:
-    """Return what `detector` says after `window_s` seconds.
+    """Return the measurement of `detector` over `window_s` seconds.
 
-    `equivalent_dose_rate_usvh` is the dose rate of Cs-137 that makes as many true counts: the sum
-    of the dose rates of all sources, each times its relative response. It is averaged over the
-    window. Counts are Poisson with the mean rate * live time.
+    `equivalent_dose_rate_usvh` is the dose rate of Cs-137 that gives as many counts without dead
+    time: the sum of the dose rates of all sources, each times its relative response. It is
+    averaged over the window. Counts are Poisson with the mean rate * live time.
     """
     rate_cps = (
         detector.sensitivity_cps_per_usvh * equivalent_dose_rate_usvh + detector.dark_rate_cps
@@ -144,7 +145,7 @@ def measure(
         window_s=window_s,
         live_time_s=live_s,
         dose_rate_usvh=max(0.0, counts - detector.dark_rate_cps * live_s) * scale,
-        # Without a count the rate may still have been one a window.
+        # Without a count, the rate may still have been one count a window.
         dose_rate_std_usvh=math.sqrt(max(counts, 1)) * scale,
         is_saturated=detector.is_saturated(rate_cps),
     )

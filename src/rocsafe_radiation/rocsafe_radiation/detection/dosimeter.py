@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dose that a vehicle has taken, and the levels of dose rate and dose that it has reached."""
+"""Dose of a vehicle, and the levels of dose rate and dose that it has reached."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from rocsafe_geo.time_units import NS_PER_S
 
 S_PER_H = 3600.0
 DOSE_RATE, DOSE = 'dose rate', 'dose'
-# Levels by name, microsievert per hour and microsievert: EPR-First Responders and GSR Part 7 of
+# Names of levels, microsievert per hour and microsievert: EPR-First Responders and GSR Part 7 of
 # the IAEA, ICRP 103, and the cordon of German responders.
 NAMED_DOSE_RATES_USVH = {
     25.0: 'cordon (German responders)',
@@ -40,7 +40,7 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alarm:
-    """A level, microsievert or microsievert per hour, reached or left with `value`."""
+    """A level reached or left with `value`, both in microsievert or microsievert per hour."""
 
     quantity: str
     threshold: float
@@ -49,7 +49,7 @@ class Alarm:
 
     @property
     def name(self) -> str:
-        """What the level is called."""
+        """Name of the level."""
         is_dose = self.quantity == DOSE
         names = NAMED_DOSES_USV if is_dose else NAMED_DOSE_RATES_USVH
         return names.get(self.threshold, f'{self.threshold:g} uSv{"" if is_dose else "/h"}')
@@ -75,20 +75,21 @@ class AlarmLevels:
 class Dosimeter:
     """Adds up the dose of one vehicle over its readings, in the order of their stamps.
 
-    A window counts as its dose rate times its length; a gap up to the next, and the time between
-    instants, as the mean of both dose rates, unless it is longer than the levels allow: then it
-    is told, and the dose is a lower limit. A stamp not after the newest does not count again.
+    A window adds its dose rate times its length. A gap between windows, and the time between
+    instants, adds the mean of both dose rates times its length. A gap longer than the levels allow
+    adds nothing: it is reported, and the dose is a lower limit. A reading whose stamp is not after
+    the newest is ignored.
 
     Attributes
     ----------
     newest
         The newest reading, None before the first.
     dose_usv
-        So far.
+        Dose so far, microsievert.
     measured_s, unmeasured_s
-        Time that counted, and that of gaps.
+        Time that counted, and time of gaps, seconds.
     is_lower_limit
-        There was a gap, or a saturated reading.
+        Whether there was a gap or a saturated reading.
     """
 
     def __init__(self, levels: AlarmLevels) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two streams of stamped values made one."""
+"""Pairs of values with equal stamps from two streams."""
 
 from typing import Generic, TypeVar
 
@@ -9,16 +9,16 @@ DEFAULT_CAPACITY = 1000
 
 
 class StampPairing(Generic[Left, Right]):
-    """Joins values of equal stamp, in the order of their stamps, each stamp once.
+    """Pairs values of equal stamp, in the order of their stamps, each stamp once.
 
     Both streams must come in the order of their stamps, with any delay between them; a stamp that
-    comes again, as after a restart of its sender, gives no second pair. A value whose partner
-    was lost is given up when a later pair is complete or more than `capacity` values wait.
+    comes again, as after a restart of its sender, gives no second pair. A value without a partner
+    is dropped when a later pair is complete or more than `capacity` values wait.
 
     Attributes
     ----------
     lost
-        Values given up so far.
+        Values dropped so far.
     """
 
     def __init__(self, capacity: int = DEFAULT_CAPACITY) -> None:

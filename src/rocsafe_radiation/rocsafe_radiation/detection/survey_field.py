@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a detector meets in the field: sources, each by its nuclide, and background."""
+"""Dose rates that a detector measures: sources, each by its nuclide, and background."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -18,14 +18,14 @@ from rocsafe_radiation.physics.field import RadiationField
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyField:
-    """The dose rate of sources and background, and what of it a kind of detector counts.
+    """The dose rate of sources and background, and how a kind of detector responds to it.
 
     Attributes
     ----------
     field
-        Of the sources.
+        Field of the sources.
     background
-        Of nature, to which every detector responds as to Cs-137.
+        Natural background, to which every detector responds as to Cs-137.
     detector
         Name of a kind, or ``ideal``, which reads the dose rate itself.
     """
@@ -75,7 +75,7 @@ class SurveyField:
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
     ) -> FloatArray:
-        """Return the dose rate of Cs-137 that would make the detector count as much, shape (n,).
+        """Return the dose rate of Cs-137 that would give as many counts, shape (n,).
 
         Raises
         ------
@@ -89,14 +89,14 @@ class SurveyField:
         return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
 
     def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> FloatArray:
-        """Return the same for each sample of a flight, shape (n,).
+        """Return such dose rates of Cs-137 at each sample of a flight, shape (n,).
 
         Parameters
         ----------
         start_ns
             Start of the mission, nanoseconds since 1970.
         samples
-            At places that are some.
+            Moments of a flight whose places are known.
         """
         if self.field.is_still:
             places = np.array([sample.place for sample in samples])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A background that varies smoothly, by few numbers: bumps on a coarse grid."""
+"""A smoothly varying background with few parameters: bumps on a coarse grid."""
 
 import math
 
@@ -7,8 +7,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 
-# Bumps a spacing of one height apart along the longer side of a survey, half as many if two: what
-# a fit takes grows with the cube of their number.
+# Most bumps along the longer side of a survey at a spacing of one height, half as many at two. The
+# time of a fit grows with the cube of their number.
 LARGEST_HEIGHTS_A_SIDE = 14
 
 
@@ -30,7 +30,7 @@ def smooth_basis(
         for y in _nodes(north, spacing)
     ]
     basis = np.stack(bumps, axis=1)
-    # A bump that no reading sees would only follow its prior.
+    # A bump far from all readings would only follow its prior.
     return np.asarray(basis[:, basis.max(axis=0) > 0.3])
 
 

@@ -8,28 +8,25 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import SMALLEST_COUNTS, Likelihood
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# A coarser grid than half the height misses sources between its points.
-PITCH_HEIGHTS = 0.4
-MARGIN_HEIGHTS = 1.0
-LARGEST_GRID = 6000
 SMALLEST_STRENGTH_USVH = 1e-3
 
 
-def candidate_grid(survey: Survey, source_height_m: float) -> FloatArray:
-    """Return places to try, east and north, shape (m, 2): a grid over the readings and around."""
-    height = survey.height_m(source_height_m)
-    low = survey.positions_enu_m[:, :2].min(axis=0) - MARGIN_HEIGHTS * height
-    high = survey.positions_enu_m[:, :2].max(axis=0) + MARGIN_HEIGHTS * height
+def candidate_grid(survey: RadiationSurvey, setting: Setting) -> FloatArray:
+    """Return a grid of places over and around the readings, east and north, shape (m, 2)."""
+    height, options = survey.height_m(setting.source_up_m), setting.search
+    margin = options.margin_heights * height
+    low = survey.positions_enu_m[:, :2].min(axis=0) - margin
+    high = survey.positions_enu_m[:, :2].max(axis=0) + margin
     area = float(np.prod(high - low))
-    pitch = max(PITCH_HEIGHTS * height, math.sqrt(area / LARGEST_GRID))
+    pitch = max(options.pitch_heights * height, math.sqrt(area / options.most_places))
     axes = (np.arange(a, b + pitch, pitch) for a, b in zip(low, high, strict=True))
     east, north = np.meshgrid(*axes)
     return np.stack([east.ravel(), north.ravel()], axis=1)
 
 
-def grid_kernel(survey: Survey, setting: Setting, grid: FloatArray) -> FloatArray:
+def grid_kernel(survey: RadiationSurvey, setting: Setting, grid: FloatArray) -> FloatArray:
     """Return counts of each reading for 1 uSv/h at 1 m at each place of `grid`, shape (m, n)."""
     ups = survey.ground.ups_at(grid) + setting.source_up_m
     squares = np.subtract.outer(ups, survey.positions_enu_m[:, 2]) ** 2
@@ -42,10 +39,10 @@ def grid_kernel(survey: Survey, setting: Setting, grid: FloatArray) -> FloatArra
 def score_candidates(
     likelihood: Likelihood, parameters: FloatArray, kernel: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the gain of likelihood of one more source at each place, and its strength.
+    """Return the gain in log likelihood of one more source at each place, and its strength.
 
-    The score test: the first step of Newton's method from no source at all, with the level of the
-    background free; both of shape (m,).
+    By the score test: the first step of Newton's method from strength 0, with the level of the
+    background free. Both have shape (m,).
     """
     survey, weights = likelihood.survey, likelihood.weights
     expected = np.maximum(likelihood.expected(parameters), SMALLEST_COUNTS)

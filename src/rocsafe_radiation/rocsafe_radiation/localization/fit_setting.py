@@ -1,41 +1,48 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is held fixed while sources and background are fitted."""
+"""Setting of a fit: what is fixed while sources and background are fitted."""
 
 from dataclasses import dataclass, field
 
+from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.physics.kernel import Kernel
 
-# A source seen from above is two heights wide at half its maximum, a bump of this spacing 3.3.
+# The response to a source below is two heights wide at half its maximum, a bump of this spacing
+# 3.3 heights.
 WIDE_SPACING_HEIGHTS = 2.0
-# An edge of a shadow is as wide as a tenth of its distance: fits still find it between readings.
+# The edge of a shadow is as wide as a tenth of its distance, so that a fit finds it between
+# readings.
 SHARP_EDGE = 40.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """What is held fixed in a fit.
+    """What is fixed in a fit.
 
     Attributes
     ----------
     kernel
-        Of all sources.
+        Law of the dose rate of all sources.
     source_up_m, source_up_std_m
-        Height of sources above the ground as known before; a standard deviation of 0 keeps it.
+        Prior of the height of sources above the ground, metres; a standard deviation of 0 fixes
+        it.
     background_std
-        Of each c_j as known before; 0: the background is the same everywhere.
+        Prior standard deviation of each coefficient c_j of the background; 0: the background is
+        constant.
     background_spacing_heights
-        Of the bumps of the background, in heights above the ground.
+        Spacing of the bumps of the background, heights.
     rho
         Share of the excess by which counts scatter beyond Poisson.
     tilt_std
-        Of the number of the deviation of the law of the dose rate as known before; 0: it is that
-        of the kernel.
+        Prior standard deviation of the tilt of the law of the dose rate; 0: the law is that of the
+        kernel.
     has_shield
-        Something may stand on one side of the sources.
+        Whether a wall may stand on one side of the sources.
     edge_sharpness
-        Of what it hides; large: a step.
+        Sharpness of the edge of its shadow; large: a step.
     shade
         Probability that something shields a reading.
+    search
+        Numbers that tune the search.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
@@ -48,3 +55,4 @@ class Setting:
     has_shield: bool = False
     edge_sharpness: float = SHARP_EDGE
     shade: float = 0.0
+    search: SearchOptions = field(default_factory=SearchOptions)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fits of rising order to one survey, each in a nuisance setting: where sources begin."""
+"""Fits with 0, 1, 2 ... sources to one survey in one setting, and the starts of these fits."""
 
 import itertools
 import math
@@ -18,7 +18,7 @@ from rocsafe_radiation.localization.candidates import (
     score_candidates,
 )
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.hypothesis_values import OrderSearch
+from rocsafe_radiation.localization.hypothesis_values import OrderSearch, source_penalty
 from rocsafe_radiation.localization.likelihood import (
     HEIGHT_MEAN,
     LEVEL_PARAMETERS,
@@ -29,55 +29,44 @@ from rocsafe_radiation.localization.likelihood import (
 from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.reading_weights import background_level_usvh
 from rocsafe_radiation.localization.wall_shadow import LINE
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# What is changed of a setting.
+# Fields of a setting that are replaced, with their values.
 Nuisance = dict[str, Any]
-# Chi-square of two degrees of freedom at 0.95.
+# Quantile 0.95 of chi-square with two degrees of freedom.
 ELLIPSE_95 = 5.991
-# Half axes longer than this share of the diagonal of the survey: it could be anywhere.
-LARGEST_ELLIPSE_SHARE = 0.25
-# East, north and strength; the height is known before.
-FREE_PARAMETERS = 3
-TRIED_CANDIDATES = 5
-REFINED_CANDIDATES = 3
-ROUGH_ITERATIONS = 8
 SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
-# Of a source before any reading: sources are rare, and ground and detectors never quite as
-# assumed. Where there is one, another is no surprise: what is lost or spilled comes in pieces.
-LOG_PRIOR_ODDS_FIRST = -3.0
-# Hills of the ground as narrow as a source shows are no more common than sources.
-LOG_PRIOR_ODDS_NARROW = -3.0
-# Readings from which a wall takes their part draw a source away from it: by so many heights.
+# A fit without the wall places the source too far from it, by up to so many heights.
 WALL_ANGLES_RAD = tuple(math.pi * turn / 3.0 for turn in range(6))
 WALL_LINE, WALL_SHIFTS_HEIGHTS = 3.5, (0.0, 0.3)
 EDGE_FACTORS = (0.7, 0.85, 1.0, 1.2, 1.45)
 
 
 class Trial:
-    """Searches of one survey in different nuisance settings."""
+    """Fits to one survey in different settings."""
 
-    def __init__(self, survey: Survey, setting: Setting) -> None:
+    def __init__(self, survey: RadiationSurvey, setting: Setting) -> None:
         self._survey = survey
-        self._setting = setting
+        self.setting = setting
         self._bases: dict[float, FloatArray] = {}
-        self._grid = candidate_grid(survey, setting.source_up_m)
+        self._grid = candidate_grid(survey, setting)
         self._kernel = grid_kernel(survey, setting, self._grid)
 
     def orders(
         self, nuisance: Nuisance, largest_order: int, hints: OrderSearch | None = None
     ) -> OrderSearch:
-        """Return the best fit of each order, until one more source is worse.
+        """Return the best fit with each number of sources, until one more source is worse.
 
-        The sources of `hints` are tried as starts, too: a smooth background that has taken the
-        shape of a source does not easily give way to it.
+        The sources of `hints` are further starts: if a smooth background has taken the shape of a
+        source, the grid of places alone may not find that source.
         """
         likelihood = self._likelihood(nuisance)
         start = np.zeros(likelihood.head_size)
         start[0], start[1] = math.log(background_level_usvh(self._survey)), HEIGHT_MEAN
         fits = [likelihood.fit(start)]
         scores = [_score(likelihood, fits[0])]
-        # One more may be worse where two more win; splitting tries pairs, so no further is gone.
+        # One more source may be worse where two more are better. Splitting tries pairs, so one
+        # worse step is enough.
         while len(fits) <= largest_order and scores[-1] >= max(scores) - 1.0:
             known = _hinted(likelihood, hints, len(fits))
             fit = _with_one_more(likelihood, fits[-1], known, self._grid, self._kernel)
@@ -88,20 +77,21 @@ class Trial:
         return OrderSearch(likelihood=likelihood, fits=tuple(fits), scores=tuple(scores))
 
     def glance(self, nuisance: Nuisance, hints: OrderSearch, largest_order: int) -> float:
-        """Return about the best score that `orders` would find, in a tenth of the time.
+        """Return an estimate of the best score of `orders`, in a tenth of its time.
 
-        No places are tried but those of the sources of `hints`.
+        The only starts are the sources of `hints`.
         """
         likelihood = self._likelihood(nuisance)
         most = min(largest_order, len(hints.fits) - 1)
         starts = [
             start for order in range(most + 1) for start in _hinted(likelihood, hints, order)
         ]
-        fits = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+        rough = self.setting.search.rough_iterations
+        fits = (likelihood.fit(start, rough) for start in starts)
         return max(_score(likelihood, fit) for fit in fits)
 
     def _likelihood(self, nuisance: Nuisance) -> Likelihood:
-        setting = replace(self._setting, **nuisance)
+        setting = replace(self.setting, **nuisance)
         spacing = setting.background_spacing_heights
         if spacing not in self._bases:
             height = self._survey.height_m(setting.source_up_m)
@@ -110,7 +100,7 @@ class Trial:
 
 
 def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> list[FloatArray]:
-    """Return starts with the sources of `hints` on even ground, and its wall or any."""
+    """Return starts with the sources of `hints`, a constant background, and a wall if any."""
     if hints is None or order >= len(hints.fits):
         return []
     fit = hints.fits[order]
@@ -128,7 +118,7 @@ def _hinted(likelihood: Likelihood, hints: OrderSearch | None, order: int) -> li
 def _walled(
     likelihood: Likelihood, background: FloatArray, sources: FloatArray
 ) -> Iterator[FloatArray]:
-    """Yield starts with a wall on each side of the sources, and these drawn towards it."""
+    """Yield starts with a wall on each side of the sources, which are moved towards it or not."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
     for angle, shift in itertools.product(WALL_ANGLES_RAD, WALL_SHIFTS_HEIGHTS):
         towards = np.array([math.cos(angle), math.sin(angle)])
@@ -141,7 +131,7 @@ def _walled(
 def _moved_edges(
     likelihood: Likelihood, head: FloatArray, sources: FloatArray
 ) -> Iterator[FloatArray]:
-    """Yield starts with the shadow of the wall beginning nearer and farther."""
+    """Yield starts with the edge of the wall's shadow nearer and farther."""
     for factor in EDGE_FACTORS:
         moved = head.copy()
         moved[likelihood.law][LINE] *= factor
@@ -151,7 +141,7 @@ def _moved_edges(
 def _with_one_more(
     likelihood: Likelihood, fit: Fit, hints: list[FloatArray], grid: FloatArray, kernel: FloatArray
 ) -> Fit | None:
-    """Return the best fit found with one more source, None without any start."""
+    """Return the best fit with one more source, None if there is no start."""
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
     is_known = bool(hints) and likelihood.setting.has_shield
     added = [] if is_known else _added(likelihood, fit.parameters, grid, kernel, height)
@@ -162,10 +152,12 @@ def _with_one_more(
     ]
     if not starts:
         return None
-    rough = (likelihood.fit(start, ROUGH_ITERATIONS) for start in starts)
+    options = likelihood.setting.search
+    rough = (likelihood.fit(start, options.rough_iterations) for start in starts)
     ranked = sorted(rough, key=_evidence, reverse=True)
     best = max(
-        (likelihood.fit(one.parameters) for one in ranked[:REFINED_CANDIDATES]), key=_evidence
+        (likelihood.fit(one.parameters) for one in ranked[: options.refined_candidates]),
+        key=_evidence,
     )
     images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
     return max((best, *images), key=_evidence)
@@ -182,11 +174,12 @@ def _added(
     kernel: FloatArray,
     height: float,
 ) -> list[FloatArray]:
+    tried = likelihood.setting.search.tried_candidates
     gains, strengths = score_candidates(likelihood, parameters, kernel)
     up = likelihood.setting.source_up_m
     return [
         np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
-        for index in best_separated(grid, gains, TRIED_CANDIDATES, height)
+        for index in best_separated(grid, gains, tried, height)
     ]
 
 
@@ -206,12 +199,13 @@ def _split(likelihood: Likelihood, parameters: FloatArray, distance_m: float) ->
 
 
 def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
-    """Return whether each source is known to be somewhere about the survey.
+    """Return whether the place of each source is known to a part of the survey.
 
-    What could be anywhere raises all readings alike: it is background, not a source.
+    A source that may be anywhere raises all readings alike: it is background.
     """
     places = likelihood.survey.positions_enu_m[:, :2]
-    longest_m = LARGEST_ELLIPSE_SHARE * float(np.linalg.norm(np.ptp(places, axis=0)))
+    diagonal_m = float(np.linalg.norm(np.ptp(places, axis=0)))
+    longest_m = likelihood.setting.search.largest_ellipse_share * diagonal_m
     covariance = np.linalg.inv(fit.information)
     starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
     blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
@@ -220,13 +214,14 @@ def is_placed(likelihood: Likelihood, fit: Fit) -> bool:
 
 
 def _score(likelihood: Likelihood, fit: Fit) -> float:
-    """Return the logarithm of the evidence of `fit`, but for constants of the survey."""
+    """Return the logarithm of the evidence of `fit`, without constants of the survey."""
     order = likelihood.source_count(fit.parameters)
-    penalty = order * 0.5 * FREE_PARAMETERS * math.log(likelihood.survey.size)
+    options = likelihood.setting.search
+    penalty = order * source_penalty(likelihood)
     if order > 0:
-        penalty -= LOG_PRIOR_ODDS_FIRST
+        penalty -= options.log_prior_odds_first
     if likelihood.has_narrow_hills:
-        penalty -= LOG_PRIOR_ODDS_NARROW
+        penalty -= options.log_prior_odds_narrow
     for part in (likelihood.bumps, likelihood.law):
         stds = likelihood.nuisance_stds[
             part.start - LEVEL_PARAMETERS : part.stop - LEVEL_PARAMETERS

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""By how much the law of the dose rate may differ from that of the kernel, by few numbers.
+"""Deviations of the law of the dose rate from the kernel, with few parameters.
 
 The dose rate of a source is s g(d) exp(t f - w), the same for all sources.
 
-The tilt t, with the feature f = (h - d) / 100 m at the distance d, from h above: another nuclide,
-other air, none.
+The tilt t multiplies f = (h - d) / 100 m, with the distance d and the height h. It stands for
+another nuclide, other air or none.
 
-The shield takes w, what a `WallShadow` with five numbers says.
+The shield takes w, which a `WallShadow` gives from five parameters.
 """
 
 from dataclasses import dataclass
@@ -19,24 +19,24 @@ from rocsafe_radiation.localization.wall_shadow import SHIELD_STDS, WallShadow
 
 TILT_LENGTH_M = 100.0
 LARGEST_LOG = 30.0
-# Beyond, it would be no law of a source any more.
+# Limit of each parameter in prior standard deviations.
 LARGEST_STDS = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawDeviation:
-    """Tilt and shield as known before any reading.
+    """Prior of tilt and shield.
 
     Attributes
     ----------
     height_m
-        Of the readings above the sources.
+        Height of the readings above the sources, metres.
     tilt_std
-        Standard deviation of the tilt; 0: there is none.
+        Prior standard deviation of the tilt; 0: there is none.
     has_shield
-        A wall may stand beside the sources.
+        Whether a wall may stand beside the sources.
     edge_sharpness
-        Of its shadow.
+        Sharpness of the edge of its shadow.
     """
 
     height_m: float
@@ -46,19 +46,19 @@ class LawDeviation:
 
     @property
     def stds(self) -> FloatArray:
-        """Standard deviation of each number as known before: the tilt, the shield."""
+        """Prior standard deviation of each parameter: the tilt, then the shield."""
         tilt = [self.tilt_std] * (self.tilt_std > 0.0)
         return np.array([*tilt, *(SHIELD_STDS * self.has_shield)], np.float64)
 
     @property
     def limits(self) -> FloatArray:
-        """Largest size of each number that a law can have."""
+        """Largest size of each parameter."""
         return LARGEST_STDS * self.stds
 
     def features(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
-        """Return the slope of the logarithm by each number, (numbers, sources, n).
+        """Return the derivative of the log dose rate by each parameter, (parameters, sources, n).
 
-        `offsets` are the ways from sources to readings, (sources, 3, n).
+        `offsets` lead from sources to readings, (sources, 3, n), metres.
         """
         found = []
         if self.tilt_std > 0.0:
@@ -69,7 +69,7 @@ class LawDeviation:
         return np.stack(found)
 
     def slopes(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
-        """Return how the logarithm changes with the place of each source, (sources, 3, n)."""
+        """Return the derivative of the log dose rate by the place of sources, (sources, 3, n)."""
         distances = _distances(offsets)[:, None]
         total = np.zeros(offsets.shape)
         if self.tilt_std > 0.0:
@@ -81,7 +81,7 @@ class LawDeviation:
         return total
 
     def factors(self, numbers: FloatArray, offsets: FloatArray) -> FloatArray:
-        """Return by what the dose rates are multiplied, shape (sources, n)."""
+        """Return the factors of the dose rates, shape (sources, n)."""
         logs = np.zeros((len(offsets), offsets.shape[2]))
         if self.tilt_std > 0.0:
             logs += numbers[0] * (self.height_m - _distances(offsets)) / TILT_LENGTH_M

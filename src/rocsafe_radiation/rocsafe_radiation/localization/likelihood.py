@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Poisson likelihood of counts given sources and background, and its maximum.
 
-Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 +
-ch (h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. Where the law of the dose
-rate is in doubt, too, the tilt t of a `LawDeviation` changes it. Parameters: c0, ch, c_j, t,
-then for each source east, north, height above the ground there and the logarithm of its strength.
-Fitted by damped Fisher scoring.
+Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 + ch
+(h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. The tilt t of a
+`LawDeviation` may change the law of the dose rate. Parameters: c0, ch, c_j, t, then for each
+source east, north, height above the ground there and the logarithm of its strength. Fitted by
+damped Fisher scoring.
 
-Errors of position and gain make counts scatter by a share rho of what the sources add, beyond
-Poisson. They enter as weights w = 1 / (1 + rho^2 e^2 / n), taken from the data (e: excess over
-the background level), so that all models are compared with the same weights, and as half the sum
-of log w in the likelihood, so that different rho can be compared, too.
+Errors of position and gain make counts scatter beyond Poisson by a share rho of the excess that
+sources add. They enter as weights w = 1 / (1 + rho^2 e^2 / n), with the excess e over the
+background level. The weights come from the data, so that all models with one rho have the same
+weights. Half the sum of log w in the likelihood makes different rho comparable.
 
-What stands beside a source takes part of its dose rate from some readings, nobody knows which. So
-each may be shaded: with a probability `shade` its m is x (b + t sum), with t one of `SHADES`, all
-alike. Readings that are not shaded then place the source, and the others do not bend the law.
+Objects beside a source may take a part of its dose rate from unknown readings. Each reading is
+shaded with a probability `shade`: its m is then x (b + t sum), where t is one of `SHADES`, all
+equally likely. The place of a source then follows from the readings that are not shaded.
 """
 
 from dataclasses import dataclass
@@ -25,20 +25,20 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS, Setting
 from rocsafe_radiation.localization.law_deviation import LawDeviation
 from rocsafe_radiation.localization.reading_weights import SHADES, chances_of, log_sums, weights_of
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 SOURCE_PARAMETERS = 4
 UP = 2
-# Of the logarithm of the background level, uSv/h: anything that occurs.
+# Prior of the logarithm of the background level, uSv/h: all levels that occur.
 LEVEL_MEAN, LEVEL_STD = float(np.log(0.1)), 3.0
 SMALLEST_COUNTS = 1e-9
-# Radiation of the ground falls by e in so many metres, cosmic rays do not: two thirds of a usual
-# background do.
+# Radiation of the ground falls by a factor of e in so many metres of height. Prior of its share of
+# the background.
 GROUND_DECAY_M = 120.0
 HEIGHT_MEAN, HEIGHT_STD = 0.7, 0.5
-# c0 and ch come before the bumps.
+# Number of parameters before the bumps: c0 and ch.
 LEVEL_PARAMETERS = 2
-# A source farther outside of the survey raises all readings alike: that is background.
+# Sources stay within so many heights of the survey: farther ones raise all readings alike.
 REACH_HEIGHTS = 3.0
 LARGEST_LOG_STEP = 1.5
 LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
@@ -46,7 +46,7 @@ LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fit:
-    """A maximum: parameters, its logarithmic likelihood with priors, and the information there."""
+    """A maximum: parameters, log likelihood with priors, and the information matrix there."""
 
     parameters: FloatArray
     log_likelihood: float
@@ -56,7 +56,7 @@ class Fit:
 class Likelihood:
     """The likelihood of one survey in one setting."""
 
-    def __init__(self, survey: Survey, setting: Setting, basis: FloatArray) -> None:
+    def __init__(self, survey: RadiationSurvey, setting: Setting, basis: FloatArray) -> None:
         self.survey = survey
         self.setting = setting
         heights = survey.heights_m
@@ -69,7 +69,8 @@ class Likelihood:
             edge_sharpness=setting.edge_sharpness,
         )
         stds = self._deviation.stds
-        # The numbers of the law come last before the sources; to the background they add nothing.
+        # The parameters of the law are the last before the sources; they add nothing to the
+        # background.
         self.basis = np.hstack([below, bumps, np.zeros((survey.size, stds.size))])
         self.head_size = 1 + self.basis.shape[1]
         bumps_end = LEVEL_PARAMETERS + bumps.shape[1]
@@ -77,7 +78,8 @@ class Likelihood:
         self.nuisance_stds = np.append(np.full(bumps.shape[1], setting.background_std), stds)
         self.weights = weights_of(survey, setting.rho)
         counts = survey.counts
-        # With this constant the likelihood of a perfect fit is 0: no large numbers are compared.
+        # With this constant the log likelihood of a perfect fit is 0, so that no large numbers are
+        # compared.
         perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)) - counts, 0.0)
         self._constant = float(0.5 * np.log(self.weights).sum() - self.weights @ perfect)
         self._shape = 1.0 if survey.background_shape is None else survey.background_shape
@@ -93,7 +95,7 @@ class Likelihood:
 
     @property
     def has_narrow_hills(self) -> bool:
-        """Whether the background may vary as narrowly as a source shows."""
+        """Whether the background may vary over lengths as short as the response to a source."""
         setting = self.setting
         is_narrow = setting.background_spacing_heights < WIDE_SPACING_HEIGHTS
         return is_narrow and setting.background_std > 0.0
@@ -130,14 +132,14 @@ class Likelihood:
         return np.asarray(values)
 
     def objective(self, parameters: FloatArray) -> float:
-        """Return the logarithm of likelihood and priors."""
+        """Return the log likelihood with priors."""
         logs = self._log_shares(self._shaded(parameters))
         misses = parameters - self._prior_means(parameters)
         prior = 0.5 * float(self._prior_precisions(parameters) @ (misses * misses))
         return float(log_sums(logs).sum()) + self._constant - prior
 
     def _shaded(self, parameters: FloatArray) -> FloatArray:
-        """Return the expected counts with each share of the sources left, shape (shares, n)."""
+        """Return the expected counts for each share of the dose rate, shape (shares, n)."""
         if len(self._shares) == 1:
             return self.expected(parameters)[None]
         exposures = self.survey.exposures
@@ -146,16 +148,16 @@ class Likelihood:
         return np.asarray(np.maximum(background + self._shares[:, None] * added, SMALLEST_COUNTS))
 
     def _log_shares(self, expected: FloatArray) -> FloatArray:
-        """Return the weighed log likelihood of each reading by shares, with their chances."""
+        """Return the weighted log likelihood of each reading for each share, with its prior."""
         terms = self.weights * (self.survey.counts * np.log(expected) - expected)
         return np.asarray(terms + self._log_chances)
 
     def dispersion(self, parameters: FloatArray) -> float:
-        """Return by how many standard deviations Pearson's chi^2 exceeds what Poisson allows."""
+        """Return Pearson's chi^2 in standard deviations above that of Poisson counts."""
         return self.misfit(parameters)[0]
 
     def misfit(self, parameters: FloatArray) -> tuple[float, float]:
-        """Return the same and Pearson's chi^2 over the degrees of freedom."""
+        """Return the dispersion, and Pearson's chi^2 divided by the degrees of freedom."""
         shaded = self._shaded(parameters)
         expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
         chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
@@ -165,7 +167,7 @@ class Likelihood:
         return (chi2 - degrees) / spread, chi2 / degrees
 
     def _determined(self, parameters: FloatArray) -> float:
-        """Return how many parameters the readings determine, and not what is known before."""
+        """Return the number of parameters that the readings determine rather than the priors."""
         information, _ = self.information_and_gradient(parameters)
         known = self._prior_precisions(parameters)
         return len(parameters) - float(known @ np.diag(np.linalg.inv(information)))
@@ -209,7 +211,7 @@ class Likelihood:
         """Return gradient and information; residuals and precision of each share, (shares, n)."""
         if len(self._shares) == 1:
             return slopes.T @ residuals[0], (slopes * precision[0][:, None]).T @ slopes
-        # Of shaded readings, sources bring but their share: sums over shares come first.
+        # Only derivatives by source parameters scale with the share: sum over shares first.
         own = np.arange(slopes.shape[1]) >= self.law.start
         once, twice = self._shares @ precision, self._shares**2 @ precision
         natural, added = slopes * ~own, slopes * own
@@ -220,7 +222,7 @@ class Likelihood:
         return gradient, information
 
     def _slopes(self, parameters: FloatArray) -> FloatArray:
-        """Return how the expected counts change with each parameter, shape (n, parameters)."""
+        """Return the derivative of expected counts by each parameter, shape (n, parameters)."""
         exposures, setting = self.survey.exposures, self.setting
         slopes = np.empty((self.survey.size, len(parameters)))
         rates = self.background_usvh(parameters)
@@ -244,14 +246,14 @@ class Likelihood:
     def _deviate(
         self, numbers: FloatArray, offsets: FloatArray, parts: FloatArray, slopes: FloatArray
     ) -> None:
-        """Change the slopes of sources to those of a law that deviates, and add its own."""
+        """Correct derivatives by sources for a deviating law, and add those by its parameters."""
         parts *= self._deviation.factors(numbers, offsets)[:, None]
         parts[:, :3] += parts[:, 3:] * self._deviation.slopes(numbers, offsets)
         features = self._deviation.features(numbers, offsets)
         slopes[:, self.law] = np.einsum('kn,jkn->nj', parts[:, 3], features)
 
     def _offsets(self, sources: FloatArray) -> FloatArray:
-        """Return the way from each source to each reading, shape (sources, 3, n)."""
+        """Return the vector from each source to each reading, shape (sources, 3, n)."""
         return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
     def _step(self, information: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
@@ -267,7 +269,7 @@ class Likelihood:
         return step
 
     def _inside(self, parameters: FloatArray) -> FloatArray:
-        """Return `parameters` with all sources moved into the ground that readings can tell of."""
+        """Return `parameters` with all sources moved to within reach of the readings."""
         sources = parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
         np.clip(sources[:, :2], self._low, self._high, out=sources[:, :2])
         limits = self._deviation.limits
@@ -284,7 +286,7 @@ class Likelihood:
         precisions = np.zeros_like(parameters)
         precisions[0], precisions[1] = LEVEL_STD**-2, HEIGHT_STD**-2
         precisions[LEVEL_PARAMETERS : self.head_size] = self.nuisance_stds**-2.0
-        # A height that is kept is one known to a tenth of a millimetre.
+        # A fixed height has a standard deviation of a tenth of a millimetre.
         up_std = max(self.setting.source_up_std_m, 1e-4)
         precisions[self.head_size + UP :: SOURCE_PARAMETERS] = up_std**-2
         return precisions

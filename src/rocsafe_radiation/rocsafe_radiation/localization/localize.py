@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources found in readings: where, how strong, how sure."""
+"""Sources from readings: places, strengths, uncertainties."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,22 +13,22 @@ from rocsafe_radiation.localization.hypothesis import ELLIPSE_95
 from rocsafe_radiation.localization.hypothesis_values import OrderSearch
 from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
-from rocsafe_radiation.localization.source_count import LARGEST_DISPERSION, LARGEST_ORDER, search
+from rocsafe_radiation.localization.search_options import SearchOptions
+from rocsafe_radiation.localization.source_count import LARGEST_ORDER, search
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
-# Cells of this share of the height lose nothing that matters, and bound the time of a fit.
-CELL_HEIGHTS = 0.125
-# Measured of tank cars: benchmarks/localisation.py --only mismatched.
+# Error of the place beside a wall, heights; measured beside tank cars: benchmarks/localisation.py
+# --only mismatched.
 WALL_ERROR_HEIGHTS = 0.04
 
 
 class TooFewReadingsError(RadiationError):
-    """There is nothing to localise from."""
+    """There are too few readings to localise sources."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,15 +40,18 @@ class LocalizationOptions:
     kernel
         Law of the dose rate.
     source_up_m, source_up_std_m
-        Height of sources above the ground and its standard deviation; 0: exactly there.
+        Expected height of sources above the ground and its standard deviation, metres; 0: fixed.
     largest_order
         Most sources looked for.
+    search
+        Numbers that tune the search.
     """
 
     kernel: Kernel = field(default_factory=Kernel)
     source_up_m: float = 0.5
     source_up_std_m: float = 1.0
     largest_order: int = LARGEST_ORDER
+    search: SearchOptions = field(default_factory=SearchOptions)
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.source_up_std_m < math.inf:
@@ -66,13 +69,13 @@ class SourceEstimate:
     Attributes
     ----------
     position_enu_m
-        Where, shape (3,).
+        Its place, shape (3,), metres.
     dose_rate_at_1m_usvh
-        Strength, without air.
+        Its strength, without air.
     joint_covariance
-        Of east, north, up in metres and the logarithm of the strength, (4, 4).
+        Covariance of east, north, up in metres and the logarithm of the strength, (4, 4).
     detection_llr
-        What the logarithm of the likelihood loses without it, all else unchanged.
+        Decrease of the log likelihood without it, all else unchanged.
     """
 
     position_enu_m: FloatArray
@@ -96,7 +99,7 @@ class SourceEstimate:
         return self.dose_rate_at_1m_usvh * self.log_std
 
     def interval_95_usvh(self) -> tuple[float, float]:
-        """Return the bounds that hold the strength with a probability of 0.95."""
+        """Return the bounds of the strength with a probability of 0.95."""
         factor = math.exp(min(NORMAL_95 * self.log_std, 50.0))
         return self.dose_rate_at_1m_usvh / factor, self.dose_rate_at_1m_usvh * factor
 
@@ -109,28 +112,30 @@ class SourceEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Localization:
-    """All sources that the readings support.
+    """The sources that the readings support.
 
     Attributes
     ----------
     sources
-        Strongest evidence first.
+        The sources, the one with the most evidence first.
     order_probabilities
-        Of 0, 1, 2 ... sources.
+        Probability of 0, 1, 2 ... sources.
     background_usvh, background_std_usvh
         Mean background at the readings and its uncertainty.
     reading_count
-        Readings used.
+        Number of readings used.
     dispersion
-        By how many standard deviations the misfit exceeds what the model allows.
+        Standard deviations by which the misfit exceeds that of the model.
     rho
-        Share of the excess by which readings scatter beyond their counts.
+        Share of the excess by which readings scatter beyond Poisson.
     is_structured
-        The background varies from place to place.
+        Whether the background varies from place to place.
     is_shielded
-        Something beside the sources takes part of their dose rate.
+        Whether something beside the sources takes part of their dose rate.
+    is_misfit
+        Whether the misfit is so large that ellipses are widened.
     method
-        Name of the way it was found, one of `METHODS`.
+        Method by which they were found, one of `METHODS`.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -142,11 +147,12 @@ class Localization:
     rho: float
     is_structured: bool
     is_shielded: bool = False
+    is_misfit: bool = False
     method: str = ML_METHOD
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is not as assumed, in words; empty: counts of sources over an even background."""
+        """What differs from counts of sources over a constant background, in words."""
         found = []
         if self.is_shielded:
             found.append('something beside the sources takes part of their dose rate')
@@ -154,7 +160,7 @@ class Localization:
             found.append('the background is uneven')
         if self.rho > 0.0:
             found.append(f'readings scatter by {self.rho:.0%} of the excess beyond their counts')
-        if self.dispersion >= LARGEST_DISPERSION:
+        if self.is_misfit:
             found.append(
                 f'the readings differ from this by {self.dispersion:.0f} standard deviations more '
                 'than they may: ellipses are widened'
@@ -162,28 +168,29 @@ class Localization:
         return tuple(found)
 
 
-def localize(survey: Survey, options: LocalizationOptions | None = None) -> Localization:
+def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None) -> Localization:
     """Return the sources that `survey` supports.
 
     Raises
     ------
     TooFewReadingsError
-        With fewer than 8 readings, or all of them at one place.
+        If there are fewer than 8 readings, or all of them are at one place.
     """
     options = options or LocalizationOptions()
     require_enough(survey)
-    cell_m = CELL_HEIGHTS * survey.height_m(options.source_up_m)
+    cell_m = options.search.cell_heights * survey.height_m(options.source_up_m)
     merged = survey.merged(cell_m)
     require_enough(merged)
     setting = Setting(
         kernel=options.kernel,
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
+        search=options.search,
     )
     return _described(search(merged, setting, options.largest_order), survey.size)
 
 
-def require_enough(survey: Survey) -> None:
+def require_enough(survey: RadiationSurvey) -> None:
     """Raise TooFewReadingsError if `survey` is too small to localise from."""
     if survey.size < FEWEST_READINGS:
         raise TooFewReadingsError(
@@ -210,18 +217,23 @@ def _described(found: OrderSearch, reading_count: int) -> Localization:
         rho=setting.rho,
         is_structured=setting.background_std > 0.0,
         is_shielded=setting.has_shield or setting.shade > 0.0,
+        is_misfit=_is_misfit(likelihood, fit),
     )
 
 
-def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
-    """Return the covariance of the parameters, larger where the model does not explain enough.
+def _is_misfit(likelihood: Likelihood, fit: Fit) -> bool:
+    return likelihood.dispersion(fit.parameters) >= likelihood.setting.search.large_dispersion
 
-    Misfits beyond what the model allows make the place less sure by their variance, as if all
-    readings scattered so much (quasi-likelihood, McCullagh and Nelder 1989, section 9.2). Beside
-    a wall, they add how far a real one moves sources that a straight one explains.
+
+def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
+    """Return the covariance of the parameters, enlarged where the model does not fit.
+
+    A misfit scales the covariance, as if all readings scattered so much (quasi-likelihood,
+    McCullagh and Nelder 1989, section 9.2). Beside a wall, the error that comes from its unknown
+    shape is added.
     """
     covariance = covariance_with_images(likelihood, fit)
-    if likelihood.dispersion(fit.parameters) >= LARGEST_DISPERSION:
+    if _is_misfit(likelihood, fit):
         covariance = covariance * max(1.0, likelihood.misfit(fit.parameters)[1])
     if likelihood.setting.has_shield:
         moved_m = WALL_ERROR_HEIGHTS * likelihood.survey.height_m(likelihood.setting.source_up_m)

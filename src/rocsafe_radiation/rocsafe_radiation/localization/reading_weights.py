@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far each reading is to be believed: weights against errors, chances of being shaded."""
+"""Weights of readings, and probabilities of their being shaded."""
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# Shares of the dose rate of sources that shields leave.
+# Shares of the dose rate of sources that a shaded reading may keep.
 SHADES = (0.8, 0.66, 0.54, 0.44, 0.36, 0.29, 0.22, 0.14, 0.06, 0.0)
 
 
@@ -23,15 +23,15 @@ def chances_of(logs: FloatArray) -> FloatArray:
     return np.asarray(np.exp(logs - log_sums(logs)))
 
 
-def background_level_usvh(survey: Survey) -> float:
-    """Return a low level of all readings: the rate of the quiet fifth."""
+def background_level_usvh(survey: RadiationSurvey) -> float:
+    """Return the mean rate of the lowest fifth of the readings."""
     rates = survey.counts / survey.exposures
     quiet = rates <= np.quantile(rates, 0.2)
     level = survey.counts[quiet].sum() / survey.exposures[quiet].sum()
     return max(float(level), 1e-6)
 
 
-def weights_of(survey: Survey, rho: float) -> FloatArray:
+def weights_of(survey: RadiationSurvey, rho: float) -> FloatArray:
     """Return the weight of each reading whose excess scatters by a share `rho`, shape (n,)."""
     excess = survey.counts - survey.exposures * background_level_usvh(survey)
     excess = np.maximum(excess, 0.0)

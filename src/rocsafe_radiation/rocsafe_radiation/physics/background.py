@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Natural background: the ground, which varies from place to place, and the sky."""
+"""Natural background: radiation of the ground, which varies by place, and of the sky."""
 
 import math
 from dataclasses import dataclass
@@ -11,11 +11,10 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.solids.ground_heights import GroundHeights
 
 METRES_PER_DEGREE = 111_320.0
-# Dose rate of cosmic rays at sea level, and the height in which it grows by e (UNSCEAR 2000: it
-# doubles every 1.5 to 2 km).
+# Dose rate of cosmic rays at sea level, and the height over which it grows by a factor of e
+# (UNSCEAR 2000: it doubles every 1.5 to 2 km).
 COSMIC_USVH, COSMIC_GROWTH_M = 0.033, 2500.0
-# Height in which the terrestrial dose rate falls by e: hundreds of metres of air, seen from the
-# whole ground at once.
+# Height over which the terrestrial dose rate falls by a factor of e.
 TERRESTRIAL_DECAY_M = 120.0
 WAVES = 24
 
@@ -34,15 +33,15 @@ class Background:
     variation
         Standard deviation of its logarithm.
     length_m
-        Over which it varies.
+        Length over which it varies, metres.
     ground_altitude_m
-        Of the ground, above the ellipsoid, where `ground` does not know better.
+        Altitude of the ground above the ellipsoid, where `ground` is None or has no height.
     is_cosmic
-        Cosmic rays add their part.
+        Whether cosmic rays are added.
     seed
-        Of the waves.
+        Seed of the waves.
     ground
-        Who knows the height of ground that is not level.
+        Heights of ground that is not level.
     """
 
     terrestrial_usvh: float = 0.0
@@ -94,7 +93,7 @@ class Background:
         numbers = numbers / self.length_m
         east = longitudes * METRES_PER_DEGREE * np.cos(np.radians(latitudes))
         north = latitudes * METRES_PER_DEGREE
-        # The waves are read far from their origin, so only their phases there matter.
+        # The origin of the waves does not matter: only their phases at the site do.
         turns = np.multiply.outer(east, numbers[:, 0]) + np.multiply.outer(north, numbers[:, 1])
         return np.asarray(
             self.variation * math.sqrt(2.0 / WAVES) * np.cos(turns + phases).sum(axis=-1)

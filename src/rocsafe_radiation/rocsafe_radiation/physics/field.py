@@ -31,11 +31,11 @@ COORDINATE_LIMITS = (('latitude', 90.0), ('longitude', 180.0), ('altitude', math
 class RadiationField:
     """Dose rates around any number of sources, by one of three models.
 
-    paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d
-    in metres, without attenuation or scatter (Smyth, Glavin and
-    Madden 2018, section II.B). air: times what air leaves of the lines of its nuclide, build-up
-    included. shielded: as air, with the materials of `shielding` in between. Scatter from the
-    ground, which adds 10 to 20 %, is in none of them. The sources add up.
+    paper: each source gives sigma / d^2 microsievert per second at the straight-line distance d in
+    metres, without attenuation or scatter (Smyth, Glavin and Madden 2018, section II.B). air:
+    sigma / d^2 times what air transmits of the lines of its nuclide, with build-up. shielded: as
+    air, with the materials of `shielding` along each ray. Scatter from the ground, which adds 10
+    to 20 %, is in none of them. The sources add up.
 
     The formula is singular at d = 0: below `source_radius_m` the distance counts as
     `source_radius_m`, as at the surface of a source of that size.
@@ -49,7 +49,7 @@ class RadiationField:
     model
         One of `MODELS`.
     shielding
-        Of the model ``shielded``; without it that model is ``air``.
+        What shields in the model ``shielded``; None: that model is ``air``.
     """
 
     sources: tuple[RadiationSource, ...]
@@ -114,7 +114,7 @@ class RadiationField:
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
     ) -> FloatArray:
-        """Return the same of each source alone, shape (sources, n)."""
+        """Return the dose rate of each source alone at n points, uSv/h, shape (sources, n)."""
         points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
         _check_points(points)
         positions = ecef_m(*points)
@@ -153,7 +153,7 @@ class RadiationField:
         distances_m: FloatArray,
         points: Coordinates,
     ) -> FloatArray:
-        """Return what is left of each ray from a place of the source, shape (places, n)."""
+        """Return the transmission of each ray from a place of the source, shape (places, n)."""
         if self.model == AIR_MODEL or self.shielding is None:
             return air_transmission(nuclide, distances_m)
         starts = (places[:, 0], places[:, 1], places[:, 2])

@@ -12,14 +12,14 @@ from rocsafe_radiation.physics.transmission import air_transmission, air_transmi
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kernel:
-    """What a source with 1 uSv/h at 1 m gives at a distance.
+    """Dose rate of a source with 1 uSv/h at 1 m by distance.
 
     Attributes
     ----------
     is_lossy
-        Air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
+        Whether air attenuates and scatters (model ``air``); else 1/d^2 (model ``paper``).
     nuclide
-        Whose lines air attenuates.
+        Nuclide whose lines air attenuates.
     source_radius_m
         Distance below which the dose rate grows no further.
     """
@@ -38,7 +38,7 @@ class Kernel:
         return values
 
     def values_and_slopes(self, squares_m2: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the same, and its derivative by the squared distance."""
+        """Return the dose rate at each squared distance and its derivative by that."""
         squares = np.maximum(squares_m2, self.source_radius_m**2)
         if not self.is_lossy:
             values = 1.0 / squares

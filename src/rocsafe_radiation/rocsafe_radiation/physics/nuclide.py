@@ -21,24 +21,24 @@ JOULE_PER_KEV = 1.602176634e-16
 SECONDS_PER_HOUR = 3600.0
 BECQUEREL_PER_GBQ = 1e9
 MICRO = 1e6
-# What a source of unknown nuclide counts as: the commonest of orphan sources, of middle energy.
+# A source of unknown nuclide counts as this: common among orphan sources, of middle energy.
 DEFAULT_NUCLIDE = 'Cs-137'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Nuclide:
-    """A nuclide with the daughters that keep up with it.
+    """A nuclide with the daughters in equilibrium with it.
 
     Attributes
     ----------
     name
         For instance ``Cs-137``.
     half_life_s
-        Of the parent.
+        Half-life of the parent, seconds.
     energies_kev
         Photon lines, gamma and x rays of 15 keV and more, ascending, shape (n,).
     intensities
-        Photons of each line a decay of the parent, shape (n,).
+        Photons of each line for one decay of the parent, shape (n,).
     """
 
     name: str
@@ -76,7 +76,7 @@ class Nuclide:
         return self.dose_constant_usvh() * decayed / SECONDS_PER_HOUR
 
     def remaining_fraction(self, age_s: float) -> float:
-        """Return what is left after `age_s` seconds, 2^(-age/half-life)."""
+        """Return the share of the activity left after `age_s` seconds, 2^(-age/half-life)."""
         return float(2.0 ** (-age_s / self.half_life_s))
 
     def dose_shares(self) -> FloatArray:

@@ -19,7 +19,7 @@ from rocsafe_geo.arrays import FloatArray
 
 AIR = 'air'
 LOWEST_ENERGY_KEV, HIGHEST_ENERGY_KEV = 20.0, 3000.0
-# The standard's coefficients are fitted up to here; exp(-40) is nothing.
+# The coefficients of the standard are fitted up to here; beyond, exp(-40) is negligible.
 LARGEST_MEAN_FREE_PATHS = 40.0
 TANH_MINUS_2 = math.tanh(-2.0)
 
@@ -37,7 +37,7 @@ class Material:
     log_energies
         Natural logarithms of the tabulated energies in keV, shape (n,).
     log_mass_attenuation
-        The same of mu/rho in m^2/kg, shape (n,).
+        Natural logarithms of mu/rho in m^2/kg, shape (n,).
     buildup_log_energies
         Natural logarithms of energies in keV, shape (m,).
     buildup_coefficients
@@ -85,7 +85,7 @@ def geometric_progression(terms: FloatArray, mean_free_paths: FloatArray) -> Flo
     """Return the build-up at `mean_free_paths`; b, c, a, X, d are the last axis of `terms`."""
     b, c, a, scale, d = np.moveaxis(terms, -1, 0)
     paths = np.clip(mean_free_paths, 0.0, LARGEST_MEAN_FREE_PATHS)
-    # x^a of a negative a is infinite at 0, where the build-up is 1 whatever K.
+    # For a negative a, x^a is infinite at 0; the build-up is 1 there for any K.
     bounded = np.maximum(paths, 1e-9)
     bend = (np.tanh(bounded / scale - 2.0) - TANH_MINUS_2) / (1.0 - TANH_MINUS_2)
     growth = np.clip(c * bounded**a + d * bend, 1e-6, 1e3)

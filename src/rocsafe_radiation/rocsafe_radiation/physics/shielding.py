@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of which material lies between a source and a point."""
+"""Length of each material between a source and a point."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,14 +16,14 @@ Coordinates = tuple[FloatArray, FloatArray, FloatArray]
 
 
 class Shielding(Protocol):
-    """Whatever knows the materials of a scene."""
+    """The materials in the way of rays."""
 
     def lengths_m(self, starts: Coordinates, points: Coordinates) -> Mapping[str, FloatArray]:
         """Return by material the length within it of each ray from a start to a point, metres.
 
-        `starts` and `points` are latitudes and longitudes in degrees and altitudes in metres,
-        each of shape (m,) and (n,); lengths have shape (m, n). Air is left out: it is where
-        nothing else is. Materials are those of `photons.materials`.
+        `starts` and `points` are latitudes and longitudes in degrees and altitudes in metres, each
+        of shape (m,) and (n,); lengths have shape (m, n). Air is left out: it fills all other
+        space. Materials are those of `photons.materials`.
         """
 
 
@@ -42,7 +42,7 @@ class Box:
     yaw_rad
         Direction of its length, anticlockwise from east.
     wall_m
-        Thickness of its six walls, hollow within; 0: it is solid.
+        Thickness of its six walls, metres; 0: it is solid.
     """
 
     material: str
@@ -99,7 +99,7 @@ class BoxShielding:
 
 @dataclass(frozen=True, slots=True)
 class JoinedShielding:
-    """Several at once; where two overlap, both count."""
+    """Several shieldings at once; where two overlap, both count."""
 
     parts: tuple[Shielding, ...]
 
@@ -113,7 +113,7 @@ class JoinedShielding:
 
 
 def joined(parts: Sequence[Shielding]) -> Shielding | None:
-    """Return `parts` as one, None of none."""
+    """Return `parts` as one shielding, None if there are none."""
     if len(parts) > 1:
         return JoinedShielding(tuple(parts))
     return parts[0] if parts else None

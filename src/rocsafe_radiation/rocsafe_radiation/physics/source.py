@@ -9,8 +9,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide
 from rocsafe_radiation.physics.source_shape import PointShape, SourceShape
 
-# A hundred thousand times a commercial irradiator of 100 PBq of Co-60 (9.8e6 uSv/s at 1 m); the
-# limit keeps every dose rate far below what a float64 can hold.
+# 100,000 times a commercial irradiator of 100 PBq of Co-60 (9.8e6 uSv/s at 1 m); the limit keeps
+# every dose rate finite.
 LARGEST_SIGMA_USVPS = 1e12
 
 
@@ -25,10 +25,10 @@ class RadiationSource:
     position
         Where it is, or begins, with its altitude above the ellipsoid.
     sigma_usvps
-        Dose rate at 1 m without air, microsievert per second; the paper's sigma. Of a source that
-        is not a point: what it would be, were it gathered in one.
+        Dose rate at 1 m without air, microsievert per second; the paper's sigma. For a source that
+        is not a point: that of all of it in one point.
     nuclide
-        What it consists of; by default Cs-137. The model ``paper`` does not ask.
+        What it consists of; by default Cs-137. The model ``paper`` ignores it.
     shape
         Where its parts are at any time; None: all at `position`, always.
     """

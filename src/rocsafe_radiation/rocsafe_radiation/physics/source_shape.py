@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the parts of a source are: along a line, over an area, or on the move.
+"""Places of the parts of a source: along a line, over an area, or moving.
 
-A source that is not a point is taken apart into points of equal strength. Nearer to it than two of
-their distances, the dose rate of the points differs from that of the whole by more than 2 %; that
-distance is half a metre for all but the largest sources.
+A source that is not a point is divided into points of equal strength. Nearer to it than twice the
+distance of neighbouring points, their dose rate differs from that of the whole by more than 2 %.
+That distance is half a metre for all but the largest sources.
 """
 
 import math
@@ -23,7 +23,7 @@ MOST_PARTS = 400
 
 
 class SourceShape(Protocol):
-    """Whatever knows where a source is at any time."""
+    """The places of a source at any time."""
 
     def places(self, time_s: float, /) -> FloatArray:
         """Return latitude, longitude in degrees, altitude in metres of each part, (parts, 3).
@@ -39,7 +39,7 @@ class PointShape:
     place: GeoPosition
 
     def places(self, _time_s: float, /) -> FloatArray:
-        """Return the place, whatever the time."""
+        """Return the place; the time does not matter."""
         return _rows((self.place,))
 
 
@@ -64,7 +64,7 @@ class LineShape:
         object.__setattr__(self, '_parts', frame.to_geodetic(parts))
 
     def places(self, _time_s: float, /) -> FloatArray:
-        """Return the middles of equal pieces of the line, whatever the time."""
+        """Return the middles of equal pieces of the line; the time does not matter."""
         return self._parts
 
 
@@ -88,13 +88,13 @@ class AreaShape:
         object.__setattr__(self, '_parts', frame.to_geodetic(parts))
 
     def places(self, _time_s: float, /) -> FloatArray:
-        """Return the nodes of a square grid within, whatever the time."""
+        """Return the nodes of a square grid within the polygon; the time does not matter."""
         return self._parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackShape:
-    """A point source that moves: at `times_s` it is at `stops`, in between on its way.
+    """A moving point source: at `times_s` it is at `stops`, in between on the straight line.
 
     Before the first time it waits at the first stop, after the last it stays at the last.
     """
@@ -114,7 +114,7 @@ class TrackShape:
 
     def places(self, time_s: float, /) -> FloatArray:
         """Return the place at `time_s`."""
-        # Degrees of stops that lie close together are as good as metres to interpolate in.
+        # Stops are close together: interpolation in degrees is as good as in metres.
         stops = _rows(self.stops)
         return np.array([[np.interp(time_s, self.times_s, axis) for axis in stops.T]])
 

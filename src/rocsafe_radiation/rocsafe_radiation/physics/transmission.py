@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What air and other materials leave of the dose rate of a source."""
+"""Share of the dose rate of a source that air and other materials transmit."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -12,11 +12,11 @@ from rocsafe_radiation.physics.photons import AIR, geometric_progression, materi
 
 # Linear interpolation between steps is good to 1e-5 at 60 keV and better above.
 STEP_M = 0.25
-# Air leaves less than 1e-8 of any line beyond.
+# Beyond this, air transmits less than 1e-8 of any line.
 REACH_M = 3000.0
 # Points at a time: their arrays stay in the cache of a core.
 BLOCK = 16384
-# Each of these rays has a value a line.
+# Arrays hold one value for each of these rays and each line.
 SHIELDED_BLOCK = 4096
 
 
@@ -42,7 +42,7 @@ def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
 def air_transmission_and_slope(
     nuclide_name: str, distances_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the same and its derivative by the distance, 1/m."""
+    """Return the transmission of air and its derivative by the distance, 1/m."""
     values, slopes = _table(nuclide_name)
     places = np.minimum(distances_m * (1.0 / STEP_M), float(len(slopes) - 1))
     indices = places.astype(np.intp)
@@ -51,7 +51,7 @@ def air_transmission_and_slope(
 
 
 def exact_air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
-    """Return the same, line by line."""
+    """Return the transmission of air without the table, line by line."""
     return shielded_transmission(nuclide_name, {AIR: distances_m})
 
 
@@ -60,7 +60,8 @@ def shielded_transmission(nuclide_name: str, lengths_m: Mapping[str, FloatArray]
 
     `lengths_m` maps names of materials, air among them, to the lengths of n rays within, each of
     shape (n,). Each line is attenuated by all of them; the build-up is that of the material with
-    the most mean free paths along the ray, at the sum of all: the usual choice of point kernels.
+    the most mean free paths along the ray, at their sum over all materials: the usual choice for
+    point kernels.
     """
     names = tuple(lengths_m)
     lengths = np.stack([np.asarray(lengths_m[name], np.float64) for name in names])
@@ -84,7 +85,7 @@ def _shielded(nuclide_name: str, names: tuple[str, ...], lengths: FloatArray) ->
 
 @cache
 def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return of each line that gives dose: its share, mu of each material and build-up terms."""
+    """Return share, mu of each material and build-up terms of each line that gives dose."""
     source = nuclide(nuclide_name)
     shares = source.dose_shares()
     energies, kept = source.energies_kev[shares > 0.0], shares[shares > 0.0]

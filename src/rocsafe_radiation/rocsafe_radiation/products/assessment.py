@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole picture that readings give: sources, dose rates, cordons, and whether it is enough."""
+"""Assessment of a hazard from readings: sources, dose rates, cordons, whether they are enough."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from shapely.geometry import Polygon
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_radiation.belief.belief_search import BeliefMap, believe
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
-from rocsafe_radiation.decision.stopping import StoppingRule, Verdict
+from rocsafe_radiation.decision.stopping import StoppingRule, StoppingVerdict
 from rocsafe_radiation.decision.waypoint_choice import Waypoint, candidate_places, next_waypoints
 from rocsafe_radiation.localization.candidates import best_separated
 from rocsafe_radiation.localization.fit_setting import Setting
@@ -25,26 +25,26 @@ from rocsafe_radiation.localization.localize import (
 )
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
-# As many bytes of a message; files hold finer maps.
+# One byte a cell in a message; files hold finer maps.
 LARGEST_CELLS = 40_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PictureOptions:
-    """How a picture is made.
+class AssessmentOptions:
+    """How an assessment is made.
 
     Attributes
     ----------
     known
-        Before the readings.
+        What is known before the readings.
     method
-        Name of the way sources are found, one of `METHODS`.
+        Method by which sources are found, one of `METHODS`.
     rule
-        When it is enough.
+        When the evidence is enough.
     levels_usvh
-        Of cordons.
+        Dose rates of cordons, microsievert per hour.
     """
 
     known: LocalizationOptions = field(default_factory=LocalizationOptions)
@@ -58,14 +58,14 @@ class PictureOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
-    """What the readings so far say; `belief` is that of the method ``belief-grid`` alone."""
+class Assessment:
+    """What the readings so far show; `belief` is None but for the method ``belief-grid``."""
 
-    options: PictureOptions
-    survey: Survey
+    options: AssessmentOptions
+    survey: RadiationSurvey
     found: Localization
     evidence: SequentialEvidence
-    verdict: Verdict
+    verdict: StoppingVerdict
     dose: DoseMap
     cordons: tuple[Cordon, ...]
     belief: BeliefMap | None = None
@@ -74,38 +74,42 @@ class Picture:
 Found = tuple[Localization, BeliefMap | None]
 
 
-def _by_likelihood(survey: Survey, options: PictureOptions, _agents: Sequence[str]) -> Found:
+def _by_likelihood(
+    survey: RadiationSurvey, options: AssessmentOptions, _agents: Sequence[str]
+) -> Found:
     return localize(survey, options.known), None
 
 
-def _by_belief(survey: Survey, options: PictureOptions, agents: Sequence[str]) -> Found:
+def _by_belief(
+    survey: RadiationSurvey, options: AssessmentOptions, agents: Sequence[str]
+) -> Found:
     return believe(survey, options.known, agents, options.rule.smallest_usvh)
 
 
-FINDERS: dict[str, Callable[[Survey, PictureOptions, Sequence[str]], Found]] = {
+FINDERS: dict[str, Callable[[RadiationSurvey, AssessmentOptions, Sequence[str]], Found]] = {
     ML_METHOD: _by_likelihood,
     BELIEF_METHOD: _by_belief,
 }
 
 
-def picture_of(
-    survey: Survey,
-    options: PictureOptions,
+def assess(
+    survey: RadiationSurvey,
+    options: AssessmentOptions,
     agents: Sequence[str] = (),
     largest_cells: int = LARGEST_CELLS,
-) -> Picture:
-    """Return the picture of `survey`.
+) -> Assessment:
+    """Return the assessment of `survey`.
 
     Parameters
     ----------
     survey
         Readings.
     options
-        How.
+        How they are assessed.
     agents
-        Who took each reading, for the method ``belief-grid``.
+        Agent of each reading, for the method ``belief-grid``.
     largest_cells
-        About as many cells has the map of dose rates.
+        Approximate number of cells of the map of dose rates.
 
     Raises
     ------
@@ -119,7 +123,7 @@ def picture_of(
     evidence = sequential_evidence(survey.merged(cell_m), setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
     dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
-    return Picture(
+    return Assessment(
         options=options,
         survey=survey,
         found=found,
@@ -132,36 +136,37 @@ def picture_of(
 
 
 def suggested_waypoints(
-    picture: Picture, count: int, area: Polygon | None = None
+    assessment: Assessment, count: int, area: Polygon | None = None
 ) -> tuple[Waypoint, ...]:
-    """Return up to `count` places to measure at next, the most telling first.
+    """Return up to `count` places to measure at next, the largest gain first.
 
-    With sources they are those that sharpen them most; without, those over the ground on which a
-    source is least excluded. All lie within `area`, east and north, if it is given.
+    With sources, they are those that reduce the uncertainty of the sources most. Without, they are
+    over the ground where a source is least excluded. All lie within `area`, east and north, if it
+    is given.
     """
     if count < 1:
         return ()
-    known = picture.options.known
-    candidates = candidate_places(picture.survey, known.source_up_m)
+    known = assessment.options.known
+    candidates = candidate_places(assessment.survey, known.source_up_m)
     candidates = candidates[_are_within(candidates, area)]
     if not len(candidates):
         return ()
-    if picture.found.sources:
-        exposure = float(np.median(picture.survey.exposures))
-        return next_waypoints(picture.found, candidates, exposure, known.kernel, count)
-    return _doubtful(picture, count, area)
+    if assessment.found.sources:
+        exposure = float(np.median(assessment.survey.exposures))
+        return next_waypoints(assessment.found, candidates, exposure, known.kernel, count)
+    return _doubtful(assessment, count, area)
 
 
-def _doubtful(picture: Picture, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
-    """Return places over the ground on which a source of the smallest strength may still be."""
-    evidence, survey = picture.evidence, picture.survey
+def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
+    """Return places over the ground where a source of the smallest strength is least excluded."""
+    evidence, survey = assessment.evidence, assessment.survey
     inside = _are_within(evidence.places_m, area)
     places, doubts = evidence.places_m[inside], evidence.doubts[inside]
     if not len(places):
         return ()
-    above = picture.options.known.source_up_m
+    above = assessment.options.known.source_up_m
     height = survey.height_m(above)
-    # Above 0 for `best_separated`, in the same order.
+    # `best_separated` needs ranks above 0; the order is the same.
     ranks = doubts - doubts.min() + 1.0
     chosen = best_separated(places, ranks, count, height)
     ups = survey.ground.ups_at(places[chosen]) + above + height

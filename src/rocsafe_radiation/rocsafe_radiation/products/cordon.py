@@ -15,8 +15,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.products.dose_map import DoseMap
 from rocsafe_radiation.products.isolines import areas_above
 
-# Microsievert per hour at 1 m: a public place, German responders, the IAEA inner cordon (EPR-First
-# Responders), the hot zone times ten, turn back (do not enter except to save lives).
+# Microsievert per hour at 1 m: the public, German responders, the inner cordon of the IAEA
+# (EPR-First Responders), ten times that, turn back (enter only to save lives).
 DEFAULT_LEVELS_USVH = (2.5, 25.0, 100.0, 1000.0, 100_000.0)
 LEVEL_NAMES = {
     2.5: 'the public',
@@ -25,15 +25,14 @@ LEVEL_NAMES = {
     1e3: 'trained teams alone',
     1e5: 'turn back, but to save lives (IAEA)',
 }
-# Dose for which stay times are told: a year of the public and the yearly limit of a worker (ICRP
-# 103), microsievert.
+# Doses of stay times: yearly limits of the public and of a worker (ICRP 103), microsievert.
 STAY_DOSES_USV = {'public_year_1_msv': 1e3, 'worker_year_20_msv': 2e4}
 STAY_MEANINGS = {'public_year_1_msv': '1 mSv', 'worker_year_20_msv': '20 mSv'}
 MEAN, UPPER = 'mean', 'upper_95'
 CONFIDENCE_MEANINGS = {MEAN: 'mean', UPPER: 'upper 95 %'}
 DEGREE_DIGITS = 8
 KML_NAMESPACE = 'http://www.opengis.net/kml/2.2'
-# Blue to yellow, told apart by the colour-blind; KML writes alpha, blue, green, red.
+# Blue to yellow, distinct for the colour-blind; KML writes alpha, blue, green, red.
 KML_COLOURS = ('ff8e5830', 'ff8c8021', 'ff63c85e', 'ff21e4fd', 'ff4670f0')
 
 
@@ -48,7 +47,7 @@ class Cordon:
     confidence
         ``mean``: by the estimate itself, ``upper_95``: by its upper 95 %.
     area
-        Where.
+        Area, metres.
     """
 
     level_usvh: float
@@ -56,11 +55,11 @@ class Cordon:
     area: MultiPolygon
 
     def stay_times_h(self) -> dict[str, float]:
-        """Return for how long one may stay at the cordon's edge before a dose is reached."""
+        """Return the times at the cordon's edge until a dose is reached, hours."""
         return {name: dose / self.level_usvh for name, dose in STAY_DOSES_USV.items()}
 
     def description(self) -> str:
-        """Return in words whom it is for, how large it is, and how long one may stay."""
+        """Return in words its purpose, its size and stay times at its edge."""
         parts = [LEVEL_NAMES.get(self.level_usvh, ''), f'{self.area.area:.0f} m²']
         stays = self.stay_times_h().items()
         parts += [

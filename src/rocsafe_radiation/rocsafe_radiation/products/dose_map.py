@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dose rate one metre above the ground, and how sure it is, from the sources found."""
+"""The dose rate one metre above the ground and its uncertainty, from the sources found."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.residual_kriging import residual
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Where responders measure: IAEA, EPR-First Responders.
 HEIGHT_M = 1.0
@@ -35,9 +35,9 @@ class DoseMap:
     cell_m
         Distance of nodes.
     mean_usvh
-        Of the sources and the background as estimated.
+        Dose rate of sources and background as estimated.
     std_usvh, upper_usvh
-        Standard deviation and upper 95 % of what the estimate leaves open.
+        Standard deviation and upper 95 % of the dose rate.
     """
 
     corner_m: tuple[float, float]
@@ -49,18 +49,18 @@ class DoseMap:
 
 def dose_map(
     found: Localization,
-    survey: Survey,
+    survey: RadiationSurvey,
     kernel: Kernel,
     lowest_level_usvh: float,
     seed: int = 0,
     largest_cells: int = LARGEST_CELLS,
 ) -> DoseMap:
-    """Return the map of the readings' extent and of all ground that sources raise to a level.
+    """Return the map of the surveyed ground and of all ground that sources raise to a level.
 
-    The map is that of sources and an even background, times what kriging makes of the readings'
-    residuals where these are more than noise. The spread comes from 40 draws of the sources'
-    places and strengths from their covariances and of the residual, with `seed`. Cells are at
-    least half a metre wide and not many more than `largest_cells`.
+    The map is that of sources and a constant background, times the kriged residual of the readings
+    where this is more than noise. The uncertainty comes from 40 draws, with `seed`, of the places
+    and strengths of the sources from their covariances, and of the residual. Cells are at least
+    half a metre wide and not many more than `largest_cells`.
     """
     low, high = _bounds(found, survey, lowest_level_usvh)
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
@@ -73,7 +73,8 @@ def dose_map(
     rest = residual(found, survey, kernel, east, north)
     if rest is not None:
         mean *= np.exp(rest.log_mean)
-        # One number a draw: each cell varies as it should, cells vary together.
+        # One number for each draw: the standard deviation of each cell is right, and cells vary
+        # together.
         for draw, turn in zip(draws, generator.normal(size=SAMPLES), strict=True):
             draw *= np.exp(rest.log_mean + turn * rest.log_std)
     return DoseMap(
@@ -86,9 +87,9 @@ def dose_map(
 
 
 def _bounds(
-    found: Localization, survey: Survey, level_usvh: float
+    found: Localization, survey: RadiationSurvey, level_usvh: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the south-western and the north-eastern corner of what the map shows."""
+    """Return the south-western and the north-eastern corner of the map."""
     places = survey.positions_enu_m[:, :2]
     low, high = places.min(axis=0) - MARGIN_M, places.max(axis=0) + MARGIN_M
     for source in found.sources:
@@ -99,8 +100,8 @@ def _bounds(
     return low, high
 
 
-def _ups(survey: Survey, east: FloatArray, north: FloatArray) -> FloatArray | None:
-    """Return how high the nodes lie, one metre above the ground; None if that is level."""
+def _ups(survey: RadiationSurvey, east: FloatArray, north: FloatArray) -> FloatArray | None:
+    """Return the heights of the nodes, one metre above the ground; None if it is level."""
     if survey.ground.is_level:
         return None
     return survey.ground.ups_at(np.stack(np.meshgrid(east, north), axis=-1)) + HEIGHT_M
@@ -140,7 +141,7 @@ def grid_dose_rates_usvh(
 ) -> FloatArray:
     """Return the dose rate at all nodes, shape (north, east).
 
-    `ups` says how high these are, of the same shape; None: all 1 m above level ground.
+    `ups` are their heights, of the same shape; None: all 1 m above level ground.
     """
     total: FloatArray = np.full((north.size, east.size), background_usvh)
     for source in sources:

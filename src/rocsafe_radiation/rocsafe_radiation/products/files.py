@@ -7,16 +7,16 @@ from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
-from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.assessment import Assessment
 from rocsafe_radiation.products.cordon import cordon_geojson, cordon_kml
 from rocsafe_radiation.products.dose_map_file import write_dose_map
-from rocsafe_radiation.products.source_document import picture_document, source_geojson
+from rocsafe_radiation.products.source_document import assessment_document, source_geojson
 
 
-def write_products(folder: Path, picture: Picture, frame: LocalFrame | None) -> None:
-    """Write all products to `folder`, which is made if need be.
+def write_products(folder: Path, assessment: Assessment, frame: LocalFrame | None) -> None:
+    """Write all products to `folder`, which is created if it does not exist.
 
-    Without `frame`, which places them on the earth, that is ``sources.json`` alone.
+    Without `frame`, places have no latitude and longitude: only ``sources.json`` is written.
 
     Raises
     ------
@@ -24,14 +24,14 @@ def write_products(folder: Path, picture: Picture, frame: LocalFrame | None) -> 
         If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    _write_json(folder / 'sources.json', picture_document(picture, frame))
+    _write_json(folder / 'sources.json', assessment_document(assessment, frame))
     if frame is None:
         return
-    _write_json(folder / 'sources.geojson', source_geojson(picture.found, frame))
-    write_dose_map(folder / 'dose_map.tif', picture.dose, frame)
-    model = AIR_MODEL if picture.options.known.kernel.is_lossy else PAPER_MODEL
-    _write_json(folder / 'cordons.geojson', cordon_geojson(picture.cordons, frame, model))
-    (folder / 'cordons.kml').write_text(cordon_kml(picture.cordons, frame), encoding='utf-8')
+    _write_json(folder / 'sources.geojson', source_geojson(assessment.found, frame))
+    write_dose_map(folder / 'dose_map.tif', assessment.dose, frame)
+    model = AIR_MODEL if assessment.options.known.kernel.is_lossy else PAPER_MODEL
+    _write_json(folder / 'cordons.geojson', cordon_geojson(assessment.cordons, frame, model))
+    (folder / 'cordons.kml').write_text(cordon_kml(assessment.cordons, frame), encoding='utf-8')
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:

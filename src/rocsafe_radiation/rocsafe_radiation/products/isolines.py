@@ -23,13 +23,13 @@ def areas_above(
     values
         At the nodes of a grid, shape (rows, columns), rows northwards, columns eastwards.
     level
-        The limit.
+        Value of the isoline.
     corner
         East and north of ``values[0, 0]``.
     cell_m
         Distance of nodes.
     """
-    # Outside of the grid everything is very low: each area is closed, and ends at the border.
+    # Values outside of the grid count as very low, so that each area is closed at the border.
     floor = level - 1e9 * max(1.0, abs(level), float(values.max()))
     padded = np.pad(values, 1, constant_values=floor)
     # Nodes exactly at the level count as just above it: no isoline runs through a node.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colours of dose rates on a logarithmic scale, told apart by the colour-blind.
+"""Colours of dose rates on a logarithmic scale, distinct for the colour-blind.
 
-Points of cividis (Nunez, Anderton and Renslow 2018), dark blue to yellow: lightness rises evenly,
-for all kinds of colour vision, and in print without colour.
+Points of cividis (Nunez, Anderton and Renslow 2018), dark blue to yellow: the lightness rises
+evenly for all kinds of colour vision and in print without colour.
 """
 
 import math
@@ -15,7 +15,7 @@ CIVIDIS = (
 
 
 def level_rgb(dose_rate_usvh: float) -> tuple[int, int, int]:
-    """Return red, green and blue, 0 to 255, of a dose rate; beyond the scale, those of its end."""
+    """Return red, green and blue, 0 to 255, of a dose rate; beyond the scale, those at its end."""
     bounded = min(max(dose_rate_usvh, LOWEST_USVH), HIGHEST_USVH)
     share = math.log(bounded / LOWEST_USVH) / math.log(HIGHEST_USVH / LOWEST_USVH)
     place = share * (len(CIVIDIS) - 1)

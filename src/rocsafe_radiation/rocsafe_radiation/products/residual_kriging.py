@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What readings say beyond sources and an even background: kriged, in the logarithm.
+"""Kriged residual of readings about sources and a constant background, in the logarithm.
 
-Logarithms of counts over what the estimate expects are taken for a random field with exponential
-covariance plus the noise of the counts (simple kriging, or a Gaussian process). Its variance is
-what the readings scatter beyond their counts, its length the likeliest of a few. Where the
-readings agree with the estimate there is nothing to krige.
+The logarithms of counts over expected counts are a random field with exponential covariance plus
+the noise of the counts (simple kriging, or a Gaussian process). Its variance is that of the
+readings beyond their counts, its length the most likely of a few. Where the readings agree with
+the estimate, there is no residual.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.localize import Localization
 from rocsafe_radiation.physics.kernel import Kernel
-from rocsafe_radiation.readings.survey import Survey
+from rocsafe_radiation.readings.survey import RadiationSurvey
 
 MOST_READINGS = 600
 MOST_NODES_A_SIDE = 60
@@ -25,7 +25,7 @@ LEAST_MISFIT = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Residual:
-    """By how much the logarithm of the dose rate differs from the estimate, and its deviation.
+    """Difference of the logarithm of the dose rate from the estimate, and its deviation.
 
     Attributes
     ----------
@@ -38,7 +38,11 @@ class Residual:
 
 
 def residual(
-    found: Localization, survey: Survey, kernel: Kernel, east: FloatArray, north: FloatArray
+    found: Localization,
+    survey: RadiationSurvey,
+    kernel: Kernel,
+    east: FloatArray,
+    north: FloatArray,
 ) -> Residual | None:
     """Return the residual at all nodes, None where readings agree with the estimate."""
     sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
@@ -101,7 +105,7 @@ class _Kriging:
         return np.asarray(self._sill * np.exp(-np.sqrt(squares) / self._length_m))
 
 
-def _thinned(survey: Survey, cell_m: float) -> Survey:
+def _thinned(survey: RadiationSurvey, cell_m: float) -> RadiationSurvey:
     """Return `survey` merged into at most `MOST_READINGS` cells."""
     merged = survey.merged(cell_m)
     while merged.size > MOST_READINGS:
@@ -110,7 +114,7 @@ def _thinned(survey: Survey, cell_m: float) -> Survey:
     return merged
 
 
-def _rates_usvh(found: Localization, survey: Survey, kernel: Kernel) -> FloatArray:
+def _rates_usvh(found: Localization, survey: RadiationSurvey, kernel: Kernel) -> FloatArray:
     rates: FloatArray = np.full(survey.size, found.background_usvh)
     for source in found.sources:
         squares = ((survey.positions_enu_m - source.position_enu_m) ** 2).sum(axis=1)

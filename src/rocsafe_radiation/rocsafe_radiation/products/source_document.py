@@ -9,15 +9,15 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
-from rocsafe_radiation.products.assessment import Picture
+from rocsafe_radiation.products.assessment import Assessment
 
 ELLIPSE_CORNERS = 72
-# A millimetre on the ground.
+# Digits of degrees for a millimetre on the ground.
 DEGREE_DIGITS = 8
 
 
 def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found; places in degrees with `frame`, else in metres."""
+    """Return the sources found; places in degrees with `frame`, else in metres."""
     return {
         'method': found.method,
         'reading_count': found.reading_count,
@@ -32,13 +32,13 @@ def source_document(found: Localization, frame: LocalFrame | None) -> dict[str, 
     }
 
 
-def picture_document(picture: Picture, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return all that was found, and whether that is enough and at which error rates."""
-    rule = picture.options.rule
+def assessment_document(assessment: Assessment, frame: LocalFrame | None) -> dict[str, Any]:
+    """Return the sources found, whether the evidence is enough, and the error rates."""
+    rule = assessment.options.rule
     return {
-        **source_document(picture.found, frame),
-        'is_enough': picture.verdict.is_enough,
-        'verdict': picture.verdict.reason,
+        **source_document(assessment.found, frame),
+        'is_enough': assessment.verdict.is_enough,
+        'verdict': assessment.verdict.reason,
         'false_alarm_probability': rule.false_alarm,
         'missed_probability': rule.missed,
         'smallest_source_usvh': rule.smallest_usvh,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ground below a survey in the frame of the mission: how high it is, how it slopes."""
+"""Height and slope of the ground below a survey, in the frame of the mission."""
 
 from dataclasses import dataclass, field
 
@@ -10,18 +10,18 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.errors import RadiationError
 
-# Around readings; farther away the ground goes on level.
+# Margin around readings in which the ground is known, metres; beyond it goes on level.
 MARGIN_M, LEAST_MARGIN_M = 150.0, 75.0
 MOST_CELLS_A_SIDE, SMALLEST_CELL_M = 350, 1.0
 
 
 class GroundError(RadiationError):
-    """Nobody knows how high the ground is."""
+    """The height of the ground is not known."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ground:
-    """Heights at the nodes of a grid, linear in between, beyond its rim those of the rim.
+    """Heights at the nodes of a grid, linear in between; beyond the rim, those of the rim.
 
     By default the ground is level, at 0.
 
@@ -32,7 +32,7 @@ class Ground:
     cell_m
         Distance of nodes.
     ups_m
-        Up of the mission's frame, shape (rows to the north, columns to the east).
+        Heights in the mission's frame, shape (rows to the north, columns to the east), metres.
     """
 
     corner_m: tuple[float, float] = (0.0, 0.0)
@@ -67,7 +67,7 @@ class Ground:
         return np.asarray(south + down * (north - south))
 
     def slopes_at(self, places_m: FloatArray) -> FloatArray:
-        """Return by how much the ground rises a metre to the east and north, (..., 2)."""
+        """Return the slope of the ground to the east and to the north, (..., 2)."""
         if self.ups_m.size == 1:
             return np.zeros(places_m.shape)
         (row, column), (down, over), corners = self._cells(places_m)
@@ -87,15 +87,15 @@ class Ground:
         return places
 
     def follow(self, slopes: FloatArray, sources: FloatArray) -> None:
-        """Add to slopes by east and north what comes of the height that changes with the place.
+        """Add to derivatives by east and north the part that comes from the slope of the ground.
 
-        `slopes` (k, parameters, n) begin with those by east, north and up of each source.
+        The first of `slopes` (k, parameters, n) are those by east, north and up of each source.
         """
         if not self.is_level:
             slopes[:, :2] += self.slopes_at(sources[:, :2])[:, :, None] * slopes[:, 2:3]
 
     def tilted(self, covariance: FloatArray, place_m: FloatArray) -> FloatArray:
-        """Return a covariance of east, north, height above ground, ... as one of up instead."""
+        """Return a covariance with up, the third, in place of the height above the ground."""
         turn = np.eye(len(covariance))
         turn[2, :2] = self.slopes_at(place_m[:2])
         return np.asarray(turn @ covariance @ turn.T)
@@ -107,7 +107,7 @@ class Ground:
         tuple[FloatArray, FloatArray],
         tuple[FloatArray, FloatArray, FloatArray, FloatArray],
     ]:
-        """Return row and column, the way into the cell, and the heights of its corners."""
+        """Return row and column, the fraction within the cell, and the heights of its corners."""
         rows, columns = self.ups_m.shape
         column = np.clip((places_m[..., 0] - self.corner_m[0]) / self.cell_m, 0.0, columns - 1.0)
         row = np.clip((places_m[..., 1] - self.corner_m[1]) / self.cell_m, 0.0, rows - 1.0)
@@ -125,8 +125,8 @@ LEVEL = Ground()
 def ground_over(heights: GroundHeights, frame: LocalFrame, places_m: FloatArray) -> Ground:
     """Return the ground under and around places (n, 2) of `frame`.
 
-    Where nobody knows it, it is as high as the nearest known ground to the east or west, or else
-    to the north or south.
+    Unknown ground is as high as the nearest known ground to the east or west, or else to the north
+    or south.
 
     Raises
     ------

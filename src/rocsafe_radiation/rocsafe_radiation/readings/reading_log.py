@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readings of a flight as they come, each once, ready to be localised at any time."""
+"""Readings of a running flight, each once."""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,7 +8,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.readings.ground import LEVEL, ground_over
-from rocsafe_radiation.readings.survey import Observation, Survey, survey_of
+from rocsafe_radiation.readings.survey import LocalReading, RadiationSurvey, survey_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,12 +30,12 @@ class FlightReading:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What tells it from all others: vehicle and stamp in nanoseconds."""
+        """Vehicle and stamp in nanoseconds, unique to the reading."""
         return self.vehicle, self.time_ns
 
     @property
     def is_usable(self) -> bool:
-        """Whether it says where it was taken, and a value that is one."""
+        """Whether its place and its value are valid and it is not saturated."""
         place = (self.latitude_deg, self.longitude_deg, self.altitude_m)
         in_range = abs(self.latitude_deg) <= 90.0 and abs(self.longitude_deg) <= 180.0
         is_value = math.isfinite(self.dose_rate_usvh) and self.dose_rate_usvh >= 0.0
@@ -48,12 +48,12 @@ class ReadingLog:
     Parameters
     ----------
     origin
-        Of the frame, on the ground. At latitude and longitude 0 only its altitude counts: the
-        frame is about the first reading.
+        Origin of the frame, on the ground. At latitude and longitude 0 only its altitude counts,
+        and the frame is about the first reading.
     sensitivity_cps_per_usvh
-        Of the detectors; 0: from counts and dose rate.
+        Sensitivity of the detectors; 0: from counts and dose rate.
     heights
-        Who knows the height of the ground; None: it is level, at the origin's altitude.
+        Heights of the ground; None: it is level, at the origin's altitude.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class ReadingLog:
         self._sensitivity = sensitivity_cps_per_usvh
         self._heights = heights
         self._ground = LEVEL
-        self._observations: dict[tuple[str, int], Observation] = {}
+        self._observations: dict[tuple[str, int], LocalReading] = {}
         is_known = bool(origin.latitude_deg or origin.longitude_deg)
         self.frame = LocalFrame(origin) if is_known else None
         self.models: set[str] = set()
@@ -81,9 +81,9 @@ class ReadingLog:
         return tuple(vehicle for vehicle, _ in self._observations)
 
     def add(self, reading: FlightReading) -> bool:
-        """Take `reading` and return whether it is of use; what comes again is not counted twice.
+        """Add `reading` and return whether it is usable; a reading that comes again is ignored.
 
-        Readings without a place or a value, and saturated ones, are of none.
+        Readings without a place or a value, and saturated ones, are not usable.
         """
         if reading.key in self._observations or not reading.is_usable:
             return False
@@ -94,7 +94,7 @@ class ReadingLog:
                 GeoPosition(position.latitude_deg, position.longitude_deg, ground_m)
             )
         east, north, up = self.frame.enu_of(position).tolist()
-        self._observations[reading.key] = Observation(
+        self._observations[reading.key] = LocalReading(
             position_enu_m=(east, north, up),
             dose_rate_usvh=reading.dose_rate_usvh,
             dose_rate_std_usvh=reading.dose_rate_std_usvh,
@@ -105,7 +105,7 @@ class ReadingLog:
         self.newest_ns = max(self.newest_ns, reading.time_ns)
         return True
 
-    def survey(self) -> Survey:
+    def survey(self) -> RadiationSurvey:
         """Return all readings so far, over the ground as far as it is known."""
         survey = survey_of(tuple(self._observations.values()), self._sensitivity)
         if self._heights is None or self.frame is None or not survey.size:

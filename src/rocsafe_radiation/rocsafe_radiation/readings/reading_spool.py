@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readings of a flight kept in a file, so that whoever is started again knows them all.
+"""Readings of a flight in a file, so that a node that is started again has them all.
 
-The file is a table that `localize` reads, too; a row is written whole or, cut off by a crash, left
-out when it is read back.
+The command `localize` reads the file, too. A row that a crash has cut off is left out when the
+file is read.
 """
 
 import csv
@@ -26,7 +26,7 @@ class SpoolError(RadiationError):
 
 
 class ReadingSpool:
-    """Keeps readings in ``readings.csv`` of a directory; of an empty name, keeps none."""
+    """Keeps readings in ``readings.csv`` of a directory; with an empty name, keeps none."""
 
     def __init__(self, directory: str) -> None:
         self._path = Path(directory) / FILE_NAME if directory else None
@@ -100,7 +100,7 @@ def _row(reading: FlightReading) -> list[object]:
 
 
 def _reading(row: dict[str, str]) -> FlightReading | None:
-    """Return the reading of a row, None of one that is not whole."""
+    """Return the reading of a row, None if the row is not whole."""
     try:
         numbers = {name: float(row[name]) for name in COLUMNS[2:11]}
         time_ns = int(row['time_ns'])

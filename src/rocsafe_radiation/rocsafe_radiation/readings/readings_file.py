@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anyone's survey file: a table of readings with the units in the names of its columns."""
+"""Survey files of any origin: tables of readings with units in the names of their columns."""
 
 import csv
 import math
@@ -14,10 +14,10 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.errors import RadiationError
-from rocsafe_radiation.readings.survey import Observation
+from rocsafe_radiation.readings.survey import LocalReading
 
 Row = Mapping[str, str]
-# Columns of dose rates and how many microsievert per hour one is.
+# Columns of dose rates, and microsievert per hour for one of their units.
 DOSE_RATE_COLUMNS = {
     'dose_rate_usvh': 1.0,
     'dose_rate_nsvh': 1e-3,
@@ -39,12 +39,12 @@ NUMBER, PLACE, NEGATIVE, SATURATED, REPEATED = (
 
 
 class ReadingsFileError(RadiationError):
-    """A file is no table of readings."""
+    """A file is not a table of readings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadingsFile:
-    """What a file holds.
+    """Content of a survey file.
 
     Attributes
     ----------
@@ -55,16 +55,17 @@ class ReadingsFile:
     dropped
         Number of rows left out, by reason.
     backward_steps
-        How often the clock of a vehicle went backwards; such rows are kept.
+        Number of times that the clock of a vehicle went backwards; such rows are kept.
     models
         Names of field models that the rows state.
     reference_counts
-        Of each observation, in a window above the lines of the source; empty if the file has none.
+        Counts of each reading in a window above the lines of the source; empty if the file has
+        none.
     is_ground_guessed
-        The lowest altitude is taken for that of the ground.
+        Whether the lowest altitude is taken for that of the ground.
     """
 
-    observations: tuple[Observation, ...]
+    observations: tuple[LocalReading, ...]
     frame: LocalFrame | None
     dropped: Mapping[str, int]
     backward_steps: int
@@ -93,23 +94,22 @@ def read_readings(
     ``up_m``; one of ``dose_rate_usvh``, ``_nsvh``, ``_msvh``, ``_svh``, ``_usvps``, or ``counts``
     and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
     ``model``, ``saturated`` (1: only a lower limit, left out), and ``reference_counts`` of a
-    window of the spectrum above the lines of the source, which foretell the background. Others do
-    not matter. Rows without a valid place and value are
-    left out and counted.
+    window of the spectrum above the lines of the source, which predict the background. Others are
+    ignored. Rows without a valid place and value are left out and counted.
 
     Parameters
     ----------
     path
         The file.
     height_m
-        Above the ground, of all readings of a file without altitudes, metres.
+        Height above the ground of all readings of a file without altitudes, metres.
     ground_altitude_m
-        Of the ground, in the datum of the file's altitudes; NaN: the lowest of these.
+        Altitude of the ground, in the datum of the file; NaN: the lowest altitude of the file.
 
     Raises
     ------
     ReadingsFileError
-        In one line, what is missing or double.
+        In one line that says what is missing or double.
     """
     try:
         with path.open(encoding='utf-8-sig', newline='') as stream:
@@ -195,7 +195,7 @@ def _read(
 
 
 def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] | str:
-    """Return place, dose rate, its deviation, counts and live time, or what is wrong."""
+    """Return place, dose rate, its standard deviation, counts and live time, or a reason."""
     first, second = (_number(row.get(name)) for name in columns.place)
     up = _number(row.get(columns.up)) if columns.up else height_m
     rate = _number(row.get(columns.dose_rate)) * DOSE_RATE_COLUMNS.get(columns.dose_rate, 1.0)
@@ -237,10 +237,10 @@ def _frame(array: FloatArray, ground_altitude_m: float) -> LocalFrame:
     )
 
 
-def _observations(array: FloatArray, frame: LocalFrame | None) -> tuple[Observation, ...]:
+def _observations(array: FloatArray, frame: LocalFrame | None) -> tuple[LocalReading, ...]:
     places = frame.to_enu(*array[:, :3].T) if frame else array[:, :3]
     return tuple(
-        Observation(
+        LocalReading(
             position_enu_m=(float(east), float(north), float(up)),
             dose_rate_usvh=row[3],
             dose_rate_std_usvh=row[4],

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The background under a photopeak, foretold by a window of the spectrum above it.
+"""The background under a photopeak, predicted from a window of the spectrum above it.
 
-Photons of the source cannot reach a window above its lines; those of the ground and the sky
-scatter down from there into the peak. Where that window counts more, so does the background of
-the peak.
+Photons of the source have less energy than a window above its lines. Photons of the ground and the
+sky scatter down from that window into the peak. Where the window has more counts, so has the
+background under the peak.
 """
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 
-# Counts of readings this near say the same of the ground.
+# Readings this near to each other are over the same ground.
 SMOOTHING_M = 8.0
-# So many counts foretell the background to 7 %, well below what one reading of the peak can tell.
+# 200 counts predict the background to 7 %, better than one reading of the peak does.
 FEWEST_COUNTS = 200.0
 LARGEST_SMOOTHING_M = 1000.0
 # Readings at a time, so that memory stays small.
@@ -41,7 +41,7 @@ def background_shape(
         sums, weights = _sums(positions_enu_m[:, :2], reference_counts, smoothing_m)
     smooth = sums / weights
     mean = float(reference_counts.mean())
-    # A tenth of the mean: a quiet place may just have had no count yet.
+    # At least a tenth of the mean: a quiet place may have had no count by chance.
     return np.asarray(np.maximum(smooth / mean, 0.1))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readings as the localiser needs them: where, how many counts, and how many a dose rate makes."""
+"""Readings as the localiser needs them: places, counts, and counts for a dose rate."""
 
 import math
 from collections.abc import Sequence
@@ -10,28 +10,28 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.readings.ground import LEVEL, Ground
 
-# A reading without statistics of its own counts as that of a large scintillator, so that errors
-# of position and model, not counts, limit what is believed of it.
+# A reading without statistics counts as that of a large scintillator: errors of position and model
+# limit it then, not counts.
 NOMINAL_COUNTS_PER_USVH = 550.0 * 0.2
 SMALLEST_STD_SHARE = 0.002
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observation:
-    """One reading of anyone's detector.
+class LocalReading:
+    """A reading in the local frame, of any detector.
 
     Attributes
     ----------
     position_enu_m
         East, north, up in metres.
     dose_rate_usvh
-        What it says; NaN: nothing but counts.
+        Dose rate; NaN: there are counts only.
     dose_rate_std_usvh
         Its standard deviation; 0 or NaN: unknown.
     counts
         Raw counts; 0 if the detector does not count.
     live_time_s
-        For which it counted; NaN if it does not count.
+        Live time, seconds; NaN if the detector does not count.
     """
 
     position_enu_m: tuple[float, float, float]
@@ -42,7 +42,7 @@ class Observation:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Survey:
+class RadiationSurvey:
     """Readings of a survey.
 
     Attributes
@@ -50,14 +50,14 @@ class Survey:
     positions_enu_m
         Shape (n, 3).
     counts
-        Counts of each, or as many as have the same relative error, shape (n,).
+        Counts of each reading, or the number with the same relative error, shape (n,).
     exposures
         Expected counts for one microsievert per hour, shape (n,).
     background_shape
-        The background at each reading relative to its mean, as known from elsewhere, for instance
-        from a window of the spectrum above the source's lines, shape (n,); None: even.
+        The background at each reading relative to its mean, as known from other data, for instance
+        a window of the spectrum above the source's lines, shape (n,); None: constant.
     ground
-        Below.
+        Ground below the readings.
     """
 
     positions_enu_m: FloatArray
@@ -92,14 +92,14 @@ class Survey:
         return np.asarray(ups - self.ground.ups_at(self.positions_enu_m[:, :2]))
 
     def height_m(self, source_height_m: float) -> float:
-        """Return the median height above sources so high above the ground, at least 1 m."""
+        """Return the median height of the readings above sources, at least 1 m."""
         return max(1.0, float(np.median(self.heights_m)) - source_height_m)
 
-    def merged(self, cell_m: float) -> 'Survey':
-        """Return a survey with one reading a cube of `cell_m`, at the mean place within.
+    def merged(self, cell_m: float) -> 'RadiationSurvey':
+        """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
 
-        Counts and exposures add up. Of cells much smaller than the height above the source, that
-        loses nothing that matters.
+        Counts and exposures add up. With cells much smaller than the height above the source, the
+        result of a fit is the same.
         """
         cells = np.floor(self.positions_enu_m / cell_m).astype(np.int64)
         _, owner = np.unique(cells, axis=0, return_inverse=True)
@@ -112,7 +112,7 @@ class Survey:
         shape = self.background_shape
         if shape is not None:
             shape = np.bincount(owner, self.exposures * shape) / exposures
-        return Survey(
+        return RadiationSurvey(
             background_shape=shape,
             ground=self.ground,
             positions_enu_m=np.stack(places, axis=1),
@@ -122,22 +122,22 @@ class Survey:
 
 
 def survey_of(
-    observations: Sequence[Observation], sensitivity_cps_per_usvh: float = 0.0
-) -> Survey:
+    observations: Sequence[LocalReading], sensitivity_cps_per_usvh: float = 0.0
+) -> RadiationSurvey:
     """Return the survey of `observations`.
 
     Counts are used where there are any and the sensitivity of the detector is known: as given, or
-    else from the dose rate that the detector itself made of them. A dose rate with a standard
-    deviation counts as so many counts as have the same relative error. A dose rate alone counts
-    as one of a large scintillator over 0.2 s.
+    else from counts and dose rate of the reading. A dose rate with a standard deviation stands for
+    the number of counts with the same relative error. A dose rate alone counts as that of a large
+    scintillator over 0.2 s.
     """
     rows = [_row(observation, sensitivity_cps_per_usvh) for observation in observations]
     values = np.array(rows, np.float64).reshape(len(rows), 2)
     places = np.array([o.position_enu_m for o in observations], np.float64).reshape(len(rows), 3)
-    return Survey(positions_enu_m=places, counts=values[:, 0], exposures=values[:, 1])
+    return RadiationSurvey(positions_enu_m=places, counts=values[:, 0], exposures=values[:, 1])
 
 
-def _row(reading: Observation, sensitivity: float) -> tuple[float, float]:
+def _row(reading: LocalReading, sensitivity: float) -> tuple[float, float]:
     """Return counts and exposure of a reading."""
     rate, std = reading.dose_rate_usvh, reading.dose_rate_std_usvh
     if reading.live_time_s > 0.0:
@@ -146,7 +146,7 @@ def _row(reading: Observation, sensitivity: float) -> tuple[float, float]:
         if reading.counts > 0.0 and rate > 0.0:
             return reading.counts, reading.counts / rate
         if std > 0.0:
-            # No count: the standard deviation is that of one.
+            # Without a count, the standard deviation is that of one.
             return 0.0, 1.0 / std
     if std > 0.0 and rate > 0.0:
         counts = (rate / max(std, SMALLEST_STD_SHARE * rate)) ** 2

@@ -10,17 +10,19 @@ from numpy.typing import NDArray
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """What is true of each pixel of a photograph.
+    """Depth and instance of each pixel of a photograph.
 
     Attributes
     ----------
-    depth_m : planar, along the view; infinite where the sky is, (height, width).
-    numbers : of the instance seen, 0 for the sky, (height, width).
+    depth_m : (height, width)
+        Distance along the optical axis, metres; infinite where the sky is.
+    numbers : (height, width)
+        Instance number, 0 for the sky.
     """
 
     depth_m: NDArray[np.float32]
@@ -32,15 +34,15 @@ class Camera(Protocol):
 
     @property
     def lens(self) -> PinholeCamera:
-        """Intrinsics."""
+        """Intrinsics of the camera."""
 
     @property
     def truth(self) -> Truth | None:
-        """What is true of the last photograph; None if the camera does not know."""
+        """Depth and instances of the last photograph; None if the camera has none."""
 
     @property
     def remark(self) -> str:
-        """What must be said in every photograph; empty if nothing."""
+        """Note that every photograph must carry; may be empty."""
 
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON; empty without labels."""
@@ -53,7 +55,7 @@ class Camera(Protocol):
         *,
         is_quick: bool = False,
     ) -> Image:
-        """Return the picture seen from a pose at a time: blue, green, red.
+        """Return the image seen from a pose at a time: blue, green, red.
 
-        `is_quick`: in the quality of a stream, if that is sooner done.
+        With `is_quick` the image may be of lower quality, as for a stream, if that is faster.
         """

@@ -15,29 +15,36 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Truth
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.studio import Studio, open_renderer
+from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import CLASSES
+from rocsafe_scene.painting.canvas import Image
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObject
 from rocsafe_scene.scene.scene_file import read_scene
-from rocsafe_scene.scenery.canvas import Image
 
-# Far above the numbers of things; 65535 stays free, which stands for what 16 bits cannot hold.
+# Ground numbers lie far above object numbers. 65535 stays free: it stands for numbers that do not
+# fit into 16 bits.
 GROUND_NUMBERS = 65_279
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineRequest:
-    """Which scene cameras are to look at.
+    """The scene that cameras look at, and when.
 
     Attributes
     ----------
-    scene_file : path of the scene.
-    seed : of all that is random in it.
-    origin : of the mission.
-    start_ns : time of the mission's start: of the sun, and from which things move; 0 unknown.
-    cache : folder of painted ground.
+    scene_file
+        Path of the scene file.
+    seed
+        Seed of everything random in the scene.
+    origin
+        Mission origin.
+    start_ns
+        Start of the mission, nanoseconds since 1970; sets the sun, and objects move from then on.
+        0: unknown.
+    cache
+        Folder in which painted ground is kept; None: it is painted anew.
     """
 
     scene_file: Path
@@ -48,11 +55,12 @@ class EngineRequest:
 
 
 class EngineScene:
-    """A scene as drawn; all cameras of a process look at the same.
+    """A scene with its renderer, shared by all cameras of a process.
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        If the scene cannot be built or drawn; one line.
     """
 
     def __init__(self, request: EngineRequest) -> None:
@@ -63,33 +71,37 @@ class EngineScene:
         self._start_ns = request.start_ns
 
     def set_time(self, time_ns: int) -> None:
-        """Put what moves where it is at a simulated time."""
+        """Move objects to their places at a simulated time, nanoseconds since 1970."""
         self.renderer.set_time(max(0, time_ns - self._start_ns) / NS_PER_S)
 
 
 class EngineCamera:
-    """Photographs a scene; vehicles may share it.
+    """A camera in a scene; vehicles may share it.
 
     Parameters
     ----------
-    scene : to look at.
-    lens : of the camera.
-    oversampling : 1 to 4, see `Studio`.
+    scene
+        Scene that it sees.
+    lens
+        Intrinsics of the camera.
+    oversampling
+        1 to 4, see `OversampledCamera`.
 
     Raises
     ------
-    SceneError, EngineError: one line.
+    SceneError, EngineError
+        One line.
     """
 
     def __init__(self, scene: EngineScene, lens: PinholeCamera, oversampling: int) -> None:
         self.lens = lens
         self.truth: Truth | None = None
         self._scene = scene
-        self._studio = Studio(scene.renderer, lens, oversampling)
+        self._camera = OversampledCamera(scene.renderer, lens, oversampling)
 
     @property
     def remark(self) -> str:
-        """What drew the pictures, where that is less than it should be."""
+        """Name of the renderer if it draws less than the full scene; else empty."""
         pipe = self._scene.renderer.pipe
         return f'drawn by {pipe.renderer}' if pipe.is_degraded else ''
 
@@ -105,11 +117,11 @@ class EngineCamera:
         *,
         is_quick: bool = False,
     ) -> Image:
-        """Return the picture seen from a pose at a time: blue, green, red."""
+        """Return the image seen from a pose at a time: blue, green, red."""
         self._scene.set_time(time_ns)
-        expose = self._studio.glance if is_quick else self._studio.expose
+        expose = self._camera.expose_once if is_quick else self._camera.expose
         frame = expose(np.array(position_enu), rotation_enu_from_optical)
-        self.truth = Truth(depth_m=frame.depth_m, numbers=told_numbers(frame))
+        self.truth = Truth(depth_m=frame.depth_m, numbers=reported_numbers(frame))
         return frame.image
 
 
@@ -117,8 +129,8 @@ def _sun_time(start_ns: int) -> datetime | None:
     return datetime.fromtimestamp(start_ns / NS_PER_S, timezone.utc) if start_ns else None
 
 
-def told_numbers(frame: Frame) -> NDArray[np.uint32]:
-    """Return the instances of a frame, the ground told apart by what it is: road, grass, water."""
+def reported_numbers(frame: Rendering) -> NDArray[np.uint32]:
+    """Return instance numbers, with one number for each class of ground (road, grass, water)."""
     ground = GROUND_NUMBERS + frame.classes.astype(np.uint32)
     return np.where(frame.numbers == GROUND_NUMBER, ground, frame.numbers)
 
@@ -126,7 +138,7 @@ def told_numbers(frame: Frame) -> NDArray[np.uint32]:
 def label_table(objects: tuple[SceneObject, ...]) -> str:
     """Return the instances as JSON: number, name, class and colour (red, green, blue) of each.
 
-    Ground of each class has a number of its own, that of the class from 65279 on.
+    Ground of class k has the number 65279 + k.
     """
     rows = [(SKY_NUMBER, 'sky', 'sky')]
     rows += [(thing.number, thing.name, thing.label) for thing in objects]

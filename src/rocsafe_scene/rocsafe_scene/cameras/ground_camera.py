@@ -12,8 +12,8 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.ground.picture import Ground, GroundBounds
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.ground.ground_patch import Ground, GroundBounds
+from rocsafe_scene.painting.canvas import Image
 
 # Interpolation reads one texel beyond; one more for rounding.
 _MARGIN_TEXELS = 2.0
@@ -22,23 +22,23 @@ _COMMENT = b'\xff\xfe'
 
 @dataclass(frozen=True, slots=True)
 class GroundCamera:
-    """Sees `ground`, the plane up = 0, through `lens`."""
+    """A pinhole camera `lens` over `ground`, which is the plane up = 0."""
 
     lens: PinholeCamera
     ground: Ground
 
     @property
     def truth(self) -> Truth | None:
-        """Nothing: a flat picture has neither depth nor labels."""
+        """None: flat ground has neither depth nor labels."""
         return None
 
     @property
     def remark(self) -> str:
-        """Nothing."""
+        """Empty."""
         return ''
 
     def label_table(self) -> str:
-        """Return nothing: there are no labels."""
+        """Return an empty text: there are no labels."""
         return ''
 
     def photograph(
@@ -49,14 +49,15 @@ class GroundCamera:
         *,
         is_quick: bool = False,  # noqa: ARG002 - it always is
     ) -> Image:
-        """Return the picture seen from a pose: blue, green, red; shape (height, width, 3).
+        """Return the image seen from a pose: blue, green, red; shape (height, width, 3).
 
-        The ground is sampled at most as coarse as the picture's own pixels below the camera, so
+        The ground is sampled with texels no wider than the image's pixels below the camera, so
         that neither detail is lost nor fine texture aliased.
 
         Raises
         ------
-        GroundError: if the horizon would be seen, or the ground has no picture there.
+        GroundError
+            If the camera would see the horizon, or there is no ground image there.
         """
         try:
             corners = ground_corners(self.lens, position_enu, rotation_enu_from_optical)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands about scenes share: values of arguments, and how they end."""
+"""Arguments and exit codes that the commands about scenes share."""
 
 import argparse
 import sys
@@ -14,9 +14,9 @@ SMALLEST_SIDE_PX, LARGEST_SIDE_PX = 16, 8192
 def exit_code_of(
     work: Callable[[], None], mistakes: tuple[type[Exception], ...] = (ViewError,)
 ) -> int:
-    """Do the work of a command; return its exit code, having told of a mistake in a line.
+    """Run the work of a command, print a mistake in one line, and return the exit code.
 
-    Errors of the classes `mistakes` are the user's; any other is ours.
+    Errors of the classes `mistakes` are mistakes of the user; others pass through.
     """
     try:
         work()
@@ -35,7 +35,8 @@ def image_size(text: str) -> tuple[int, int]:
 
     Raises
     ------
-    ArgumentTypeError: naming the text and what it must be.
+    ArgumentTypeError
+        Naming the text and what it must be.
     """
     try:
         width, height = (int(part) for part in text.lower().split('x'))

@@ -15,15 +15,15 @@ import numpy as np
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.solids_file import write_solids
+from rocsafe_scene.command_line.label_images import truth_sheet
+from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.height_file import write_heights
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.building import check, ground_works, terrain_of
 from rocsafe_scene.scene.description import SceneDescription
-from rocsafe_scene.scene.label_picture import truth_sheet
 from rocsafe_scene.scene.map_cache import default_folder
-from rocsafe_scene.scene.overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.scene.placing import to_world
 from rocsafe_scene.scene.scene_file import read_scene
 from rocsafe_scene.scene.sunlight import WEATHERS
@@ -34,7 +34,7 @@ Command = Callable[[argparse.Namespace], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """From where, and at what, a picture is taken; metres in the scene's own frame."""
+    """Camera position, target and size of an image; metres in the scene's own frame."""
 
     eye: tuple[float, float, float]
     target: tuple[float, float, float] | None
@@ -50,7 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog='rocsafe scene', description='Look after the scenes that simulated cameras see.'
+        prog='rocsafe scene',
+        description='Check, list and render the scenes that simulated cameras see.',
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     checking = commands.add_parser('check', help='is a scene file valid, and what is in it?')
@@ -59,9 +60,9 @@ def _parser() -> argparse.ArgumentParser:
     listing = commands.add_parser('list', help='every object: number, name, class, place')
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
-    heights = commands.add_parser('heights', help='its ground as a GeoTIFF, for planners')
+    heights = commands.add_parser('heights', help='write the ground heights as a GeoTIFF')
     _add_export(heights, 'heights.tif', _heights)
-    solids = commands.add_parser('solids', help='its solid things and ground, for hazard nodes')
+    solids = commands.add_parser('solids', help='write its solids, for hazard nodes')
     _add_export(solids, 'solids.npz', _solids)
     _add_render(commands)
     return parser
@@ -79,7 +80,7 @@ def _add_export(parser: argparse.ArgumentParser, file: str, run: Command) -> Non
 
 
 def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]') -> None:
-    parser = commands.add_parser('render', help='take a picture of a scene')
+    parser = commands.add_parser('render', help='render an image of a scene')
     parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     parser.add_argument('--out', type=Path, default=Path('scene.png'), metavar='FILE')
     parser.add_argument(
@@ -98,7 +99,7 @@ def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]')
         '--overview',
         type=Path,
         metavar='RUN_DIR',
-        help='of a finished run: with its planned and flown routes',
+        help='draw the planned and flown routes of a finished run',
     )
     parser.add_argument(
         '--truth',
@@ -190,15 +191,15 @@ def _render(arguments: argparse.Namespace) -> None:
 
 
 def _drawn(description: SceneDescription, view: View, arguments: argparse.Namespace) -> list[Path]:
-    # Only here, so that check and list work where the engine is not installed.
-    from rocsafe_scene.engine.studio import Studio, open_scene
+    # Imported here, so that check and list work without the engine.
+    from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_scene
 
     routes = read_run(arguments.overview) if arguments.overview else None
     origin = routes.origin if routes else None
     renderer = open_scene(description, origin=origin, cache=default_folder())
     lens = PinholeCamera(math.radians(view.fov_deg), *view.size_px)
     pose = _pose_over(routes) if routes else _pose(description, view)
-    frame = Studio(renderer, lens, arguments.quality).expose(*pose)
+    frame = OversampledCamera(renderer, lens, arguments.quality).expose(*pose)
     image = frame.image
     if routes:
         image = draw_routes(image, frame.depth_m, lens, pose, routes)
@@ -211,8 +212,8 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
 
 
 def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
-    """Return a pose from the south-west that has all planned viewpoints in view."""
-    from rocsafe_scene.engine.lens import looking
+    """Return a pose in the south-west that sees all planned viewpoints."""
+    from rocsafe_scene.graphics.lens import looking
 
     reach = max(60.0, min(routes.reach_m, 160.0))
     target = np.array([*routes.survey_middle[:2], 0.0])
@@ -221,7 +222,7 @@ def _pose_over(routes: RunRoutes) -> tuple[Floats, Floats]:
 
 
 def _pose(description: SceneDescription, view: View) -> tuple[Floats, Floats]:
-    from rocsafe_scene.engine.lens import looking
+    from rocsafe_scene.graphics.lens import looking
 
     eye = np.array([*to_world(description, [view.eye[:2]])[0], view.eye[2]])
     if view.target is None:

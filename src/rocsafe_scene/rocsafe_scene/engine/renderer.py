@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a scene from any pose: picture, depth, labels and normals in one pass."""
+"""Draws a scene from any pose: image, depth, labels and normals in one pass."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import node_matrix, pinhole_lens
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.pipe import Pipe, open_pipe
-from rocsafe_scene.engine.shade import Shade
+from rocsafe_scene.engine.drawing_options import DETAIL
+from rocsafe_scene.engine.scene_graph import ALL, SceneGraph
+from rocsafe_scene.engine.shadow_maps import ShadowMaps
 from rocsafe_scene.engine.smoothing import smoothed
-from rocsafe_scene.engine.stage import EYE, FOCAL_PX, Stage
-from rocsafe_scene.engine.target import OneThread, make_buffer, pixels_of
-from rocsafe_scene.engine.thrift import trim
+from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
+from rocsafe_scene.graphics.lens import flat_lens, node_matrix, pinhole_lens
+from rocsafe_scene.graphics.memory import return_freed_memory
+from rocsafe_scene.graphics.pipe import Pipe, open_pipe
+from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.environment import Environment, SceneObject
 from rocsafe_scene.scene.sunlight import Lighting
@@ -30,56 +31,57 @@ _PLANES = (
 )
 # The class is the highest byte of a label, the instance the others.
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
-# Of the distances at which simpler meshes take over.
-_FINEST, _COARSEST = 0.55, 2.0
 
 
 class Renderer:
-    """One scene on one pipe; all its calls must come from the thread that made it.
+    """Draws one scene. All calls must come from the thread that made it.
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
-    weather : of the sky.
+    environment
+        Scene to draw.
+    lighting
+        Light of the scene.
+    weather
+        Weather of the sky.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
         self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
-        self.stage = Stage(environment, weather, self.pipe)
-        self.stage.light(lighting)
-        self.stage.move(0.0)
-        trim()
-        self._shade = Shade(self.pipe, self.stage, lighting)
-        trim()
+        self.graph = SceneGraph(environment, weather, self.pipe)
+        self.graph.light(lighting)
+        self.graph.move(0.0)
+        return_freed_memory()
+        self._shadow_maps = ShadowMaps(self.pipe, self.graph, lighting)
+        return_freed_memory()
         self._time_s = 0.0
 
     def set_time(self, time_s: float) -> None:
-        """Put what moves where it is at a time, seconds after the start; shadows follow."""
+        """Move objects, and their shadows, to their places `time_s` seconds after the start."""
         self.thread.require()
-        if time_s != self._time_s and self.stage.has_motion:
-            self.stage.move(time_s)
-            self._shade.follow()
+        if time_s != self._time_s and self.graph.has_motion:
+            self.graph.move(time_s)
+            self._shadow_maps.follow()
         self._time_s = time_s
 
-    def restage(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
-        """Put things elsewhere, leave some out, and change the light.
+    def rearrange(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
+        """Move or hide objects, and change the light.
 
-        `objects` are those of the environment, some in other places; what is missing is not drawn.
+        `objects` are those of the environment, possibly in other places; missing ones are hidden.
         """
         self.thread.require()
-        self.stage.arrange(objects)
-        self.stage.light(lighting, weather)
-        self._shade.relight(lighting)
+        self.graph.arrange(objects)
+        self.graph.light(lighting, weather)
+        self._shadow_maps.relight(lighting)
 
-    def camera(self, lens: PinholeCamera) -> 'Eye':
+    def camera(self, lens: PinholeCamera) -> 'RendererCamera':
         """Return a camera of this scene."""
         self.thread.require()
-        return Eye(self, lens)
+        return RendererCamera(self, lens)
 
 
-class Eye:
+class RendererCamera:
     """A camera with its buffer; make it once and use it again."""
 
     def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
@@ -89,10 +91,10 @@ class Eye:
         self._textures = [core.Texture(f'plane {number}') for number in range(len(_PLANES))]
         self._buffer = self._make_buffer(renderer.pipe)
         self._camera = core.Camera('eye', pinhole_lens(lens))
-        self._camera.setScene(renderer.stage.root)
-        self._camera.setCameraMask(EYE)
+        self._camera.setScene(renderer.graph.root)
+        self._camera.setCameraMask(ALL)
         self.resolve(lens.focal_px)
-        self._node = renderer.stage.root.attachNewNode(self._camera)
+        self._node = renderer.graph.root.attachNewNode(self._camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
         self._buffer.setActive(False)
         self._engine = engine
@@ -106,40 +108,54 @@ class Eye:
         return buffer
 
     def resolve(self, focal_px: float) -> None:
-        """Draw things in the detail that a camera of another focal length resolves."""
-        scale = min(max(FOCAL_PX / focal_px, _FINEST), _COARSEST)
-        self._camera.setLodScale(scale)
+        """Draw as much detail as a camera of focal length `focal_px` resolves."""
+        self._camera.setLodScale(DETAIL.scale_of(focal_px))
 
-    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+    def use_parallel_projection(self, width_m: float, depth_m: float) -> None:
+        """Draw without perspective and in full detail; depths are then undefined.
+
+        Parameters
+        ----------
+        width_m
+            Width and height of the picture on the ground, metres.
+        depth_m
+            Distance up to which things are drawn, metres.
+        """
+        self._camera.setLens(flat_lens(width_m, width_m, depth_m))
+        self._camera.setLodScale(DETAIL.map_scale)
+
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose.
 
         Parameters
         ----------
-        position_enu : of the camera, metres, (3,).
-        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        position_enu : (3,)
+            Position of the camera, metres.
+        rotation_enu_from_optical : (3, 3)
+            Rotation of the camera, columns right, down, ahead.
         """
         self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
-        self._renderer.stage.sky.setPos(*(float(value) for value in position_enu))
+        self._renderer.graph.sky.setPos(*(float(value) for value in position_enu))
         self._buffer.setActive(True)
         self._engine.renderFrame()
         self._buffer.setActive(False)
         return self._frame()
 
     def close(self) -> None:
-        """Give the buffer back."""
+        """Release the buffer."""
         self._engine.removeWindow(self._buffer)
         self._node.removeNode()
 
     def _plane(self, number: int) -> NDArray[np.uint8]:
         return pixels_of(self._textures[number], self.lens)
 
-    def _frame(self) -> Frame:
+    def _frame(self) -> Rendering:
         labels = self._plane(2)
         numbers = np.bitwise_and(labels.view(np.uint32)[::-1, :, 0], np.uint32(_NUMBER_MASK))
         normals = cv2.flip(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB), 0)
         image = np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0))
-        return Frame(
+        return Rendering(
             image=smoothed(image, numbers, normals),
             depth_m=np.ascontiguousarray(self._plane(1).view(np.float32)[::-1, :, 0]),
             numbers=numbers,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of each thing would be seen if no other thing stood in front of it."""
+"""The share of each object that other objects do not hide."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -9,23 +9,25 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_scene.engine.renderer import Renderer
-from rocsafe_scene.engine.shading import shader
-from rocsafe_scene.engine.stage import ALONE
+from rocsafe_scene.engine.scene_graph import ALONE
+from rocsafe_scene.engine.shaders import shader
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.graphics.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_scene.mesh.mesh import Floats
 
 Box = tuple[int, int, int, int]
 
 
 class Silhouettes:
-    """Draws things one by one, or several at once where they are apart in the picture.
+    """Draws objects alone; objects that do not overlap in the image are drawn together.
 
     Parameters
     ----------
-    renderer : of the scene.
-    lens : of the pictures.
+    renderer
+        Renderer of the scene.
+    lens
+        Intrinsics of the images.
     """
 
     def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
@@ -33,12 +35,12 @@ class Silhouettes:
         self._texture = core.Texture('alone')
         self._buffer = self._make_buffer()
         camera = core.Camera('alone', pinhole_lens(lens))
-        camera.setScene(renderer.stage.root)
+        camera.setScene(renderer.graph.root)
         camera.setCameraMask(ALONE)
         state = core.NodePath('state')
         state.setShader(shader('alone'), 1000)
         camera.setInitialState(state.getState())
-        self._node = renderer.stage.root.attachNewNode(camera)
+        self._node = renderer.graph.root.attachNewNode(camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
         self._buffer.setActive(False)
 
@@ -64,15 +66,18 @@ class Silhouettes:
         bounds: Mapping[int, Floats],
         pose: tuple[Floats, Floats],
     ) -> dict[int, float]:
-        """Return the share of each thing that no other thing hides, 0 to 1.
+        """Return the share of each object that no other object hides, 0 to 1.
 
-        What lies outside of the picture or under the ground counts neither as seen nor as hidden.
+        Parts outside of the image or under the ground are not counted.
 
         Parameters
         ----------
-        numbers : instances as exposed from the same pose, (height, width).
-        bounds : of the things that are asked for, by number, (2, 3).
-        pose : position and rotation of the camera.
+        numbers : (height, width)
+            Instance numbers of the image taken from the same pose.
+        bounds : (2, 3)
+            Of the things that are asked for, by number.
+        pose
+            Position and rotation of the camera.
         """
         seen = np.bincount(numbers.ravel())
         boxes = {number: self._box(corners, *pose) for number, corners in bounds.items()}
@@ -89,8 +94,8 @@ class Silhouettes:
         return shares
 
     def _areas(self, batch: Sequence[int], pose: tuple[Floats, Floats]) -> dict[int, int]:
-        """Return of how many pixels each thing is when these alone are drawn."""
-        things = self._renderer.stage.things
+        """Return the number of pixels of each object when only these objects are drawn."""
+        things = self._renderer.graph.things
         for number in batch:
             things[number].show(ALONE)
         self._node.setMat(node_matrix(*pose))
@@ -107,7 +112,7 @@ class Silhouettes:
         return {number: int(counts[number]) for number in batch}
 
     def _box(self, bounds: Floats, position: Floats, rotation: Floats) -> Box:
-        """Return columns and rows (from, to) that surely hold a thing with these bounds."""
+        """Return columns and rows (from, to) that contain an object with these bounds."""
         corners = np.array(np.meshgrid(*bounds.T)).reshape(3, -1).T
         optical = (corners - position) @ rotation
         width, height = self._lens.image_width_px, self._lens.image_height_px
@@ -121,7 +126,7 @@ class Silhouettes:
 
 
 def batches(boxes: Mapping[int, Box]) -> list[list[int]]:
-    """Return all of `boxes` in groups within which none overlap, the largest boxes first."""
+    """Return groups of boxes that do not overlap within a group, largest boxes first."""
     groups: list[list[int]] = []
     for number in sorted(boxes, key=lambda k: (-_area(boxes[k]), k)):
         for group in groups:
@@ -136,7 +141,7 @@ def batches(boxes: Mapping[int, Box]) -> list[list[int]]:
 def _is_apart(
     number: int, numbers: NDArray[np.uint32], box: Box, boxes: Mapping[int, Box]
 ) -> bool:
-    """Return whether nothing in the picture can hide a part of a thing."""
+    """Return whether no other object in the image can hide a part of this one."""
     if any(_overlap(box, other) for k, other in boxes.items() if k != number):
         return False
     left, top, right, bottom = box

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Edges without steps: each is blended along itself, after the idea of FXAA (Lottes, 2009)."""
+"""Anti-aliasing of edges by blending along each edge, after FXAA (Lottes, 2009)."""
 
 import cv2
 import numpy as np
@@ -9,12 +9,13 @@ from rocsafe_geo.arrays import BoolArray, IndexArray
 
 Image = NDArray[np.uint8]
 
-# Edges of less contrast, absolute and of the brightness around, are left as they are.
+# Edges with less contrast than these, absolute and relative to the brightness, are kept as they
+# are.
 _LEAST, _LEAST_SHARE = 16.0, 0.14
 _BOUNDS = np.rint(np.maximum(np.arange(256) * _LEAST_SHARE, _LEAST)).astype(np.uint8)
 _REACH_PX = 6.0
 _BRIGHTNESS = np.array([0.114, 0.587, 0.299], np.float32)
-# Of the third component of a normal, of 255.
+# Least step of the third component of a normal, of 255.
 _LEAST_TURN = 60
 
 
@@ -23,9 +24,12 @@ def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image
 
     Parameters
     ----------
-    image : as drawn, (height, width, 3).
-    numbers : of instances, (height, width); where they change is an edge.
-    normals : bytes, (height, width, 3); where they jump within a thing is an edge too.
+    image : (height, width, 3)
+        Image as drawn.
+    numbers
+        Of instances, (height, width); where they change is an edge.
+    normals
+        Bytes, (height, width, 3); where they jump within a thing is an edge too.
     """
     bright = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
     kernel = np.ones((3, 3), np.uint8)

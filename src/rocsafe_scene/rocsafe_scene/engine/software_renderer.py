@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a scene without a graphics library: plain light, exact labels and depth.
+"""Draws a scene without EGL: simple light, exact labels and depth.
 
-Two passes: the picture, and the number of the triangle in each pixel. Depth is where the pixel's
-ray meets that triangle's plane, so it is exact where the label is.
+There are two passes: the image, and the number of the triangle at each pixel. Depth is computed
+where the ray of a pixel meets the plane of that triangle, so it is exact where the label is.
 """
 
 from typing import Any
@@ -13,58 +13,60 @@ from numpy.typing import NDArray
 from panda3d import core
 
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.engine.lens import NEAR_M, node_matrix, pinhole_lens
-from rocsafe_scene.engine.outputs import Frame
-from rocsafe_scene.engine.pipe import Pipe, open_pipe
-from rocsafe_scene.engine.software_stage import KNOW, LOOK, SoftwareStage
-from rocsafe_scene.engine.target import OneThread, make_buffer, pixels_of
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.engine.software_scene_graph import KNOW, LOOK, SoftwareSceneGraph
+from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
+from rocsafe_scene.graphics.lens import NEAR_M, node_matrix, pinhole_lens
+from rocsafe_scene.graphics.pipe import Pipe, open_pipe
+from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.mesh import Floats, unit
 from rocsafe_scene.scene.environment import Environment
 from rocsafe_scene.scene.sunlight import Lighting
 
-# Share by which depth may lie beyond a triangle's corners.
+# Depth may exceed that of the corners of a triangle by this share.
 _SLACK = np.float32(0.04)
-# Leans on the drawn numbers over colours of the nodes.
+# Priority of the state that draws numbers over the states of the nodes.
 _OVER = 1000
 
 
 class SoftwareRenderer:
-    """One scene on the software pipe; all its calls must come from the thread that made it.
+    """Draws one scene on the software pipe. All calls must come from the thread that made it.
 
     Parameters
     ----------
-    environment : what there is.
-    lighting : its light.
+    environment
+        Scene to draw.
+    lighting
+        Light of the scene.
     """
 
     def __init__(self, environment: Environment, lighting: Lighting) -> None:
         self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
-        self.stage = SoftwareStage(environment, lighting)
-        self.stage.move(0.0)
+        self.graph = SoftwareSceneGraph(environment, lighting)
+        self.graph.move(0.0)
         self.sky = np.clip(np.sqrt(0.6 * np.array(lighting.horizon)), 0.0, 1.0)
 
     def set_time(self, time_s: float) -> None:
-        """Put what moves where it is at a time, seconds after the start."""
+        """Move objects to their places `time_s` seconds after the start."""
         self.thread.require()
-        self.stage.move(time_s)
+        self.graph.move(time_s)
 
-    def camera(self, lens: PinholeCamera) -> 'SoftwareEye':
+    def camera(self, lens: PinholeCamera) -> 'SoftwareRendererCamera':
         """Return a camera of this scene."""
         self.thread.require()
-        return SoftwareEye(self, lens)
+        return SoftwareRendererCamera(self, lens)
 
 
-class SoftwareEye:
+class SoftwareRendererCamera:
     """A camera with its buffers; make it once and use it again."""
 
     def __init__(self, renderer: SoftwareRenderer, lens: PinholeCamera) -> None:
         self.lens = lens
         self._renderer = renderer
-        self._node = renderer.stage.root.attachNewNode('eye')
+        self._node = renderer.graph.root.attachNewNode('eye')
         matrix = lens.matrix
-        # Of the rays (x, y, 1) through the pixels: x by column, y by row.
+        # Rays (x, y, 1) through the pixels: x of each column, y of each row.
         self._x = ((np.arange(lens.image_width_px) - matrix[0, 2]) / matrix[0, 0])[None]
         self._y = ((np.arange(lens.image_height_px) - matrix[1, 2]) / matrix[1, 1])[:, None]
         self._passes = [
@@ -79,7 +81,7 @@ class SoftwareEye:
         sky = (*self._renderer.sky.tolist(), 1.0) if state is None else (0.0, 0.0, 0.0, 0.0)
         buffer.setClearColor(core.LVecBase4f(*sky))
         camera = core.Camera(name, pinhole_lens(self.lens))
-        camera.setScene(self._renderer.stage.root)
+        camera.setScene(self._renderer.graph.root)
         camera.setCameraMask(mask)
         if state is not None:
             camera.setInitialState(state)
@@ -88,15 +90,17 @@ class SoftwareEye:
         return buffer, texture
 
     def resolve(self, focal_px: float) -> None:
-        """Do nothing: this pipe draws all things the same at any distance."""
+        """Do nothing: here the level of detail does not depend on the focal length."""
 
-    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Frame:
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose.
 
         Parameters
         ----------
-        position_enu : of the camera, metres, (3,).
-        rotation_enu_from_optical : columns right, down, ahead, (3, 3).
+        position_enu : (3,)
+            Position of the camera, metres.
+        rotation_enu_from_optical : (3, 3)
+            Rotation of the camera, columns right, down, ahead.
         """
         self._renderer.thread.require()
         self._node.setMat(node_matrix(position_enu, rotation_enu_from_optical))
@@ -109,7 +113,7 @@ class SoftwareEye:
         return self._frame(*pose)
 
     def close(self) -> None:
-        """Give the buffers back."""
+        """Release the buffers."""
         for buffer, _ in self._passes:
             self._renderer.pipe.engine.removeWindow(buffer)
         self._node.removeNode()
@@ -117,11 +121,11 @@ class SoftwareEye:
     def _plane(self, number: int) -> NDArray[np.uint8]:
         return pixels_of(self._passes[number][1], self.lens)
 
-    def _frame(self, position: Floats, rotation: Floats) -> Frame:
-        triangles = self._renderer.stage.triangles
+    def _frame(self, position: Floats, rotation: Floats) -> Rendering:
+        triangles = self._renderer.graph.triangles
         packed = np.asarray(cv2.flip(self._plane(1), 0)).view(np.uint32)[..., 0]
         drawn = packed & np.uint32(0xFFFFFF)
-        # What cannot be is an edge that the pipe blended: sky.
+        # Numbers out of range come from edges that the pipe blended: taken as sky.
         drawn[drawn >= len(triangles.owners)] = 0
         chosen, row = _ranked(drawn, len(triangles.owners))
         placed = triangles.placed(chosen)
@@ -129,7 +133,7 @@ class SoftwareEye:
         normal = unit(np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0]))
         depth = self._depth(placed, normal, (position, rotation), row)
         depth[drawn == 0] = np.inf
-        return Frame(
+        return Rendering(
             image=np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0)),
             depth_m=depth,
             numbers=_taken(triangles.numbers[owner], row),
@@ -140,7 +144,7 @@ class SoftwareEye:
     def _depth(
         self, placed: Floats, normal: Floats, pose: tuple[Floats, Floats], row: NDArray[Any]
     ) -> NDArray[np.float32]:
-        """Return where the rays meet the planes of the triangles that `row` names, in metres.
+        """Return the depth, metres, at which each ray meets the plane of its triangle.
 
         A plane n x = b is met by the ray r at depth b / (n r); within a little more than the
         depths of the corners, as a pixel on an edge may just miss its triangle.
@@ -174,7 +178,7 @@ class SoftwareEye:
         east, north = (
             (reach * self._along(rotation[axis]) + np.float32(position[axis])) for axis in (0, 1)
         )
-        inner, outer = self._renderer.stage.ground_maps
+        inner, outer = self._renderer.graph.ground_maps
         found = _class_picture(inner, east, north)
         width, height = inner.size_m
         is_inner = (np.abs(east - (inner.west_m + 0.5 * width)) < 0.5 * width) & (
@@ -204,15 +208,15 @@ def _class_picture(
 
 
 def _packed(normals: Floats) -> NDArray[np.uint32]:
-    """Return unit vectors (n, 3) as bytes, four to a number: taken at once."""
+    """Return unit vectors (n, 3) as four bytes in one number, which are read together."""
     found = np.full((len(normals), 4), 255, np.uint8)
     found[:, :3] = np.rint(127.5 + 127.5 * normals)
     return found.view(np.uint32)[:, 0]
 
 
 def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the different values of `drawn`, below `count`, and each pixel's place in them."""
-    # Indices of the width that numpy takes without converting them.
+    """Return the distinct values of `drawn`, all below `count`, and each pixel's index."""
+    # Of the integer type that numpy indexes with, so that it is not converted.
     index = drawn.astype(np.intp)
     is_drawn = np.zeros(count, bool)
     is_drawn[index] = True
@@ -223,7 +227,7 @@ def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArra
 
 
 def _taken(values: NDArray[Any], row: NDArray[Any]) -> NDArray[Any]:
-    """Return the values of each pixel's row; without checks, which cost as much as the reading."""
+    """Return the row of each pixel, without bounds checks, which would double the time."""
     return np.take(values, row, mode='clip')
 
 

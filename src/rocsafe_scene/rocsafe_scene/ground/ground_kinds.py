@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The kinds of ground that a scene file can name: what each paints, labels and builds."""
+"""Kinds of ground that a scene file can name: their marks, classes and earthworks."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -10,9 +10,9 @@ import shapely
 
 from rocsafe_scene.ground.relief import Course
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.scenery import farmland, roads
-from rocsafe_scene.scenery.marks import Mark, Paint, normals_of, polygon, ribbon, stroke
-from rocsafe_scene.scenery.outlines import blob, faded, generator, smooth_line
+from rocsafe_scene.painting import farmland, roads
+from rocsafe_scene.painting.marks import Mark, Paint, normals_of, polygon, ribbon, stroke
+from rocsafe_scene.painting.outlines import blob, faded, generator, smooth_line
 
 Rgb = Sequence[int]
 
@@ -29,7 +29,7 @@ _WET_RIM = Paint((96, 92, 52), 90, 0.5, 0.35)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stencil:
-    """Where the ground is of a class: outlines (k, 2), east and north."""
+    """Outlines (k, 2), metres east and north, within which the ground has a class."""
 
     label: str
     outlines: Sequence[Floats]
@@ -37,7 +37,7 @@ class Stencil:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroundWork:
-    """What one entry of a scene's ground comes to."""
+    """Marks, classes and earthworks of one entry of a scene's ground."""
 
     marks: tuple[Mark, ...] = ()
     stencils: tuple[Stencil, ...] = ()
@@ -46,8 +46,8 @@ class GroundWork:
 
 def ploughed_field(outline: Floats, seed: int, yaw_rad: float = 0.0) -> GroundWork:
     """Return soil in furrows."""
-    thing = farmland.ploughed_field('field', outline, yaw_rad, seed)
-    return GroundWork(marks=thing.ground, stencils=(Stencil('soil', [outline]),))
+    marks = farmland.ploughed_field(outline, yaw_rad, seed)
+    return GroundWork(marks=marks, stencils=(Stencil('soil', [outline]),))
 
 
 def meadow(
@@ -59,8 +59,8 @@ def meadow(
 ) -> GroundWork:
     """Return a mown meadow."""
     red, green, blue = colour
-    thing = farmland.meadow('meadow', outline, yaw_rad, (red, green, blue), seed, swath_m)
-    return GroundWork(marks=thing.ground, stencils=(Stencil('meadow', [outline]),))
+    marks = farmland.meadow(outline, yaw_rad, (red, green, blue), seed, swath_m)
+    return GroundWork(marks=marks, stencils=(Stencil('meadow', [outline]),))
 
 
 def yard(
@@ -70,7 +70,7 @@ def yard(
     red, green, blue = colour
     rng = generator(seed, 81)
     low, high = outline.min(axis=0), outline.max(axis=0)
-    marks: list[Mark] = list(farmland.yard('yard', outline, (red, green, blue)).ground)
+    marks: list[Mark] = list(farmland.yard(outline, (red, green, blue)))
     for _ in range(9):
         worn = Paint((red - 26, green - 28, blue - 26), 140, 0.35)
         patch = blob(
@@ -84,7 +84,7 @@ def road(line: Floats, seed: int, width_m: float = 6.2, lift_m: float = 0.25) ->
     """Return an asphalt road, a little above the fields."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.road('road', line, width_m, seed).ground,
+        marks=roads.road(line, width_m, seed),
         stencils=(Stencil('asphalt', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.5 * width_m + 1.0, lift_m, 5.0),),
     )
@@ -94,7 +94,7 @@ def gravel_track(line: Floats, seed: int, width_m: float = 3.4) -> GroundWork:
     """Return a farm track."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.gravel_track('track', line, width_m, seed).ground,
+        marks=roads.gravel_track(line, width_m, seed),
         stencils=(Stencil('gravel', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.5 * width_m + 0.5, 0.08, 3.0),),
     )
@@ -104,7 +104,7 @@ def stream(line: Floats, seed: int, width_m: float = 2.4, depth_m: float = 1.1) 
     """Return a stream in its bed."""
     course = smooth_line(line, 2.0)
     return GroundWork(
-        marks=roads.stream('stream', line, width_m, seed).ground,
+        marks=roads.stream(line, width_m, seed),
         stencils=(Stencil('water', [ribbon(course, width_m)]),),
         courses=(_course(course, 0.45 * width_m, -depth_m, 3.2),),
     )
@@ -168,12 +168,12 @@ def spill(line: Floats, seed: int, width_m: float = 1.6) -> GroundWork:
         *(polygon(np.asarray(p.exterior.coords), _WET_RIM) for p in shapely.get_parts(rim)),
         *(polygon(flow, _SHEEN) for flow in flows),
     ]
-    # Opaque in the labels, with a thin edge of wetness left to the ground around.
+    # The labels end where the liquid does; the wet rim counts as the ground around.
     return GroundWork(marks=tuple(marks), stencils=(Stencil('spill', flows),))
 
 
 def _stream(rng: np.random.Generator, course: Floats, width_m: float) -> shapely.Polygon:
-    """Return what ran along `course`: each bank has its own bays, and it thins out."""
+    """Return the outline of a stream of liquid along `course`, which gets thinner."""
     along = np.linspace(0.0, 1.0, len(course))
     bays = np.linspace(0.0, 1.0, max(4, len(course) // 5))
     fade = np.interp(along, [0.0, 0.1, 0.6, 1.0], [0.75, 0.5, 0.33, 0.12])
@@ -187,7 +187,7 @@ def _stream(rng: np.random.Generator, course: Floats, width_m: float) -> shapely
 
 
 def _pools(rng: np.random.Generator, course: Floats, width_m: float) -> list[shapely.Polygon]:
-    """Return where it stood: once below its start, and here and there on its way."""
+    """Return pools: one at the start of `course`, and a few on its way."""
     places = np.concatenate([[0.03], np.sort(rng.uniform(0.1, 0.9, 3))])
     pools = []
     for place, size in zip(places, (1.9, *rng.uniform(0.8, 1.3, 3)), strict=True):
@@ -207,7 +207,7 @@ def _shrunk(outline: Floats) -> Floats:
 
 
 GroundMaker = Callable[..., GroundWork]
-# By kind: its function, and which of outline and line it takes.
+# By kind: its function, and whether that takes an outline or a line.
 GROUND_KINDS: Mapping[str, tuple[GroundMaker, str]] = {
     'ploughed_field': (ploughed_field, 'outline'),
     'meadow': (meadow, 'outline'),

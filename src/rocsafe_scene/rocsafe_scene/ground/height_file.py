@@ -19,7 +19,7 @@ from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.terrain import Terrain
 
 _CELL_M = 2.56
-# Half the width: vehicles may start some way off.
+# Half the width, metres: vehicles may start at some distance.
 HALF_M = 1536.0
 _EARTH_RADIUS_M = 6_371_000.0
 
@@ -29,16 +29,17 @@ def write_heights(
 ) -> None:
     """Write the heights of the ground `half_m` about `origin`, metres above the ellipsoid.
 
-    At any moment the file holds its old or its new content.
+    The file is replaced atomically.
 
     The raster is azimuthal equidistant about `origin`, which over 2 km differs from east
     and north of the tangent plane by less than a centimetre; the Earth falls away below that.
 
     Raises
     ------
-    SceneError: one line, if the file cannot be written.
+    SceneError
+        One line, if the file cannot be written.
     """
-    # Loaded when asked for: it takes a moment.
+    # Imported when needed: the import is slow.
     import rasterio
     from rasterio.errors import RasterioError
     from rasterio.transform import from_origin

@@ -12,8 +12,8 @@ from pyproj.exceptions import ProjError
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.ground.picture import GroundBounds, Patch, require_patch_size
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.ground.ground_patch import GroundBounds, Patch, require_patch_size
+from rocsafe_scene.painting.canvas import Image
 
 _BLUE_GREEN_RED = (3, 2, 1)
 
@@ -23,12 +23,15 @@ class OrthophotoGround:
 
     Parameters
     ----------
-    path : of the file; 8 bits, one band (grey) or at least three (red, green, blue).
-    frame : local frame of the mission.
+    path : (red, green, blue)
+        Path of the file: 8 bits, one band (grey) or at least three (red, green, blue).
+    frame
+        Local frame of the mission.
 
     Raises
     ------
-    GroundError: if the file cannot be used, with the reason.
+    GroundError
+        If the file cannot be used; the text says why.
     """
 
     def __init__(self, path: Path, frame: LocalFrame) -> None:
@@ -50,11 +53,12 @@ class OrthophotoGround:
             )
 
     def patch(self, bounds: GroundBounds, resolution_m: float) -> Patch:
-        """Return a picture of all of `bounds`, black where the file shows nothing.
+        """Return an image of all of `bounds`, black where the file has no data.
 
         Raises
         ------
-        GroundError: if the file cannot be read.
+        GroundError
+            If the file cannot be read.
         """
         corners = np.array(
             [
@@ -122,9 +126,9 @@ def _opened(path: Path) -> Any:
 
 
 def _homography(ground: FloatArray, pixels: FloatArray) -> FloatArray:
-    """Return the homography through four pairs of points: over a picture maps are as good as flat.
+    """Return the homography through four pairs of points, which is exact enough for one image.
 
-    A transverse Mercator map bends by less than 1 mm over 100 m.
+    A transverse Mercator map deviates from it by less than 1 mm over 100 m.
     """
     import cv2
 

@@ -12,26 +12,27 @@ from rocsafe_geo.terrain.height_grid import GridFrame
 from rocsafe_geo.terrain.terrain import Terrain as Heights
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_scene.errors import GroundError, SceneError
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
+from rocsafe_scene.ground.ground_patch import GroundBounds
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
-from rocsafe_scene.ground.picture import GroundBounds
 from rocsafe_scene.ground.terrain import INNER_HALF_M, HeightFunction
 from rocsafe_scene.mesh.mesh import Floats
 
 _TILE_PX = 1024
-# Halvings of the way on which a place beyond the model is brought back onto it.
+# Bisection steps that move a place beyond the model back onto it.
 _HALVINGS = 14
 
 
 def measured_heights(path: str, frame: LocalFrame) -> HeightFunction:
-    """Return the heights of an elevation model about that of the mission origin.
+    """Return the heights of an elevation model relative to its height at the mission origin.
 
-    So it does not matter above what the model counts. Beyond its rim the ground goes on level,
-    away from the origin.
+    So the datum of the model does not matter. Beyond the model the ground continues level in the
+    direction away from the origin.
 
     Raises
     ------
-    SceneError: one line, if the file is no elevation model or does not cover the site.
+    SceneError
+        One line, if the file is no elevation model or does not cover the site.
     """
     try:
         model = read_terrain(path)
@@ -59,7 +60,8 @@ def open_photo(path: str, frame: LocalFrame) -> OrthophotoGround:
 
     Raises
     ------
-    SceneError: one line, if the file is none or does not show the origin.
+    SceneError
+        One line, if the file is no orthophoto or does not show the origin.
     """
     try:
         return OrthophotoGround(Path(path), frame)
@@ -68,11 +70,12 @@ def open_photo(path: str, frame: LocalFrame) -> OrthophotoGround:
 
 
 def draped(ground: GroundMap, path: str, frame: LocalFrame) -> GroundMap:
-    """Return a map with the colours of an orthophoto wherever that shows something.
+    """Return a map with the colours of an orthophoto wherever that has data.
 
     Raises
     ------
-    SceneError: one line, if the file is no orthophoto or does not show the origin.
+    SceneError
+        One line, if the file is no orthophoto or does not show the origin.
     """
     photo = open_photo(path, frame)
     colours = ground.colours.copy()
@@ -115,7 +118,7 @@ def _altitudes(model: Heights, frame: LocalFrame, places: Floats) -> Floats:
 
 
 def _reaching(model: Heights, frame: LocalFrame, places: Floats) -> Floats:
-    """Return heights at places; where there is none, the nearest known towards the origin."""
+    """Return heights at places; where there is none, the next one on the way to the origin."""
     found: Floats = _altitudes(model, frame, places)
     lost = np.flatnonzero(np.isnan(found))
     if not len(lost):

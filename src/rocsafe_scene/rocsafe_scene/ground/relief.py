@@ -10,28 +10,32 @@ from rocsafe_geo.terrain.height_grid import GridFrame
 from rocsafe_scene.ground.terrain import HeightFunction
 from rocsafe_scene.mesh.lines import nearest_on, resampled, run_of
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.scenery.noise import CM_PER_M, Window, fractal_at
+from rocsafe_scene.painting.noise import CM_PER_M, Window, fractal_at
 
-# Share of the relief by octave, of spacing 2^k cm: from bumps of a metre to rises of 80 m.
+# Share of the relief by octave k, spacing 2^k cm: from bumps of 1 m to rises of 80 m.
 _LOCAL = {7: 0.012, 8: 0.03, 9: 0.07, 10: 0.14, 11: 0.25, 12: 0.5, 13: 0.75}
 _HILLS = {14: 0.25, 15: 0.6, 16: 1.0}
-# Hills rise between these distances from the origin.
+# Hills grow to full height between these distances from the origin, metres.
 _PLAIN_M, _HILLY_M = 190.0, 1400.0
-# A course over the ground is levelled over this length.
+# The height of a course is averaged over this length, metres.
 _LEVELLED_M = 120.0
 _COURSE_STEP_M = 4.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Course:
-    """A built line: the ground is levelled along it, lifted, and brought back beside it.
+    """Earthwork along a line: a levelled and lifted (or lowered) strip with flanks.
 
     Attributes
     ----------
-    line : its course, (k, 2), metres.
-    half_width_m : of its level top or bed.
-    lift_m : of the top above the levelled ground; below 0 a cutting or a stream's bed.
-    slope_m : width of each flank.
+    line
+        Centre line, (k, 2), metres.
+    half_width_m
+        Half width of the level top or bed, metres.
+    lift_m
+        Height of the top above the averaged ground, metres; below 0: a cutting or stream bed.
+    slope_m
+        Width of each flank, metres.
     """
 
     line: Floats
@@ -51,16 +55,22 @@ class Pad:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Relief:
-    """The numbers of a landscape.
+    """Heights of a landscape: noise or measured heights, with earthworks.
 
     Attributes
     ----------
-    seed : of its noise.
-    local_m : height of rises near the origin.
-    hills_m : height of hills far from it.
-    courses : built lines, in order of building.
-    pads : level places, made last.
-    measured : heights in place of noise; None: there are none.
+    seed
+        Seed of the noise.
+    local_m
+        Height of rises near the origin, metres.
+    hills_m
+        Height of hills far from the origin, metres.
+    courses
+        Earthworks along lines, in the order in which they are made.
+    pads
+        Level places, made last.
+    measured
+        Heights in place of noise; None: there are none.
     """
 
     seed: int
@@ -94,7 +104,7 @@ class Relief:
         return np.asarray(self.local_m * local + self.hills_m * rise * (0.45 + 0.8 * hills))
 
     def _natural_at(self, places: Floats) -> Floats:
-        """Return natural heights anywhere, from a grid of 5.12 m around the places."""
+        """Return heights without earthworks, from a grid of 5.12 m around the places."""
         cell = 5.12
         low = np.floor(places.min(axis=0) / cell) - 2
         high = np.ceil(places.max(axis=0) / cell) + 2
@@ -112,7 +122,7 @@ class Relief:
         return np.asarray(lower * (1 - v) + upper * v)
 
     def _along(self, course: Course) -> tuple[Floats, Floats]:
-        """Return places along a course and its levelled heights there."""
+        """Return places along a course and its averaged heights there."""
         line = resampled(course.line, _COURSE_STEP_M)
         heights = self._natural_at(line)
         reach = round(0.5 * _LEVELLED_M / _COURSE_STEP_M)

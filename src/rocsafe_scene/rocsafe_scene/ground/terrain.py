@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The shape of the ground: three square-celled height grids, one round the other.
+"""The shape of the ground: three height grids with square cells, one around the other.
 
-Heights are those of the triangles that are drawn: each cell is cut from its south-west to its
-north-east corner. On the border of a finer grid its heights are those of the coarser around it, so
-that no gap shows.
+Heights are those of the drawn triangles: each cell is cut from its south-west to its north-east
+corner. On its border a finer grid has the heights of the coarser grid, so that no gap shows.
 """
 
 from collections.abc import Callable
@@ -14,9 +13,9 @@ import numpy as np
 from rocsafe_geo.terrain.height_grid import GridFrame, HeightGrid, height_at
 from rocsafe_scene.mesh.mesh import Floats
 
-# Metres; powers of two in centimetres, which the noise's lattices stand on.
+# Cell widths, metres: powers of two in centimetres, as the lattices of the noise have.
 INNER_CELL_M, OUTER_CELL_M, FAR_CELL_M = 1.28, 10.24, 81.92
-# Half extents, whole numbers of the next coarser cell.
+# Half extents, metres: whole numbers of the next coarser cell.
 INNER_HALF_M = (143.36, 122.88)
 OUTER_HALF_M = (491.52, 491.52)
 FAR_HALF_M = (4096.0, 4096.0)
@@ -26,7 +25,7 @@ HeightFunction = Callable[[GridFrame], Floats]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terrain:
-    """The ground as far as the eye sees; heights are metres about the mission origin's."""
+    """The ground up to the horizon; heights are metres above that of the mission origin."""
 
     inner: HeightGrid
     outer: HeightGrid
@@ -34,7 +33,7 @@ class Terrain:
 
     @property
     def grids(self) -> tuple[HeightGrid, HeightGrid, HeightGrid]:
-        """From the finest to the coarsest."""
+        """The grids, from the finest to the coarsest."""
         return self.inner, self.outer, self.far
 
     def height_at(self, places: Floats) -> Floats:

@@ -42,7 +42,8 @@ def class_number(name: str) -> int:
 
     Raises
     ------
-    ValueError: if there is none.
+    ValueError
+        If there is none.
     """
     if name not in CLASSES:
         raise ValueError(f'class is {name!r}: must be one of {", ".join(CLASSES)}')

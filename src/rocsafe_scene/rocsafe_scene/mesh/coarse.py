@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simpler meshes for the distance: corners that a cell holds become one.
+"""Simpler meshes for large distances, by clustering of vertices.
 
-After Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes (1993).
+Source: Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes
+(1993).
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ from rocsafe_scene.mesh.mesh import Floats, Mesh, unit
 
 
 def clustered(mesh: Mesh, cell_m: float) -> Mesh:
-    """Return `mesh` with one corner in each cube of `cell_m`, at the middle of those it held.
+    """Return `mesh` with one corner in each cube of `cell_m`, at the mean of those in the cube.
 
     Colours, normals and places of a corner are those of the corners of the same surface that
     faced the same way, so that edges stay edges; no gap opens.
@@ -55,13 +56,13 @@ def _means(values: Floats, group: Floats) -> Floats:
 
 
 def _is_open(triangles: Floats) -> Floats:
-    """Return whether the corners (n, 3) of a triangle are three."""
+    """Return whether the three corners (n, 3) of each triangle differ."""
     a, b, c = triangles.T
     return np.asarray((a != b) & (b != c) & (c != a))
 
 
 def _single(triangles: Floats) -> Floats:
-    """Return triangles (n, 3) without those that are there already."""
+    """Return triangles (n, 3) without duplicates."""
     if not len(triangles):
         return triangles
     turn = np.argmin(triangles, axis=1)

@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 from rocsafe_scene.mesh.mesh import Floats
 
 TILE_PX = 1024
-# Of the leaves: texels, and their width, metres.
+# Texture of leaves: width in texels, and width of a texel, metres.
 LEAVES_PX, LEAF_TEXEL_M = 1024, 0.03
-# Widths of sprays of leaves, clumps of them, gaps and boughs, metres.
+# Widths of leaf sprays, clumps, gaps and boughs, metres.
 _SPRAY_M, _CLUMP_M, _GAP_M, _BOUGH_M = 0.13, 0.32, 0.45, 1.1
 
 
 @lru_cache(maxsize=1)
 def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
-    """Return noise without seams, (1024, 1024, 4): of centimetres, of hands, in streaks, in spots.
+    """Return noise that tiles without seams, (1024, 1024, 4): fine, coarse, streaks, spots.
 
-    Each is shaped from white noise by its spectrum, and spread evenly over 0 to 255.
+    Each channel is white noise filtered to a spectrum, with values evenly over 0 to 255.
     """
     rng = np.random.default_rng(seed)
     across, along = (f(TILE_PX, 1.0 / TILE_PX) for f in (np.fft.rfftfreq, np.fft.fftfreq))
@@ -39,9 +39,9 @@ def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
 def leaf_tile(seed: int = 8) -> NDArray[np.uint8]:
     """Return how bright the leaves of a dense crown are, (1024, 1024).
 
-    Sprays and clumps of leaves, each of its own tone and dark at its rim, and gaps between them
-    in which one sees dark. 31 m wide, and as much again mirrored. The gaps make photographs
-    from two places match: noise of the same contrast is found again half as often.
+    Sprays and clumps of leaves have a tone of their own and a dark rim, with dark gaps between
+    them. The texture is 31 m wide and is mirrored beyond. The gaps help to match photographs: with
+    plain noise of the same contrast half as many points match.
     """
     rng = np.random.default_rng(seed)
     spray, spray_tone, _ = _cells(rng, _SPRAY_M)
@@ -60,10 +60,10 @@ def leaf_tile(seed: int = 8) -> NDArray[np.uint8]:
 
 
 def _cells(rng: np.random.Generator, width_m: float) -> tuple[Floats, Floats, Floats]:
-    """Return cells around random places, `width_m` wide on the whole, as pictures.
+    """Return Voronoi cells around random places, `width_m` wide on average.
 
-    Namely the distance from the middle in widths, and for each cell a normal and a uniform
-    random number.
+    The three images are the distance from the cell's place in widths, and a normal and a uniform
+    random number of each cell.
     """
     places = rng.integers(0, LEAVES_PX, (2, round((LEAVES_PX * LEAF_TEXEL_M / width_m) ** 2)))
     is_off = np.ones((LEAVES_PX, LEAVES_PX), np.uint8)

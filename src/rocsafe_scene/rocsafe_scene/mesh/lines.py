@@ -12,7 +12,7 @@ _BLOCK = 4096
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """Of places (n,): `distance_m` from the line, and `along_m`, from its start to there."""
+    """Distance of places (n,) from a line, and distance along the line from its start, metres."""
 
     distance_m: Floats
     along_m: Floats

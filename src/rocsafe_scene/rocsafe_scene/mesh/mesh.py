@@ -11,22 +11,27 @@ from numpy.typing import ArrayLike, NDArray
 
 from rocsafe_scene.mesh.surfaces import Surface
 
-# Of any float type: built in double precision, kept in single.
+# Arrays of any float type: meshes are built in double and kept in single precision.
 Floats = NDArray[Any]
 Colour = tuple[int, int, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mesh:
-    """Triangles.
+    """Triangles with normals, colours and surface coordinates.
 
     Attributes
     ----------
-    points : metres, (n, 3).
-    normals : unit, outwards, (n, 3).
-    places : of the dirt texture, metres on the surface, (n, 2).
-    colours : red, green, blue and the `Surface`, (n, 4), bytes.
-    triangles : corners, anticlockwise from outside, (m, 3).
+    points : (n, 3)
+        Corners, metres.
+    normals : (n, 3)
+        Unit normals, outwards.
+    places : (n, 2)
+        Coordinates of the dirt texture, metres on the surface.
+    colours
+        Red, green, blue and `Surface` of each corner as bytes, (n, 4).
+    triangles : (m, 3)
+        Indices of corners, anticlockwise seen from outside.
     """
 
     points: Floats
@@ -47,12 +52,12 @@ class Mesh:
     @property
     def bounds(self) -> Floats:
         """Lowest and highest coordinates, (2, 3)."""
-        # Coordinate by coordinate: several times as fast as along the rows.
+        # One coordinate at a time: several times as fast as reducing rows.
         columns = np.ascontiguousarray(self.points.T)
         return np.stack([columns.min(axis=1), columns.max(axis=1)])
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> 'Mesh':
-        """Return the mesh somewhere else."""
+        """Return the mesh shifted, metres."""
         return replace(self, points=self.points + np.array([x, y, z]))
 
     def turned(
@@ -80,7 +85,7 @@ class Mesh:
         return replace(self, colours=colours)
 
     def compact(self) -> 'Mesh':
-        """Return the mesh in single precision, to be kept in numbers."""
+        """Return the mesh in single precision."""
         return replace(
             self,
             points=self.points.astype(np.float32),
@@ -89,7 +94,7 @@ class Mesh:
         )
 
     def flipped(self) -> 'Mesh':
-        """Return the mesh inside out."""
+        """Return the mesh with its inside out."""
         return replace(
             self, normals=-self.normals, triangles=np.ascontiguousarray(self.triangles[:, ::-1])
         )
@@ -100,7 +105,8 @@ def joined(parts: Iterable[Mesh]) -> Mesh:
 
     Raises
     ------
-    ValueError: if there are none.
+    ValueError
+        If there are none.
     """
     meshes = list(parts)
     if not meshes:
@@ -137,7 +143,7 @@ def made(
 
 
 def unit(vectors: Floats) -> Floats:
-    """Return `vectors` (n, 3) with length 1; zero stays zero."""
+    """Return unit vectors in the directions of `vectors` (n, 3); zero stays zero."""
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
 

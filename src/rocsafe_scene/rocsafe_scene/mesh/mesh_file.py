@@ -26,7 +26,8 @@ def read_mesh(name: str) -> Mesh:
 
     Raises
     ------
-    SceneError: one line, if there is no such file or no mesh in it.
+    SceneError
+        One line, if there is no such file or no mesh in it.
     """
     path = Path(name)
     readers = {'.obj': _read_obj, '.glb': _read_glb}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simple solids, from which things are put together.
+"""Simple solids from which objects are assembled.
 
-Each has its corners anticlockwise seen from outside, unit normals that are smooth where the solid
-is round, and surface coordinates in metres.
+Corners run anticlockwise seen from outside, normals are smooth where the solid is round, and
+surface coordinates are metres.
 """
 
 import itertools
@@ -20,7 +20,7 @@ _FACES = tuple((axis, sign) for axis in range(3) for sign in (-1.0, 1.0))
 
 
 def box(length: float, width: float, height: float, bevel: float = 0.02) -> Mesh:
-    """Return a box about the origin in x and y that stands on z = 0, its edges broken.
+    """Return a box with chamfered edges, centred on x = y = 0, that stands on z = 0.
 
     Each corner has one vertex a face; strips between the faces share them, so that light runs
     smoothly over the edges.
@@ -82,12 +82,14 @@ def _outward(points: Floats, triangles: list[tuple[int, int, int]]) -> Floats:
 
 
 def lathe(profile: ArrayLike, segments: int = 24) -> Mesh:
-    """Return the solid that a line draws when it turns about the x axis.
+    """Return the solid of revolution of a profile about the x axis.
 
     Parameters
     ----------
-    profile : x and radius of its points, (k, 2), x rising; a point given twice is an edge.
-    segments : around.
+    profile
+        x and radius of its points, (k, 2), x rising; a point given twice makes a sharp edge.
+    segments
+        Number of segments around the axis.
     """
     line = np.asarray(profile, float)
     normals_2d = _profile_normals(line)
@@ -113,7 +115,7 @@ def _profile_normals(line: Floats) -> Floats:
 
 
 def _grid_triangles(rows: int, columns: int, keep: Floats | None = None) -> Floats:
-    """Return triangles over a grid of vertices; rows of cells that are not to `keep` are left."""
+    """Return triangles over a grid of vertices, only of the rows of cells in `keep`."""
     row, column = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing='ij')
     if keep is not None:
         row, column = row[keep], column[keep]
@@ -142,7 +144,7 @@ def upright(radius: float, height: float, segments: int = 16, top: float | None 
 
 
 def tank(radius: float, length: float, dome: float, segments: int = 36, rings: int = 7) -> Mesh:
-    """Return a lying tank with domed ends, along x, centred; `length` over the domes."""
+    """Return a tank along x with domed ends, centred; `length` includes the domes."""
     angle = np.linspace(0.0, 0.5 * math.pi, rings)
     end = np.column_stack([-np.cos(angle) * dome, np.sin(angle) * radius])
     end[:, 0] -= 0.5 * length - dome
@@ -156,7 +158,7 @@ def ball(radius: float, segments: int = 16) -> Mesh:
 
 
 def prism(outline: ArrayLike, width: float) -> Mesh:
-    """Return a side view given depth: `outline` (k, 2) in x and z, convex, swept over y.
+    """Return a prism: a convex `outline` (k, 2) in x and z, extruded along y.
 
     The outline runs anticlockwise with x to the right and z up; its edges stay sharp.
     """
@@ -187,7 +189,7 @@ def _side(start: Floats, end: Floats, half: float) -> Mesh:
 
 
 def sheet(corners: ArrayLike) -> Mesh:
-    """Return a flat polygon, convex, (k, 3), seen from where it runs anticlockwise."""
+    """Return a flat convex polygon (k, 3), visible from where it runs anticlockwise."""
     points = np.asarray(corners, float)
     normal = unit(np.cross(points[1] - points[0], points[2] - points[0])[None])[0]
     across = unit((points[1] - points[0])[None])[0]
@@ -216,12 +218,15 @@ def tube(path: ArrayLike, radii: ArrayLike, segments: int = 8) -> Mesh:
 
 
 def strip(line: ArrayLike, section: ArrayLike) -> Mesh:
-    """Return a profile drawn along a line: rails, kerbs, gutters.
+    """Return a profile swept along a line: rails, kerbs, gutters.
 
     Parameters
     ----------
-    line : its course, (k, 3).
-    section : across it, left and up, (s, 2), open, from its left foot over its top to the right.
+    line : (k, 3)
+        Centre line, metres.
+    section
+        Open cross-section, metres left and up, (s, 2), from its left foot over the top to the
+        right.
     """
     course = np.asarray(line, float)
     profile = np.asarray(section, float)
@@ -249,7 +254,7 @@ def _up(edge: Floats) -> Floats:
 
 
 def _facing(mesh: Mesh) -> Mesh:
-    """Return `mesh` with triangles wound as its normals say."""
+    """Return `mesh` with triangles wound to match its normals."""
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     is_wrong = np.einsum('ij,ij->i', across, mesh.normals[mesh.triangles[:, 0]]) < 0.0

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Surface(IntEnum):
-    """What a vertex is made of, for the eye; the value travels in its colour's fourth byte."""
+    """Material of a vertex as drawn; its number is the fourth byte of the colour."""
 
     MATTE = 0
     PAINT = 1
@@ -28,14 +28,18 @@ class Surface(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """Numbers of a surface.
+    """How a surface reflects light.
 
     Attributes
     ----------
-    gloss : strength of its mirror image of sun and sky, 0 to 1.
-    sharpness : exponent of the sun's glint.
-    grain : how strongly dirt and wear vary its brightness, 0 to 1.
-    through : share of the light that falls through from behind, 0 to 1.
+    gloss
+        Strength of its mirror image of sun and sky, 0 to 1.
+    sharpness
+        Exponent of the sun's glint.
+    grain
+        How strongly dirt and wear vary its brightness, 0 to 1.
+    through
+        Share of the light that falls through from behind, 0 to 1.
     """
 
     gloss: float

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Brown-Conrady model of lens distortion, in the terms of OpenCV and sensor_msgs/CameraInfo.
 
-Brown, Decentering distortion of lenses (1966); x and y are coordinates in the plane at distance 1
-before the camera: pixels without the intrinsic matrix.
+Source: Brown, Decentering distortion of lenses (1966). x and y are normalised image coordinates,
+in the plane at distance 1 in front of the camera.
 """
 
 import math
@@ -16,18 +16,18 @@ from rocsafe_scene.optics.effects import Effects
 
 Plane = NDArray[np.float64]
 
-# Newton's steps; each doubles the digits.
+# Limit of Newton steps, each of which doubles the digits, and the step that ends them.
 _MOST_STEPS = 30
 _LEAST_STEP = 1e-13
-# Of the picture beyond what is seen, px: interpolation reads a pixel more.
+# Margin around the visible part of the image, px: interpolation reads one pixel more.
 _MARGIN_PX = 2
-# And where the camera moves, of the picture's size.
+# Further margin for a moving camera, as a share of the image size.
 _MOTION_MARGIN = 0.12
 
 
 @dataclass(frozen=True, slots=True)
 class Distortion:
-    """Moves points of the plane at distance 1."""
+    """Coefficients of the model; maps normalised image coordinates."""
 
     k1: float
     k2: float = 0.0
@@ -36,7 +36,7 @@ class Distortion:
     k3: float = 0.0
 
     def distorted(self, x: Plane, y: Plane) -> tuple[Plane, Plane]:
-        """Return where points of a pinhole's picture lie in that of the lens."""
+        """Return the distorted coordinates of undistorted points."""
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
         both = 2.0 * x * y
@@ -46,11 +46,12 @@ class Distortion:
         )
 
     def undistorted(self, x: Plane, y: Plane) -> tuple[Plane, Plane]:
-        """Return where points of the lens's picture lie in that of a pinhole, by Newton's method.
+        """Return the undistorted coordinates of distorted points, by Newton's method.
 
         Raises
         ------
-        ValueError: if there is no such place: the distortion folds the picture over itself.
+        ValueError
+            If there are none: the distortion folds the image over itself.
         """
         found_x, found_y = np.array(x, float), np.array(y, float)
         with np.errstate(all='ignore'):
@@ -76,7 +77,7 @@ class Distortion:
         return (yy * off_x - xy * off_y) / area, (xx * off_y - xy * off_x) / area
 
     def _slopes(self, x: Plane, y: Plane) -> tuple[Plane, Plane, Plane, Plane]:
-        """Return the derivatives (the matrix is symmetric) and its determinant."""
+        """Return dx/dx, dx/dy = dy/dx and dy/dy of the distortion, and their determinant."""
         square = x * x + y * y
         radial = 1.0 + square * (self.k1 + square * (self.k2 + square * self.k3))
         growth = 2.0 * (self.k1 + square * (2.0 * self.k2 + 3.0 * square * self.k3))
@@ -87,20 +88,22 @@ class Distortion:
 
 
 def pixel_rays(lens: PinholeCamera) -> tuple[Plane, Plane]:
-    """Return x and y in the plane at distance 1 of each pixel of a pinhole, (height, width)."""
+    """Return the normalised coordinates x and y of all pixels of a pinhole, (height, width)."""
     matrix = lens.matrix
     u, v = np.meshgrid(np.arange(lens.image_width_px), np.arange(lens.image_height_px))
     return (u - matrix[0, 2]) / matrix[0, 0], (v - matrix[1, 2]) / matrix[1, 1]
 
 
 def lens_to_draw(lens: PinholeCamera, effects: Effects) -> PinholeCamera:
-    """Return a pinhole with pixels as large as those of `lens` that sees all that it shows.
+    """Return a pinhole of the focal length of `lens` that sees everything a photograph shows.
 
-    With a margin, where the camera's motion shows: what comes into view meanwhile is seen too.
+    If the motion of the camera has an effect, there is a margin for what comes into view
+    meanwhile.
 
     Raises
     ------
-    ValueError: if the distortion folds the border of the picture.
+    ValueError
+        If the distortion folds the border of the image.
     """
     if not effects.distortion and not effects.need_motion:
         return lens

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What lens, shutter and sensor do to a picture; by default nothing."""
+"""Settings of lens, shutter and sensor; by default they have no effect."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -16,18 +16,25 @@ def _effect(doc: str, low: float, high: float) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effects:
-    """Lens and sensor of a camera; zero switches each effect off.
+    """Effects of lens, shutter and sensor; zero switches an effect off.
 
     Attributes
     ----------
-    distortion : k1, k2, p1, p2, k3 of the Brown-Conrady model, as OpenCV and CameraInfo have
-        them; empty: none. At most five, those left out are 0.
-    exposure_ev : brighter by a factor 2 ** exposure_ev.
-    vignetting : share of the natural fall-off, cos^4 of the angle from the axis.
-    full_well_e : electrons of the brightest pixel, for photon noise; 0: no photon noise.
-    read_noise_e : standard deviation, electrons; needs `full_well_e`.
-    shutter_s : time that a pixel collects light: what moves meanwhile is blurred.
-    readout_s : time from the first row to the last of a rolling shutter.
+    distortion
+        Coefficients k1, k2, p1, p2, k3 of the Brown-Conrady model, as in OpenCV and CameraInfo. At
+        most five; missing ones are 0. Empty: no distortion.
+    exposure_ev
+        The image is brighter by a factor 2 ** exposure_ev.
+    vignetting
+        Share of natural vignetting, cos^4 of the angle from the axis; 0 to 1.
+    full_well_e
+        Electrons of the brightest pixel, which sets photon noise; 0: no photon noise.
+    read_noise_e
+        Standard deviation of the read noise, electrons; needs `full_well_e`.
+    shutter_s
+        Exposure time, seconds; motion during it blurs the image.
+    readout_s
+        Time from the first to the last row of a rolling shutter, seconds.
     """
 
     distortion: tuple[float, ...] = ()
@@ -63,17 +70,17 @@ class Effects:
 
     @property
     def are_none(self) -> bool:
-        """Whether a photograph is the picture as drawn."""
+        """Whether there are no effects."""
         return self == NO_EFFECTS
 
     @property
     def need_motion(self) -> bool:
-        """Whether the motion of the camera shows."""
+        """Whether the motion of the camera has an effect."""
         return self.shutter_s > 0.0 or self.readout_s > 0.0
 
     @property
     def need_light(self) -> bool:
-        """Whether brightness changes, be it by blending rows of light."""
+        """Whether brightness changes."""
         return bool(self.exposure_ev or self.vignetting or self.full_well_e)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the picture of a still world moves while the camera does."""
+"""Motion of the image of a scene at rest while the camera moves."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ Rates = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CameraMotion:
-    """Of a camera, in its own optical axes: m/s and rad/s, (3,) each."""
+    """Velocity, m/s, and angular velocity, rad/s, of a camera in its optical axes, (3,) each."""
 
     velocity_mps: Plane
     turning_radps: Plane
@@ -30,32 +30,38 @@ class CameraMotion:
 def motion_between(
     positions_enu: tuple[Enu, Enu], rotations: tuple[Plane, Plane], span_s: float
 ) -> CameraMotion:
-    """Return the even motion that leads from one pose to another.
+    """Return the uniform motion from one pose to another.
 
     Parameters
     ----------
-    positions_enu : metres, before and after.
-    rotations : from the optical frame to east, north, up, (3, 3), before and after.
-    span_s : time between them.
+    positions_enu
+        Positions before and after, metres.
+    rotations
+        Rotations (3, 3) from the optical frame to east, north, up, before and after.
+    span_s
+        Time between the poses, seconds.
     """
     before, after = rotations
     way = np.subtract(positions_enu[1], positions_enu[0]) / span_s
     turn = cv2.Rodrigues(before.T @ after)[0].ravel() / span_s
-    # half way, where the picture is taken
+    # The image is taken half way.
     middle = before @ cv2.Rodrigues(0.5 * span_s * turn)[0]
     return CameraMotion(middle.T @ way, turn)
 
 
 def pixel_rates(lens: PinholeCamera, depth_m: NDArray[np.float32], motion: CameraMotion) -> Rates:
-    """Return how fast what each pixel shows moves, x right and y down, px/s, (height, width, 2).
+    """Return the image velocity at each pixel, x right and y down, px/s, (height, width, 2).
 
-    The equations of Longuet-Higgins and Prazdny (1980), for a point at rest.
+    Equations of Longuet-Higgins and Prazdny (1980) for points at rest.
 
     Parameters
     ----------
-    lens : of the picture.
-    depth_m : planar, (height, width); infinite where the sky is.
-    motion : of the camera.
+    lens
+        Intrinsics of the image.
+    depth_m
+        Distance along the optical axis, metres, (height, width); infinite where the sky is.
+    motion
+        Motion of the camera.
     """
     x, y = (plane.astype(np.float32) for plane in pixel_rays(lens))
     vx, vy, vz = motion.velocity_mps.tolist()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lens, shutter and sensor in one: from a drawn picture to the photograph."""
+"""Turns an ideal rendered image into a photograph by a real lens, shutter and sensor."""
 
 import math
 from dataclasses import dataclass, field
@@ -12,11 +12,11 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.optics.distortion import Distortion, lens_to_draw, pixel_rays
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_scene.optics.light import fall_off, image_of_light, light_of, with_noise
 from rocsafe_scene.optics.motion import Rates
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.optics.sensor_response import fall_off, image_of_light, light_of, with_noise
+from rocsafe_scene.painting.canvas import Image
 
-# A blur is made of pictures this far apart at most, but of no more than so many.
+# Motion blur sums shifted images at most this far apart, px, and at most so many.
 _BLUR_STEP_PX = 0.7
 _MOST_BLUR_STEPS = 64
 
@@ -25,21 +25,25 @@ Map = NDArray[np.float32]
 
 @dataclass(slots=True, eq=False)
 class Optics:
-    """What makes a photograph by `lens` of a picture by `source`, an ideal pinhole around it.
+    """Makes photographs by `lens` from images by `source`, an ideal pinhole with a wider view.
 
-    Of a rolling shutter each row is that of its own moment: the middle row is exposed at the
-    picture's time, the others up to half of `readout_s` earlier and later. The world's own motion
-    is that of the moment of the middle row; the camera's is even meanwhile.
+    With a rolling shutter each row has its own time: the middle row is exposed at the time of the
+    image, the others up to half of `readout_s` earlier or later. Objects are where they are at the
+    middle row; the camera moves uniformly meanwhile.
 
     Attributes
     ----------
-    lens : of the photograph, its distortion aside.
-    effects : of lens, shutter and sensor.
-    source : what must be drawn.
+    lens
+        Intrinsics of the photograph, without distortion.
+    effects
+        Effects of lens, shutter and sensor.
+    source
+        Pinhole camera by which images must be rendered.
 
     Raises
     ------
-    ValueError: if the distortion folds the picture.
+    ValueError
+        If the distortion folds the image over itself.
     """
 
     lens: PinholeCamera
@@ -62,13 +66,16 @@ class Optics:
         self._gain = gain.astype(np.float32)[..., None]
 
     def develop(self, image: Image, rates: Rates | None, rng: np.random.Generator) -> Image:
-        """Return the photograph of a picture by `source`.
+        """Return the photograph made from an image by `source`.
 
         Parameters
         ----------
-        image : blue, green, red.
-        rates : at which each pixel moves, see `pixel_rates`; None: nothing moves.
-        rng : of the noise.
+        image
+            Image by `source`: blue, green, red.
+        rates
+            Image velocities, see `pixel_rates`; None: the camera stands still.
+        rng
+            Generator of the noise.
         """
         if rates is not None and self.effects.shutter_s > 0.0:
             image = blurred(image, rates * np.float32(self.effects.shutter_s))
@@ -85,7 +92,7 @@ class Optics:
         return image_of_light(light)
 
     def truth(self, truth: Truth, rates: Rates | None) -> Truth:
-        """Return what is true of each pixel of the photograph: that of the nearest drawn one."""
+        """Return depth and instance of each pixel: those of the nearest rendered pixel."""
         maps = self._maps(rates)
         if maps is None:
             return truth
@@ -96,7 +103,7 @@ class Optics:
         return Truth(depth_m=truth.depth_m[rows, columns], numbers=truth.numbers[rows, columns])
 
     def _maps(self, rates: Rates | None) -> tuple[Map, Map] | None:
-        """Return column and row of `source` that each pixel shows; None: its own."""
+        """Return column and row in `source` of each pixel; None if they are its own."""
         is_rolling = rates is not None and self.effects.readout_s > 0.0
         if self.source == self.lens:
             return None
@@ -105,12 +112,12 @@ class Optics:
         return self._rolled(*self._place, rates)
 
     def _rolled(self, column: Map, row: Map, rates: Rates) -> tuple[Map, Map]:
-        """Return the places of the middle row's moment that the rows' own moments show."""
+        """Return the places in the image of the middle row that each row sees at its own time."""
         height = self.lens.image_height_px
         moments = (np.arange(height, dtype=np.float32) - 0.5 * (height - 1)) / np.float32(height)
         late = (moments * np.float32(self.effects.readout_s))[:, None]
         from_column, from_row = column, row
-        # where a point was is reckoned with the rate that it has there: twice is enough
+        # A point moves at the rate of the place it comes from: two iterations are enough.
         for _ in range(2):
             there = cv2.remap(
                 rates, from_column, from_row, cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE
@@ -120,12 +127,14 @@ class Optics:
 
 
 def blurred(image: Image, ways_px: Rates) -> Image:
-    """Return `image` as it smears along the way of each pixel, in light, around its place.
+    """Return `image` blurred along the path of each pixel, in linear light, centred on the pixel.
 
     Parameters
     ----------
-    image : blue, green, red, (height, width, 3).
-    ways_px : during the exposure, x right and y down, (height, width, 2).
+    image : (height, width, 3)
+        Image: blue, green, red.
+    ways_px : (height, width, 2)
+        Path of each pixel during the exposure, px, x right and y down.
     """
     longest_px = float(np.quantile(np.abs(ways_px), 0.999))
     count = min(_MOST_BLUR_STEPS, math.ceil(longest_px / _BLUR_STEP_PX) + 1)

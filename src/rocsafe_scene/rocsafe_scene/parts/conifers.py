@@ -14,7 +14,7 @@ from rocsafe_scene.parts.leaves import Species, filled, leaves
 def cone(rng: np.random.Generator, height: float, radius: float, kind: Species) -> list[Blob]:
     """Return the boughs of a conifer of `height` and `radius`, layer by layer."""
     blobs = []
-    # As high as the layers are apart, so that the crown closes up to its tip.
+    # Layers are as high as their distance, so that the crown is closed up to its tip.
     least_up = 0.62 * (0.94 - kind.crown_from) * height / 8.0
     for layer in range(9):
         share = layer / 8.0
@@ -33,9 +33,9 @@ def needles(
     rng: np.random.Generator, height: float, radius: float, kind: Species,
     boughs: tuple[list[Blob], float],
 ) -> Mesh:  # fmt: skip
-    """Return what grows on boughs, given with the density of their leaves."""
+    """Return the needles on boughs, at a density of leaves."""
     blobs, density = boughs
-    # Fewer leaves are larger, so that the crown closes all the same.
+    # Fewer leaves are drawn larger, so that the crown stays closed.
     size = 1.0 / math.sqrt(density)
     areas = np.array([float(blob.radii[0] * blob.radii[2]) for blob in blobs])
     counts = np.maximum(4, density * 150.0 * areas * (0.34 / kind.leaf_m) ** 2).astype(int)
@@ -50,7 +50,7 @@ def needles(
 
 
 def _toned(crown: Mesh, counts: Floats, rng: np.random.Generator) -> Mesh:
-    """Return `crown` with a tone of its own for each blob: branches differ in age and light."""
+    """Return `crown` with a brightness of its own for each blob, as branches differ."""
     tones = rng.uniform(0.72, 1.28, len(counts))[:, None] + rng.normal(0.0, 0.07, (len(counts), 3))
     leaf_tones = np.repeat(np.repeat(tones, counts, axis=0), 4, axis=0)
     colours = crown.colours.copy()

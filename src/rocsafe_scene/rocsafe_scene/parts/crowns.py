@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The skin of crowns: what a tree shows of itself from a vehicle's height.
+"""The surface of tree crowns as seen from the height of a vehicle.
 
-From 32 m a pixel is 6 cm wide and leaves run together: a crown is a dense, lumpy surface. Here it
-is one closed surface around lobes that melt together, dented by noise. Photographs from two places
-see the same surface with the same picture on it, as of ground, where single leaves would show
-others of them.
+From 32 m a pixel is 6 cm wide and leaves merge: a crown looks like a dense, lumpy surface. Here it
+is one closed surface around blended lobes, with dents of noise. Photographs from two places see
+the same texture on it, so that they can be matched; of single leaves they would see different
+ones.
 """
 
 import math
@@ -17,19 +17,19 @@ import numpy as np
 from rocsafe_scene.mesh.mesh import Colour, Floats, Mesh, unit
 from rocsafe_scene.mesh.surfaces import Surface
 
-# Length of a skin triangle's side, metres.
+# Side of a triangle of the surface, metres.
 _SIDE_M = 0.23
 _FEWEST, _MOST = 5, 26
-# Steps in which a ray from outside looks for the skin, and how softly lobes melt together.
+# Steps of the search for the surface along a ray, and softness of the blend of lobes.
 _STEPS, _SOFTNESS = 26, 5.0
-# Above this share of half its height a crown flattens, to this share of the slope at its top.
+# A crown flattens above this share of half its height, to this share of the slope at its top.
 _FLAT_FROM, _FLATTENED = 0.2, 0.4
 # Dents: wavelength and depth, metres.
 _DENTS = ((1.6, 0.12), (0.8, 0.07), (0.45, 0.035))
 _WAVES = 14
-# Leaves shade each other: a crown is darker than a leaf.
+# Leaves shadow each other, so a crown is darker than a leaf.
 _SHADED, _SHADED_SIDE = 0.72, 0.64
-# Leaves on the top of a crown, as a share of those on its sides.
+# Density of leaves on top of a crown, as a share of that on its sides.
 _ON_TOP = 0.15
 
 
@@ -39,8 +39,10 @@ class Blob:
 
     Attributes
     ----------
-    centre : metres, (3,).
-    radii : along the axes, metres, (3,).
+    centre : (3,)
+        Centre, metres.
+    radii : (3,)
+        Half axes, metres.
     """
 
     centre: Floats
@@ -49,15 +51,20 @@ class Blob:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crown:
-    """What a skin goes round.
+    """The lobes and colours of a crown.
 
     Attributes
     ----------
-    lobes : that it encloses.
-    middle : a place within, from which all of the skin is seen, (3,).
-    size : half its width, width and height, metres, (3,).
-    leaf : red, green, blue in the light.
-    variety : how much lobes differ in brightness, 0 to 1.
+    lobes
+        Lobes within the surface.
+    middle : (3,)
+        A place inside, from which the whole surface is visible.
+    size : (3,)
+        Half extents in x, y and z, metres.
+    leaf
+        Red, green, blue of a leaf in full light.
+    variety
+        How much lobes differ in brightness, 0 to 1.
     """
 
     lobes: list[Blob]
@@ -70,8 +77,8 @@ class Crown:
 def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
     """Return the closed surface of a crown; `density` scales the number of its triangles.
 
-    Its `places` are (east, north) unrolled from the top, so that what is painted on it is
-    stretched little.
+    Its texture coordinates are (east, north) unrolled from the top, so that textures are stretched
+    little.
     """
     side = _SIDE_M / math.sqrt(density)
     frequency = round(1.05 * float(crown.size.mean()) / side)
@@ -79,12 +86,12 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
     direction = unit(sphere * crown.size)
     reach = _reach(crown, direction)
     points = crown.middle + reach[:, None] * direction
-    # Calm on top, where vehicles look at it, ragged on the sides.
+    # Smooth on top, which vehicles see, and ragged on the sides.
     dents = _dents(points, rng) * (0.1 + 1.4 * np.clip(1.0 - sphere[:, 2], 0.0, 1.0))
     points = points + dents[:, None] * direction
     tint = _colours(crown, points, dents, rng)
     points = _flattened(crown, points)
-    # Stereographic: finer on the sides, stretched nowhere.
+    # Stereographic projection: conformal, finer on the sides.
     unrolled = 2.0 / np.maximum(1.0 + sphere[:, 2:], 0.4)
     normals = smooth_normals(points, triangles)
     colours = np.full((len(points), 4), Surface.CROWN, np.uint8)
@@ -99,9 +106,9 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
 
 
 def _flattened(crown: Crown, points: Floats) -> Floats:
-    """Return a crown's points (n, 3) with its dome pressed from below: in a wood crowns end level.
+    """Return the points (n, 3) of a crown with a flattened dome: crowns of a wood end level.
 
-    Its top stays where it is.
+    The top is kept.
     """
     above = np.maximum((points[:, 2] - crown.middle[2]) / crown.size[2] - _FLAT_FROM, 0.0)
     most = 1.0 - _FLAT_FROM
@@ -111,7 +118,7 @@ def _flattened(crown: Crown, points: Floats) -> Floats:
 
 
 def smooth_normals(points: Floats, triangles: Floats) -> Floats:
-    """Return unit normals (n, 3): of the triangles around each point by their areas."""
+    """Return unit normals (n, 3), averaged over the triangles around each point by area."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     corners = triangles.T.ravel()
@@ -122,9 +129,9 @@ def smooth_normals(points: Floats, triangles: Floats) -> Floats:
 def scattered(
     mesh: Mesh, density: float, rng: np.random.Generator
 ) -> tuple[Floats, Floats, Floats]:
-    """Return places on a skin, more on its sides than on top, with their normals and colours.
+    """Return places on a surface with normals and colours, denser on the sides than on top.
 
-    There are `density` on a square metre of a side.
+    `density` is the number on a square metre of a side.
     """
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -141,18 +148,18 @@ def scattered(
 
 
 def _upness(normals: Floats) -> Floats:
-    """Return 1 where a skin looks up, 0 on its sides and below, (n,)."""
+    """Return 1 where a surface faces up, 0 on its sides and below, (n,)."""
     share = np.clip((normals[:, 2] - 0.25) / 0.5, 0.0, 1.0)
     return np.asarray(share * share * (3.0 - 2.0 * share))
 
 
 def _shaded(normals: Floats) -> Floats:
-    """Return how bright a skin is by how it looks up, (n, 1)."""
+    """Return the brightness of a surface by how much it faces up, (n, 1)."""
     return np.asarray(_SHADED_SIDE + (_SHADED - _SHADED_SIDE) * _upness(normals))[:, None]
 
 
 def _reach(crown: Crown, direction: Floats) -> Floats:
-    """Return how far the skin is from the middle in each direction (n, 3), seen from outside."""
+    """Return the distance of the surface from the middle in each direction (n, 3)."""
     farthest = 1.35 * float(np.linalg.norm(crown.size))
     reach = np.linspace(farthest, 0.0, _STEPS)
     inside = np.stack([_inside(crown, crown.middle + t * direction) for t in reach])
@@ -165,7 +172,7 @@ def _reach(crown: Crown, direction: Floats) -> Floats:
 
 
 def _inside(crown: Crown, places: Floats) -> Floats:
-    """Return a number above 0 within the lobes, which melt together: after Blinn (1982)."""
+    """Return the implicit function of the blended lobes, above 0 inside: after Blinn (1982)."""
     total = np.zeros(len(places))
     for lobe in crown.lobes:
         total += np.exp(_SOFTNESS * (1.0 - np.sum(((places - lobe.centre) / lobe.radii) ** 2, 1)))
@@ -173,7 +180,7 @@ def _inside(crown: Crown, places: Floats) -> Floats:
 
 
 def _dents(places: Floats, rng: np.random.Generator) -> Floats:
-    """Return noise at places (n, 3), metres: sums of waves in all directions."""
+    """Return noise at places (n, 3), metres: a sum of waves in all directions."""
     total = np.zeros(len(places))
     for wavelength, depth in _DENTS:
         way = unit(rng.normal(0.0, 1.0, (_WAVES, 3))) * rng.uniform(0.75, 1.35, (_WAVES, 1))
@@ -184,7 +191,7 @@ def _dents(places: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _colours(crown: Crown, points: Floats, dents: Floats, rng: np.random.Generator) -> Floats:
-    """Return red, green, blue: a tone for each lobe, darker in dents and low down."""
+    """Return red, green, blue: a brightness for each lobe, darker in dents and low down."""
     centres = np.array([lobe.centre for lobe in crown.lobes])
     sizes = np.array([lobe.radii.mean() for lobe in crown.lobes])
     spread = crown.variety * 0.5
@@ -200,10 +207,10 @@ def _colours(crown: Crown, points: Floats, dents: Floats, rng: np.random.Generat
 
 @lru_cache(maxsize=32)
 def _sphere(frequency: int) -> tuple[Floats, Floats]:
-    """Return an icosahedron whose edges are cut in `frequency` parts, blown up to a unit sphere.
+    """Return a unit sphere: an icosahedron with edges divided into `frequency` parts.
 
-    Triangles run anticlockwise from outside, the highest first: from above, what is behind is
-    hidden before it is drawn.
+    Triangles run anticlockwise seen from outside. The highest come first: seen from above they
+    hide those behind before these are drawn.
     """
     corners, faces = _icosahedron()
     grid = [(i, j) for i in range(frequency + 1) for j in range(frequency + 1 - i)]

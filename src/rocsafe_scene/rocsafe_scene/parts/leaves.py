@@ -16,12 +16,18 @@ class Species:
 
     Attributes
     ----------
-    leaf : red, green, blue in the light.
-    variety : how much leaves differ in brightness, 0 to 1.
-    leaf_m : length of a leaf polygon.
-    crown_from : height of the lowest leaves, share of the tree's.
-    slimness : height of the crown's blobs by their width.
-    is_conical : crown narrows upwards.
+    leaf
+        Red, green, blue of a leaf in full light.
+    variety
+        How much leaves differ in brightness, 0 to 1.
+    leaf_m
+        Length of a leaf polygon, metres.
+    crown_from
+        Height of the lowest leaves as a share of that of the tree.
+    slimness
+        Ratio of height to width of the blobs of a crown.
+    is_conical
+        Whether the crown narrows upwards.
     """
 
     leaf: Colour
@@ -48,8 +54,8 @@ def leaves(
 ) -> Mesh:
     """Return a leaf at each of `centres` (n, 3), roughly facing `outward` (n, 3).
 
-    Each is two triangles folded along the midrib. Their normals lean outwards, which lights a
-    crown as a volume rather than as confetti.
+    Each is two triangles folded along the midrib. Their normals lean outwards, so that a crown is
+    lit as a volume and not leaf by leaf.
     """
     count = len(centres)
     facing = unit(outward + rng.normal(0.0, 0.32, (count, 3)) + np.array([0.0, 0.0, 0.35]))
@@ -76,7 +82,7 @@ def leaves(
 def _leaf_colours(outward: Floats, species: Species, rng: np.random.Generator) -> Floats:
     count = len(outward)
     tone = 1.0 + species.variety * rng.normal(0.0, 0.34, (count, 1))
-    # Depth in the crown travels in the length of `outward`: inner leaves are darker.
+    # The length of `outward` encodes the depth in the crown: inner leaves are darker.
     depth = np.clip(np.linalg.norm(outward, axis=1, keepdims=True), 0.0, 1.0)
     warm = rng.normal(0.0, 0.06, (count, 1)) * np.array([1.0, 0.15, -0.6])
     colours = np.array(species.leaf) * (tone * (0.45 + 0.55 * depth) + warm)
@@ -89,7 +95,8 @@ def species_of(name: str) -> Species:
 
     Raises
     ------
-    ValueError: if none is.
+    ValueError
+        If none is.
     """
     if name not in SPECIES:
         raise ValueError(f'species is {name!r}: must be one of {", ".join(SPECIES)}')
@@ -97,7 +104,7 @@ def species_of(name: str) -> Species:
 
 
 def filled(blob: Blob, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return places in a blob, most near its skin, and directions out of it."""
+    """Return places in a blob, most near its surface, and outward directions."""
     direction = unit(rng.normal(0.0, 1.0, (count, 3)))
     depth = rng.uniform(0.0, 1.0, (count, 1)) ** 0.3
     ripple = 1.0 + 0.1 * np.sin(direction @ np.array([[7.0], [9.0], [8.0]]) + blob.centre[0])

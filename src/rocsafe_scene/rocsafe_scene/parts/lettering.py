@@ -11,7 +11,7 @@ from rocsafe_scene.mesh.surfaces import Surface
 _ORANGE: Colour = (236, 112, 26)
 _BLACK: Colour = (22, 22, 24)
 _THICK_M = 0.006
-# Seven segments of a digit: x, z of the middle and whether upright, in a cell 1 wide, 2 high.
+# The seven segments of a digit in a cell 1 wide and 2 high: x, z of the middle; is upright.
 _SEGMENTS = {
     'a': (0.0, 1.0, False), 'b': (0.5, 0.5, True), 'c': (0.5, -0.5, True), 'd': (0.0, -1.0, False),
     'e': (-0.5, -0.5, True), 'f': (-0.5, 0.5, True), 'g': (0.0, 0.0, False),
@@ -29,7 +29,7 @@ def _plate(width: float, height: float, colour: Colour, depth: float = _THICK_M)
 
 
 def digits(text: str, height_m: float, colour: Colour = _BLACK) -> Iterator[Mesh]:
-    """Yield strokes of decimal `text` side by side, read from +y, centred."""
+    """Yield the strokes of decimal `text`, centred, readable from +y."""
     cell = 0.72 * height_m
     for place, digit in enumerate(text):
         x = -(place - 0.5 * (len(text) - 1)) * cell

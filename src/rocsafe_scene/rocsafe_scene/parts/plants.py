@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trees, hedges, shrubs and tufts.
 
-Every leaf is a small folded polygon, no cut-out picture: what the labels, the rays and the
-shadows see is what the camera sees. Crowns of trees have a skin besides, see `crowns`.
+Every leaf is a small folded polygon and not a transparent image, so that labels, rays and shadows
+agree with the photograph. Crowns of trees also have a closed surface, see `crowns`.
 """
 
 import math
@@ -17,10 +17,10 @@ from rocsafe_scene.parts.conifers import cone, needles
 from rocsafe_scene.parts.crowns import Blob, Crown, scattered, skin
 from rocsafe_scene.parts.leaves import Species, filled, leaves, species_of
 
-# Of a tuft of grass.
+# Size of a tuft of grass.
 BLADES, POINTS_OF_BLADE = 6, 5
 _BARK: Colour = (88, 74, 60)
-# Leaves on a square metre of the side of a crown.
+# Number of leaves on a square metre of the side of a crown.
 _LEAVES_PER_M2 = 15.0
 
 
@@ -40,7 +40,7 @@ def tree(
     blobs = _crown(rng, height, radius, kind)
     middle = np.array([0.0, 0.0, (0.5 + 0.5 * kind.crown_from) * height])
     size = np.array([radius, radius, 0.5 * (1.0 - kind.crown_from) * height])
-    # Between the lobes the skin does not fall in further than this.
+    # The surface sinks no deeper than this between lobes.
     core = Blob(centre=middle, radii=0.8 * size)
     lobed = Crown(
         lobes=[*blobs, core],
@@ -55,12 +55,12 @@ def tree(
 
 
 def _fringe(surface: Mesh, kind: Species, density: float, rng: np.random.Generator) -> Mesh:
-    """Return leaves on the skin of a crown, lit and coloured nearly as it is.
+    """Return leaves on the surface of a crown, nearly in its colours.
 
-    They make its outline ragged; of their own they show little, so that photographs from two
-    places see the same crown.
+    They make the outline ragged. They hardly stand out, so that photographs from two places show
+    the same crown.
     """
-    # Fewer leaves are larger, so that the outline stays as ragged.
+    # Fewer leaves are drawn larger, so that the outline stays as ragged.
     per_m2 = density * _LEAVES_PER_M2 * (0.34 / kind.leaf_m) ** 2
     centres, outward, tint = scattered(surface, per_m2, rng)
     centres = centres + outward * rng.uniform(-0.05, 0.1, (len(centres), 1))
@@ -131,9 +131,9 @@ def hedge(
     rng: np.random.Generator, course: Floats, width: float = 1.6, height: float = 1.9,
     species: str = 'blackthorn', density: float = 1.0,
 ) -> Mesh:  # fmt: skip
-    """Return a hedge along `course` (k, 3), trimmed long ago: bulges, gaps, shoots.
+    """Return an untrimmed hedge along `course` (k, 3), with bulges, gaps and shoots.
 
-    Leaves are spread over a rounded section that swells and shrinks along the way.
+    Leaves are spread over a rounded cross-section that varies along the course.
     """
     kind = species_of(species)
     steps = np.linalg.norm(np.diff(course, axis=0), axis=1)

@@ -202,7 +202,7 @@ def _loco_roof() -> Iterator[Mesh]:
     yield upright(0.16, 0.45).moved(0.5, 0.0, 3.98).painted((40, 36, 34), Surface.RUSTY)
 
 
-# Half of a cooling fin: along and out.
+# Half of a cooling fin: along and outwards, metres.
 _FIN = ((-0.03, 0.9), (-0.03, 1.1), (-0.03, 1.1), (0.03, 1.1), (0.03, 1.1), (0.03, 0.9))
 
 

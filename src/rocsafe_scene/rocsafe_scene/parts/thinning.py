@@ -10,16 +10,17 @@ from rocsafe_scene.mesh.mesh import Floats, Mesh, joined
 from rocsafe_scene.mesh.surfaces import Surface
 from rocsafe_scene.parts.plants import BLADES, POINTS_OF_BLADE
 
-# Classes of what `coarser` can thin.
+# Classes of objects that `coarser` can thin.
 LEAFY = frozenset({'tree', 'hedge', 'shrub'})
-# One leaf of so many is drawn, and the rest with one corner in cubes of so many metres.
+# One of so many leaves is drawn; other triangles keep one corner in each cube of this size,
+# metres.
 _STEPS = ((4, 0.45), (16, 0.8), (64, 1.2))
-# Leaves that stand for more than these would be spikes on the skin of a crown.
+# Leaves larger than this factor would look like spikes on a crown.
 _MOST_ON_SKIN = 4
 
 
 def coarser(mesh: Mesh) -> list[Mesh]:
-    """Return a plant as it is, and thinned for the distance: fewer, larger leaves."""
+    """Return a plant and thinned versions for larger distances: fewer, larger leaves."""
     return [mesh, *(_thinned(mesh, step, cell_m) for step, cell_m in _STEPS)]
 
 
@@ -31,7 +32,7 @@ def sparser(tufts: Mesh) -> Mesh:
 
 
 def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
-    """Return a plant with one of `step` leaves, a triangle as large as those it stands for."""
+    """Return a plant with one of `step` leaves, each a triangle as large as those it replaces."""
     rest = mesh.colours[:, 3] != Surface.LEAF
     if step > _MOST_ON_SKIN and np.any(mesh.colours[:, 3] == Surface.CROWN):
         return clustered(_part(mesh, rest), cell_m)
@@ -40,7 +41,7 @@ def _thinned(mesh: Mesh, step: int, cell_m: float) -> Mesh:
     back = stem - 0.5 * (left + right)
     points = np.stack([right + back, tip, left + back], axis=1)
     middle = points.mean(axis=1, keepdims=True)
-    # A little less than all their area: leaves overlap.
+    # A little less than the sum of their areas, as leaves overlap.
     grown = middle + (points - middle) * (0.88 * math.sqrt(step))
     triangles = np.arange(3 * len(leaf)).reshape(-1, 3)
     crown = _selected(mesh, leaf[:, 1:].ravel(), triangles, grown.reshape(-1, 3))
@@ -58,7 +59,7 @@ def _selected(mesh: Mesh, chosen: Floats, triangles: Floats, points: Floats) -> 
 
 
 def _part(mesh: Mesh, keep: Floats) -> Mesh:
-    """Return the triangles of `mesh` all of whose corners are to `keep`."""
+    """Return the triangles of `mesh` whose corners are all in `keep`."""
     chosen = np.flatnonzero(keep)
     new = np.cumsum(keep) - 1
     triangles = new[mesh.triangles[keep[mesh.triangles].all(axis=1)]]

@@ -13,7 +13,7 @@ from rocsafe_scene.parts.clutter import GAUGE_M, RAIL_SECTION
 
 
 def bent_rails(rng: np.random.Generator, course: Floats, sway_m: float = 1.8) -> Mesh:
-    """Return both rails of a torn stretch along `course` (k, 3), swung aside and up."""
+    """Return both rails of a torn track along `course` (k, 3), bent aside and up."""
     line = resampled(course, 0.8)
     share = np.linspace(0.0, 1.0, len(line))
     ahead = np.gradient(line[:, :2], axis=0)
@@ -31,7 +31,7 @@ def bent_rails(rng: np.random.Generator, course: Floats, sway_m: float = 1.8) ->
 
 
 def torn_sleepers(rng: np.random.Generator, course: Floats, kept: float = 0.75) -> Mesh:
-    """Return sleepers thrown about along `course` (k, 3); the share `kept` lies there still."""
+    """Return scattered sleepers along `course` (k, 3); the share `kept` lies in place."""
     run = run_of(course)
     parts = []
     for along in np.arange(0.3, run[-1], 0.65):

@@ -11,23 +11,23 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.ground_kinds import GROUND_KINDS, GroundWork, yaw_of
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.real_ground import measured_heights, open_photo
 from rocsafe_scene.ground.relief import Pad, Relief
 from rocsafe_scene.ground.terrain import INNER_HALF_M, Terrain, make_terrain
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.mesh import Floats, Mesh
+from rocsafe_scene.painting.noise import Window, fractal_at
 from rocsafe_scene.parts.plants import tufts
 from rocsafe_scene.scene import map_cache, scene_cache
 from rocsafe_scene.scene.catalogue import maker_of
 from rocsafe_scene.scene.description import GroundBlock, SceneDescription
 from rocsafe_scene.scene.environment import Environment, SceneObject
 from rocsafe_scene.scene.placing import Placer, to_world
-from rocsafe_scene.scenery.noise import Window, fractal_at
 
 _TUFTS_PER_M2 = 1.6
 _PATCHES = {6: 0.5, 7: 0.8, 8: 1.0, 9: 0.8}
-# Long grass grows on these, short grass is painted.
+# Density of long grass by class of ground; short grass is only painted.
 _LONG_GRASS = {'grass': 1.0, 'meadow': 0.16, 'water': 0.05, 'soil': 0.02}
 _CHUNK_M = 20.48
 _Shapes = tuple[Terrain, tuple[SceneObject, ...], tuple[Mesh, ...]]
@@ -39,18 +39,23 @@ def build(
     origin: GeoPosition | None = None,
     cache: Path | None = None,
 ) -> Environment:
-    """Return the scene.
+    """Return a scene built from its description.
 
     Parameters
     ----------
-    description : what is in it.
-    seed : in place of the description's.
-    origin : of the mission, in place of the description's.
-    cache : folder where painted ground is kept between runs; None paints it anew.
+    description
+        Content of the scene.
+    seed
+        Seed instead of that of the description.
+    origin
+        Mission origin instead of the place in the description.
+    cache
+        Folder that keeps painted ground and built scenes between runs; None: no cache.
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
@@ -78,17 +83,21 @@ def build(
 def check(
     description: SceneDescription, seed: int | None = None, origin: GeoPosition | None = None
 ) -> tuple[SceneObject, ...]:
-    """Make everything but the pictures of the ground, and return the objects.
+    """Build everything but the ground maps, and return the objects.
 
     Parameters
     ----------
-    description : what is in the scene.
-    seed : in place of the description's.
-    origin : of the mission, in place of the description's.
+    description
+        Content of the scene.
+    seed
+        Seed instead of that of the description.
+    origin
+        Mission origin instead of the place in the description.
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
@@ -100,22 +109,24 @@ def check(
 
 
 def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) -> Terrain:
-    """Return the ground of a scene alone.
+    """Return only the terrain of a scene.
 
     Raises
     ------
-    SceneError: one line, if an entry cannot be made.
+    SceneError
+        One line, if an entry cannot be made.
     """
     works = ground_works(description, seed)
     return make_terrain(_relief(description, seed, works, LocalFrame(origin)).heights)
 
 
 def ground_works(description: SceneDescription, seed: int) -> tuple[GroundWork, ...]:
-    """Return what the entries of the ground come to, in their order.
+    """Return marks, classes and earthworks of the entries of the ground, in their order.
 
     Raises
     ------
-    SceneError: one line, naming the entry.
+    SceneError
+        One line, naming the entry.
     """
     works = []
     for entry in description.ground:
@@ -170,7 +181,7 @@ def _pads(description: SceneDescription) -> list[Pad]:
 
 
 def maker_label(name: str) -> str:
-    """Return the class of what `name` makes; empty if nothing is called so."""
+    """Return the class of the objects that the maker `name` makes; empty if there is none."""
     try:
         return maker_of(name).label
     except ValueError:
@@ -195,7 +206,7 @@ def _tufts(density: float, seed: int, terrain: Terrain, ground: GroundMap) -> li
 
 
 def _grows(feet: Floats, seed: int, ground: GroundMap) -> Floats:
-    """Return how likely long grass grows at each of `feet` (n, 2)."""
+    """Return the probability of long grass at each of `feet` (n, 2)."""
     classes = ground.classes_at(feet)
     likely = np.zeros(len(feet))
     for label, share in _LONG_GRASS.items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What things can be made of, by the name that scene files use."""
+"""Makers of objects, by the names that scene files use."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -17,15 +17,20 @@ MeshMaker = Callable[..., Mesh]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Maker:
-    """How a kind of thing is made.
+    """How objects of a kind are made.
 
     Attributes
     ----------
-    function : returns its mesh; options are its keyword arguments.
-    label : its class, unless the scene says otherwise.
-    material, fill : to rays: what it is of, and how much of its volume that fills.
-    piece_m : made along a line, in pieces about this long; 0 for what stands in one place.
-    is_foliage : its polygons are seen from both sides.
+    function
+        Function that returns the mesh; options are its keyword arguments.
+    label
+        Class of the objects, unless the scene file gives another.
+    material, fill
+        Material for rays, and the share of the volume that it fills.
+    piece_m
+        Length of the pieces of objects made along a line, metres; 0 for objects at one place.
+    is_foliage
+        Whether polygons are visible from both sides.
     """
 
     function: MeshMaker
@@ -37,17 +42,17 @@ class Maker:
 
     @property
     def is_random(self) -> bool:
-        """Whether each one looks different."""
+        """Whether each object has a shape of its own."""
         return 'rng' in inspect.signature(self.function).parameters
 
     @property
     def options(self) -> tuple[str, ...]:
-        """What a scene file may set."""
+        """Options that a scene file may set."""
         names = inspect.signature(self.function).parameters
         return tuple(name for name in names if name not in ('rng', 'course'))
 
     def make(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Mesh:
-        """Return a mesh of something that stands in one place."""
+        """Return a mesh of an object at one place."""
         return self.function(rng, **options) if self.is_random else self.function(**options)
 
     def make_along(
@@ -117,11 +122,12 @@ MAKERS: Mapping[str, Maker] = {
 
 
 def maker_of(name: str) -> Maker:
-    """Return how `name` is made.
+    """Return the maker called `name`.
 
     Raises
     ------
-    ValueError: if nothing is called so.
+    ValueError
+        If there is none.
     """
     if name not in MAKERS:
         raise ValueError(f'make is {name!r}: must be one of {", ".join(MAKERS)}')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a scene file says."""
+"""The schema of scene files."""
 
 from datetime import datetime, timezone
 from typing import Annotated, Any, Literal
@@ -27,13 +27,13 @@ def _known_class(name: str) -> str:
 
 
 class Block(BaseModel):
-    """Settings of every block: unknown keys refused, nothing converted, no infinity, frozen."""
+    """Base of all blocks: frozen; unknown keys, conversions and infinities are refused."""
 
     model_config = ConfigDict(extra='forbid', strict=True, frozen=True, allow_inf_nan=False)
 
 
 class PlaceBlock(Block):
-    """Where the scene lies when no mission says it."""
+    """Place of the scene, unless a mission gives it."""
 
     latitude_deg: float = Field(default=0.0, ge=-89.0, le=89.0)
     longitude_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
@@ -48,9 +48,9 @@ class LightBlock(Block):
 
 
 class TerrainBlock(Block):
-    """The landscape: relief about the site and beyond it, and how much stands on it.
+    """Relief near the site and far from it, and density of long grass.
 
-    `dem` and `orthophoto` are GeoTIFFs of a real place, in place of relief and painted ground.
+    `dem` and `orthophoto` are GeoTIFFs of a real place. They replace relief and painted ground.
     """
 
     local_m: float = Field(default=1.2, ge=0.0, le=50.0)
@@ -61,7 +61,7 @@ class TerrainBlock(Block):
 
 
 class GroundBlock(Block):
-    """Something painted on, and cut into, the ground; `with` holds what only its kind knows."""
+    """An entry of the ground: marks and earthwork; `with` has the options of its kind."""
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
     kind: str
@@ -71,7 +71,7 @@ class GroundBlock(Block):
 
 
 class ScatterBlock(Block):
-    """Many of one kind: `count` in an outline, or around a place, by the scene's seed."""
+    """Random places of many objects: `count` within an outline or around a place."""
 
     count: int = Field(ge=1, le=5000)
     outline: tuple[Point, ...] | None = Field(default=None, min_length=3)
@@ -80,14 +80,14 @@ class ScatterBlock(Block):
 
 
 class WaypointBlock(Block):
-    """Where a moving thing is at a time, seconds after the start of the mission."""
+    """Place of a moving object at a time, seconds after the start of the mission."""
 
     time_s: float = Field(ge=0.0)
     at: Point
 
 
 class ObjectBlock(Block):
-    """A thing: what it is made by, where it stands, what it is to rays and labels."""
+    """An object: its maker or mesh, its place, its properties for rays and labels."""
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
     make: str | None = None
@@ -110,9 +110,9 @@ class ObjectBlock(Block):
 
 
 class SceneDescription(Block):
-    """The content of a scene file; coordinates `at` and in lines are in its own frame.
+    """The content of a scene file; coordinates `at` and of lines are in the frame of the scene.
 
-    The frame's origin is the mission's; its x axis is turned by `yaw_deg` from east.
+    The origin of the frame is the mission origin; its x axis is turned by `yaw_deg` from east.
     """
 
     name: Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]

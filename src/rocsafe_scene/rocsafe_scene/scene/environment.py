@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as built: terrain, ground pictures, objects with their labels."""
+"""A scene as built: terrain, ground maps, objects with their labels."""
 
 import math
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_scene.ground.ground_picture import GroundMap
+from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.lines import run_of
 from rocsafe_scene.mesh.mesh import Floats, Mesh
@@ -18,13 +18,16 @@ SKY_NUMBER, GROUND_NUMBER, FIRST_OBJECT_NUMBER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Piece:
-    """A mesh in its place; several pieces may share one mesh.
+    """A placed mesh; several pieces may share one mesh.
 
     Attributes
     ----------
-    mesh : in its own coordinates.
-    rotation : own axes to east, north, up; may also stretch all alike, (3, 3).
-    offset : of its origin, metres, (3,).
+    mesh
+        Mesh in its own coordinates.
+    rotation : (3, 3)
+        Rotation from own axes to east, north, up; may include one scale factor.
+    offset : (3,)
+        Place of the origin of the mesh, metres.
     """
 
     mesh: Mesh
@@ -32,19 +35,19 @@ class Piece:
     offset: Floats
 
     def points(self) -> Floats:
-        """Return its corners in east, north, up, (n, 3)."""
+        """Return the corners in east, north, up, (n, 3)."""
         return np.asarray(self.mesh.points @ self.rotation.T + self.offset)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MovingPath:
-    """Where a thing is at which time: `places` (k, 3) at `times_s` (k,)."""
+    """Places of a moving object: `places` (k, 3) at `times_s` (k,)."""
 
     times_s: Floats
     places: Floats
 
     def shift_at(self, time_s: float) -> tuple[Floats, float]:
-        """Return the place at a time, (3,), and the yaw of its motion there, rad."""
+        """Return the place at a time, (3,), and the yaw of the motion there, rad."""
         times = self.times_s
         at = min(max(int(times.searchsorted(time_s)), 1), len(times) - 1)
         start, step = self.places[at - 1], self.places[at] - self.places[at - 1]
@@ -54,25 +57,34 @@ class MovingPath:
 
     @property
     def length_m(self) -> float:
-        """Of the way."""
+        """Length of the path, metres."""
         return float(run_of(self.places)[-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SceneObject:
-    """A thing of a scene.
+    """An object of a scene.
 
     Attributes
     ----------
-    name : unique.
-    label : its class.
-    number : its instance id in the labels, from `FIRST_OBJECT_NUMBER`.
-    pieces : of its surface.
-    material : to rays.
-    fill : share of its volume that the material fills, 0 to 1.
-    temperature_c : of its surface.
-    is_foliage : its polygons have two sides.
-    path : where it moves; None if it stands.
+    name
+        Unique name.
+    label
+        Class name.
+    number
+        Instance number in the labels, from `FIRST_OBJECT_NUMBER` on.
+    pieces
+        Pieces of its surface.
+    material
+        Material for rays.
+    fill
+        Share of the volume that the material fills, 0 to 1.
+    temperature_c
+        Temperature of the surface, degrees Celsius.
+    is_foliage
+        Whether polygons are visible from both sides.
+    path
+        Path of a moving object; None if it stands.
     """
 
     name: str
@@ -93,7 +105,7 @@ class SceneObject:
 
     @property
     def triangle_count(self) -> int:
-        """Of all its pieces."""
+        """Number of triangles of all pieces."""
         return sum(len(piece.mesh.triangles) for piece in self.pieces)
 
 
@@ -103,12 +115,18 @@ class Environment:
 
     Attributes
     ----------
-    description : what it was built from.
-    seed : of all that is random in it.
-    terrain : shape of the ground.
-    inner, outer : its pictures, near and around.
-    objects : things, by rising number.
-    tufts : long grass, part of the ground.
+    description
+        Description from which it was built.
+    seed
+        Seed of everything random in it.
+    terrain
+        Shape of the ground.
+    inner, outer
+        Ground maps near the origin and around.
+    objects
+        Objects by rising number.
+    tufts
+        Meshes of long grass, which counts as ground.
     """
 
     description: SceneDescription
@@ -121,5 +139,5 @@ class Environment:
 
     @property
     def triangle_count(self) -> int:
-        """Of all objects."""
+        """Number of triangles of all objects."""
         return sum(thing.triangle_count for thing in self.objects)

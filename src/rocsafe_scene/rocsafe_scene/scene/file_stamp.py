@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tells a changed file, for the names of what is kept of it."""
+"""Stamps of files, from which names of cache files are made."""
 
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_MAKERS = ('mesh', 'parts', 'ground', 'scene', 'scenery')
+_MAKERS = ('mesh', 'parts', 'ground', 'scene', 'painting')
 
 
 def stamp(path: str | None) -> str:
-    """Return what tells a changed file without reading it; empty for none."""
+    """Return path, size and time of change of a file; empty for no file."""
     if path is None:
         return ''
     try:
@@ -22,7 +22,7 @@ def stamp(path: str | None) -> str:
 
 @lru_cache(maxsize=1)
 def source_digest() -> str:
-    """Return a checksum of all source that scenes are made and painted by."""
+    """Return a checksum of the source code that builds and paints scenes."""
     content = sha256()
     for folder in _MAKERS:
         for path in sorted((_PACKAGE / folder).rglob('*.py')):

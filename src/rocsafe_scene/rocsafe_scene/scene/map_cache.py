@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Painted ground kept between runs: painting takes half a minute, reading a moment."""
+"""Cache of painted ground: painting takes half a minute, reading a moment."""
 
 import os
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.ground.ground_kinds import GroundWork
-from rocsafe_scene.ground.ground_picture import GroundMap, inner_map, outer_map
+from rocsafe_scene.ground.ground_map import GroundMap, inner_map, outer_map
 from rocsafe_scene.ground.real_ground import draped
 from rocsafe_scene.scene.description import SceneDescription
 from rocsafe_scene.scene.file_stamp import source_digest, stamp
@@ -30,7 +30,8 @@ def maps(
 
     Raises
     ------
-    SceneError: one line, if there is to be an orthophoto that cannot be used.
+    SceneError
+        One line, if the scene has an orthophoto that cannot be used.
     """
     photo = description.terrain.orthophoto
 
@@ -54,10 +55,10 @@ def _kept(path: Path, paint: Painter) -> GroundMap:
     ground = paint()
     try:
         _write(path, ground)
-        # Its picture is then part of the file, not of this process.
+        # The colours are then mapped from the file and need no memory of the process.
         return _read(path)
     except (OSError, ValueError, KeyError):
-        # A full or read-only disk costs time at the next start, nothing else.
+        # With a full or read-only disk the next start takes longer; nothing else is lost.
         with suppress(OSError):
             path.unlink()
     return ground
@@ -71,13 +72,13 @@ def _read(path: Path) -> GroundMap:
     with np.load(path, allow_pickle=False) as content:
         west, south, texel = content['place'].tolist()
         classes = content['classes']
-    # Mapped, not read: processes share it, and what is not looked at needs no memory.
+    # Mapped, not read: processes share the pages, and unused parts need no memory.
     colours = np.load(_picture_of(path), mmap_mode='r', allow_pickle=False)
     return GroundMap(west, south, texel, colours, classes)
 
 
 def _write(path: Path, ground: GroundMap) -> None:
-    """Write both files whole or not at all: others may be reading and writing the same ones."""
+    """Write both files atomically: other processes may read and write them."""
     path.parent.mkdir(parents=True, exist_ok=True)
     place = np.array([ground.west_m, ground.south_m, ground.texel_m])
     picture = path.with_name(f'{path.stem}.{os.getpid()}.part.npy')
@@ -89,5 +90,5 @@ def _write(path: Path, ground: GroundMap) -> None:
 
 
 def default_folder() -> Path:
-    """Return where painted ground of all projects of this user is kept."""
+    """Return the cache folder of this user."""
     return Path.home() / '.cache' / 'rocsafe' / 'scenes'

@@ -21,21 +21,25 @@ from rocsafe_scene.scene.catalogue import Maker, maker_of
 from rocsafe_scene.scene.description import ObjectBlock, Point, SceneDescription
 from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER, MovingPath, Piece, SceneObject
 
-# Of things scattered in large numbers, this many differ in shape.
+# Number of different shapes of objects that are scattered in large numbers.
 _VARIANTS = 7
 _LINE_STEP_M = 1.5
 
 
 @dataclass(slots=True)
 class Placer:
-    """Makes the objects of a scene, numbering them in order.
+    """Makes the objects of a scene and numbers them in order.
 
     Attributes
     ----------
-    description : of the scene.
-    seed : of all that is random.
-    frame : of the mission, for places in degrees.
-    terrain : to stand on.
+    description
+        Description of the scene.
+    seed
+        Seed of everything random.
+    frame
+        Local frame of the mission, for places in degrees.
+    terrain
+        Terrain on which objects stand.
     """
 
     description: SceneDescription
@@ -49,7 +53,8 @@ class Placer:
 
         Raises
         ------
-        SceneError: if an entry cannot be made; one line.
+        SceneError
+            If an entry cannot be made; one line.
         """
         number = FIRST_OBJECT_NUMBER
         for entry in self.description.objects:
@@ -236,7 +241,7 @@ def _parts(course: Floats, piece_m: float) -> Iterator[Floats]:
 
 
 def _inside(outline: Floats, count: int, rng: np.random.Generator) -> Floats:
-    """Return places within a polygon, no two close together while there is room."""
+    """Return places within a polygon that are not close together while there is room."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     found: list[Floats] = []
     gap = 0.6 * math.sqrt(float(np.prod(high - low)) / count)

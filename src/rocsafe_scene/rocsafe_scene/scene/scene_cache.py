@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Built scenes kept between runs: making terrain, meshes and grass takes six times the reading.
+"""Cache of built scenes: building terrain, meshes and grass takes six times as long as reading.
 
-The file is the user's own, in the user's own cache. Its name holds a checksum of all that the
-scene is made from, the source of its makers included, so an old one is never read.
+Its files are pickles, written and read by the same user. Their names hold a checksum of everything
+that the scene is built from, including source code, so that an old one is never read.
 """
 
 import os
@@ -32,11 +32,11 @@ def kept(
         return parts()
     path = cache / f'{_key(description, seed, origin)}-scene.pickle'
     try:
-        # Written by the function itself, for the same user.
+        # Written by this function, for the same user.
         return pickle.loads(path.read_bytes())  # noqa: S301
     except (OSError, EOFError, AttributeError, ImportError, ValueError, pickle.PickleError):
         made = parts()
-    # Others may be writing the same one: each to a part of its own.
+    # Other processes may write the same file: each writes a part file of its own.
     part = path.with_name(f'{path.name}.{os.getpid()}.part')
     try:
         cache.mkdir(parents=True, exist_ok=True)
@@ -44,14 +44,14 @@ def kept(
         part.replace(path)
         _forget_old(cache)
     except OSError:
-        # A full or read-only disk costs time at the next start, nothing else.
+        # With a full or read-only disk the next start takes longer; nothing else is lost.
         with suppress(OSError):
             part.unlink()
     return made
 
 
 def _forget_old(cache: Path) -> None:
-    """Remove the scenes that were made longest ago: each is of a hundred megabytes or more."""
+    """Remove all but the newest scenes: each has a hundred megabytes or more."""
     found = sorted(cache.glob('*-scene.pickle'), key=lambda path: -path.stat().st_mtime_ns)
     for path in found[_MOST:]:
         path.unlink(missing_ok=True)

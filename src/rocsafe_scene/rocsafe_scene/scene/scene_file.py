@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading a scene file, and saying in one line what is wrong with it."""
+"""Reading of scene files, with one line for each mistake."""
 
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,12 @@ _PLAIN = {'extra_forbidden': 'unknown key', 'missing': 'is missing'}
 
 
 def read_scene(path: Path) -> SceneDescription:
-    """Return the description in the file at `path`; mesh files are sought beside it.
+    """Return the description in the file at `path`; paths in it are relative to its folder.
 
     Raises
     ------
-    SceneError: one line for each mistake: file, key path, value, limit.
+    SceneError
+        One line for each mistake: file, key path, value, limit.
     """
     content = _content(path)
     try:
@@ -44,7 +45,7 @@ def _content(path: Path) -> Any:
 
 
 def _tuples(value: Any) -> Any:
-    """Return `value` with tuples for lists, which is what strict models take."""
+    """Return `value` with tuples instead of lists, as strict models want."""
     if isinstance(value, dict):
         return {key: _tuples(element) for key, element in value.items()}
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
@@ -61,7 +62,7 @@ def _line(name: str, detail: Any) -> str:
 
 
 def _with_meshes(description: SceneDescription, folder: Path) -> SceneDescription:
-    """Return `description` with absolute paths of its files."""
+    """Return `description` with absolute paths."""
     objects = tuple(
         entry if entry.mesh is None
         else entry.model_copy(update={'mesh': str((folder / entry.mesh).resolve())})

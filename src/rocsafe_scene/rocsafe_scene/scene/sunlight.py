@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the sun stands, and what light the weather leaves."""
+"""Direction of the sun, and the light by weather."""
 
 import math
 from collections.abc import Mapping
@@ -11,23 +11,29 @@ import numpy as np
 from rocsafe_scene.mesh.mesh import Floats
 
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=timezone.utc)
-# Sine of the sun's height at dusk, and the least that shadows are cast with.
+# Sine of the sun's elevation at dusk, and the least one with which shadows are drawn.
 _DUSK_UP, _LEAST_UP = 0.12, 0.06
 Light = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Weather:
-    """What a kind of weather does to light.
+    """Effect of a kind of weather on the light.
 
     Attributes
     ----------
-    sun : share of the direct sunlight that arrives.
-    sky : brightness of the sky's diffuse light.
-    greyness : how grey the sky is, 0 blue to 1 grey.
-    haze_per_m : extinction along the line of sight.
-    wetness : how wet surfaces are, 0 to 1.
-    exposure : of the camera.
+    sun
+        Share of the direct sunlight that arrives.
+    sky
+        Brightness of the sky's diffuse light.
+    greyness
+        How grey the sky is, 0 blue to 1 grey.
+    haze_per_m
+        Extinction along the line of sight.
+    wetness
+        How wet surfaces are, 0 to 1.
+    exposure
+        Exposure factor of the camera.
     """
 
     sun: float
@@ -51,17 +57,24 @@ WEATHERS: Mapping[str, Weather] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lighting:
-    """The light of a scene; colours are linear, 1 is a white sheet in full sun.
+    """The light of a scene; colours are linear, 1 is a white surface in full sun.
 
     Attributes
     ----------
-    sun_direction : unit vector towards the sun, east, north, up.
-    sun : direct light on a surface that faces it.
-    zenith, horizon : colours of the sky.
-    bounce : light from the ground on what looks down.
-    haze_per_m : extinction; far things take on the colour of the horizon.
-    wetness : of surfaces, 0 to 1.
-    exposure : factor before the tone curve.
+    sun_direction
+        Unit vector towards the sun, east, north, up.
+    sun
+        Direct light on a surface that faces it.
+    zenith, horizon
+        Colours of the sky.
+    bounce
+        Light from the ground on surfaces that face down.
+    haze_per_m
+        Extinction along the line of sight; distant objects take on the colour of the horizon.
+    wetness
+        Wetness of surfaces, 0 to 1.
+    exposure
+        Factor before the tone curve.
     """
 
     sun_direction: Light
@@ -77,8 +90,8 @@ class Lighting:
 def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> Floats:
     """Return the unit vector towards the sun, east, north, up, (3,).
 
-    Low precision formulas of the Astronomical Almanac (page C5): within 0.01 deg of the true
-    place between 1950 and 2050; refraction is left out.
+    Low precision formulas of the Astronomical Almanac (page C5): error below 0.01 deg between 1950
+    and 2050, without refraction.
     """
     days = (time - _J2000).total_seconds() / 86_400.0
     anomaly = math.radians(357.528 + 0.9856003 * days)
@@ -103,11 +116,12 @@ def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> 
 def lighting(direction: Floats, weather: str) -> Lighting:
     """Return the light of a sun in `direction` (3,) in `weather`.
 
-    Below the horizon a moon takes the sun's place, so that pictures stay pictures.
+    When the sun is below the horizon, a dim light just above it takes its place.
 
     Raises
     ------
-    ValueError: if no weather is called so.
+    ValueError
+        If there is no such weather.
     """
     if weather not in WEATHERS:
         raise ValueError(f'weather is {weather!r}: must be one of {", ".join(WEATHERS)}')

@@ -31,8 +31,8 @@ class CameraSettings:
     oversampling
         The engine draws photographs so many times as wide and high, and averages.
     pitch_deg
-        Angle of the view above the horizon, degrees: -90 is straight down. With a gimbal: until
-        it gets its first command.
+        Angle of the view above the horizon, degrees: -90 is straight down. With a gimbal: until it
+        gets its first command.
     yaw_deg
         Angle of the view from the nose of the vehicle, anticlockwise, degrees.
     gimbal

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a camera hangs on a vehicle, and how a gimbal turns it.
+"""Direction of a camera on a vehicle, and the gimbal that turns it.
 
-Where a gimbal points is a closed-form function of the time since its last order, as the flight of
-its vehicle is: neither the step of the simulation nor a restart changes it.
+The direction of a gimbal is a closed-form function of the time since its last command. Neither the
+step of the simulation nor a restart changes it.
 """
 
 import math
@@ -17,12 +17,14 @@ NADIR_RAD = -0.5 * math.pi
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Direction:
-    """Where a camera looks.
+    """Direction of a view.
 
     Attributes
     ----------
-    pitch_rad : of the view above the horizon: -pi/2 straight down.
-    yaw_rad : of the view from the vehicle's nose, anticlockwise.
+    pitch_rad
+        Angle above the horizon: -pi/2 is straight down.
+    yaw_rad
+        Angle from the nose of the vehicle, anticlockwise.
     """
 
     pitch_rad: float = NADIR_RAD
@@ -35,12 +37,14 @@ class Direction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GimbalLimits:
-    """What a gimbal can do.
+    """Limits of a gimbal.
 
     Attributes
     ----------
-    rate_radps : of turning, in pitch and in yaw each.
-    lowest_rad, highest_rad : of the pitch.
+    rate_radps
+        Rate of pitch and of yaw, rad/s.
+    lowest_rad, highest_rad
+        Limits of the pitch.
     """
 
     rate_radps: float = math.radians(60.0)
@@ -54,14 +58,17 @@ class GimbalLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class GimbalOrder:
-    """An order with the state in which it reached the gimbal: all that follows, follows from it.
+class GimbalTurn:
+    """A turn of a gimbal, from the state in which a command reached it.
 
     Attributes
     ----------
-    start_ns : simulated time.
-    start : where it pointed then.
-    target : where it is to point.
+    start_ns
+        Simulated time of the command, nanoseconds.
+    start
+        Direction at that time.
+    target
+        Direction to turn to.
     """
 
     start_ns: int
@@ -70,40 +77,42 @@ class GimbalOrder:
 
 
 class Gimbal:
-    """Turns a camera, no faster than it can.
+    """A gimbal that turns a camera.
 
     Parameters
     ----------
-    limits : what it can do.
-    rest : where it points until it is told otherwise.
+    limits
+        Limits of rate and pitch.
+    rest
+        Direction until the first command.
     """
 
     def __init__(self, limits: GimbalLimits, rest: Direction) -> None:
         self.limits = limits
-        self.order = GimbalOrder(start_ns=0, start=rest, target=rest)
+        self.turn = GimbalTurn(start_ns=0, start=rest, target=rest)
 
     def point(self, target: Direction, time_ns: int) -> None:
-        """Turn towards `target` from `time_ns` on; a pitch out of reach counts as the nearest."""
+        """Turn towards `target` from `time_ns` on; its pitch is clipped to the limits."""
         limits = self.limits
         pitch = min(max(target.pitch_rad, limits.lowest_rad), limits.highest_rad)
         within = Direction(pitch_rad=pitch, yaw_rad=wrap_rad(target.yaw_rad))
-        self.order = GimbalOrder(start_ns=time_ns, start=self.direction(time_ns), target=within)
+        self.turn = GimbalTurn(start_ns=time_ns, start=self.direction(time_ns), target=within)
 
     def direction(self, time_ns: int) -> Direction:
-        """Return where it points at a time; before its last order it stood still."""
-        order = self.order
-        reach = self.limits.rate_radps * max(0.0, (time_ns - order.start_ns) / NS_PER_S)
-        pitch = order.target.pitch_rad - order.start.pitch_rad
-        yaw = wrap_rad(order.target.yaw_rad - order.start.yaw_rad)
+        """Return the direction at a time; before its last turn the gimbal stood still."""
+        turn = self.turn
+        reach = self.limits.rate_radps * max(0.0, (time_ns - turn.start_ns) / NS_PER_S)
+        pitch = turn.target.pitch_rad - turn.start.pitch_rad
+        yaw = wrap_rad(turn.target.yaw_rad - turn.start.yaw_rad)
         return Direction(
-            pitch_rad=order.target.pitch_rad
+            pitch_rad=turn.target.pitch_rad
             if abs(pitch) <= reach
-            else order.start.pitch_rad + math.copysign(reach, pitch),
-            yaw_rad=order.target.yaw_rad
+            else turn.start.pitch_rad + math.copysign(reach, pitch),
+            yaw_rad=turn.target.yaw_rad
             if abs(yaw) <= reach
-            else wrap_rad(order.start.yaw_rad + math.copysign(reach, yaw)),
+            else wrap_rad(turn.start.yaw_rad + math.copysign(reach, yaw)),
         )
 
     def is_settled(self, time_ns: int) -> bool:
-        """Return whether it points where it was told to."""
-        return self.direction(time_ns) == self.order.target
+        """Return whether it points to its target."""
+        return self.direction(time_ns) == self.turn.target

@@ -1,42 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A gimbal's last order on disk, so that a killed process keeps pointing its camera."""
+"""File of the last turn of a gimbal, with which a restarted process continues it."""
 
 import json
 from dataclasses import asdict
 from pathlib import Path
 
 from rocsafe_geo.storage.durable import replace_whole
-from rocsafe_sim.cameras.gimbal import Direction, GimbalOrder
+from rocsafe_geo.storage.value_file import values_of
+from rocsafe_sim.cameras.gimbal import GimbalTurn
 from rocsafe_sim.errors import JournalError
 
 
-def write_gimbal(folder: Path, camera: str, order: GimbalOrder) -> None:
-    """Write the order of the gimbal of a camera into a vehicle's spool, atomically."""
+def write_gimbal(folder: Path, camera: str, turn: GimbalTurn) -> None:
+    """Write the turn of the gimbal of a camera into the spool of a vehicle, atomically."""
     folder.mkdir(parents=True, exist_ok=True)
-    replace_whole(_path(folder, camera), json.dumps(asdict(order)).encode())
+    replace_whole(_path(folder, camera), json.dumps(asdict(turn)).encode())
 
 
-def read_gimbal(folder: Path, camera: str) -> GimbalOrder | None:
-    """Return the order that `write_gimbal` wrote; None if it never did.
+def read_gimbal(folder: Path, camera: str) -> GimbalTurn | None:
+    """Return the turn that `write_gimbal` wrote; None if there is no file.
 
     Raises
     ------
-    JournalError: if the file is not such an order.
+    JournalError
+        If the file is not such a turn.
     """
     path = _path(folder, camera)
     try:
-        fields = json.loads(path.read_text())
-        return GimbalOrder(
-            start_ns=int(fields['start_ns']),
-            start=Direction(**fields['start']),
-            target=Direction(**fields['target']),
-        )
+        return values_of(json.loads(path.read_text()), GimbalTurn, path.name)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise JournalError(f'{path}: not the order of a gimbal: {error!r}') from error
+    except (OSError, ValueError) as error:
+        raise JournalError(f'{path}: not the turn of a gimbal: {error!r}') from error
 
 
 def _path(folder: Path, camera: str) -> Path:
-    # The spool's photographs are <vehicle>-<number>.json: no such name ends in .gimbal.
+    # Photographs in the spool are called <vehicle>-<number>.json: none ends in .gimbal.
     return folder / f'{camera}.gimbal'

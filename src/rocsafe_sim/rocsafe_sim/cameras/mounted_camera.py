@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A camera as it hangs on a vehicle: where it looks, and what it then takes."""
+"""A camera mounted on a vehicle, and the images it takes."""
 
 from dataclasses import dataclass
 
@@ -18,14 +18,14 @@ from rocsafe_scene.optics.motion import (
     plane_depth_m,
 )
 from rocsafe_scene.optics.optics import Optics
-from rocsafe_scene.scenery.canvas import Image
+from rocsafe_scene.painting.canvas import Image
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Attitude:
-    """Of a vehicle, rad: yaw, then pitch (positive lowers the nose), then roll, after REP 103."""
+    """Attitude of a vehicle, rad, by REP 103: yaw, then pitch (positive: nose down), then roll."""
 
     yaw_rad: float
     pitch_rad: float = 0.0
@@ -33,17 +33,23 @@ class Attitude:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
-    """What a camera took.
+class CameraPicture:
+    """An image with its pose and true depth and labels.
 
     Attributes
     ----------
-    camera : its name.
-    time_ns : of the exposure, simulated.
-    image : blue, green, red, (height, width, 3).
-    truth : of each pixel; None if the camera does not know.
-    position_enu : of the camera, true, metres.
-    rotation_enu_from_optical : true, (3, 3).
+    camera
+        Name of the camera.
+    time_ns
+        Simulated time of the exposure.
+    image
+        Pixels, blue, green, red, (height, width, 3).
+    truth
+        Depth and label of each pixel; None if the camera does not know them.
+    position_enu
+        True place of the camera, metres.
+    rotation_enu_from_optical
+        True rotation, (3, 3).
     """
 
     camera: str
@@ -55,8 +61,8 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stand:
-    """How a vehicle is at a moment: its camera's place, metres, and its attitude."""
+class VehiclePose:
+    """Place of the cameras of a vehicle, metres, and its attitude at one time."""
 
     position_enu: Enu
     attitude: Attitude
@@ -64,33 +70,41 @@ class Stand:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exposure:
-    """A picture to be taken.
+    """Request for an image.
 
     Attributes
     ----------
-    time_ns : simulated, of its middle row.
-    stand : of the vehicle then.
-    around : of the vehicle half of `MountedCamera.span_ns` earlier and later.
-    rng : of the sensor's noise.
-    is_quick : for a stream, whose pictures need not be as fine.
+    time_ns
+        Simulated time of its middle row.
+    stand
+        Pose of the vehicle at that time.
+    around
+        Poses of the vehicle half of `MountedCamera.span_ns` earlier and later.
+    rng
+        Generator of the sensor's noise.
+    is_quick
+        Whether it is for a stream, and drawn without oversampling.
     """
 
     time_ns: int
-    stand: Stand
-    around: tuple[Stand, Stand]
+    stand: VehiclePose
+    around: tuple[VehiclePose, VehiclePose]
     rng: np.random.Generator
     is_quick: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CameraModel:
-    """What cameras of all vehicles of a process share.
+    """The part of a camera that all vehicles of a process share.
 
     Attributes
     ----------
-    settings : of them.
-    camera : that draws, by the lens `settings.drawn_lens`.
-    optics : that makes photographs of what is drawn; None: they are as drawn.
+    settings
+        Settings of the camera.
+    camera
+        Draws images through the lens `settings.drawn_lens`.
+    optics
+        Makes a photograph of a drawn image; None: the photograph is the drawn image.
     """
 
     settings: CameraSettings
@@ -108,26 +122,26 @@ class MountedCamera:
 
     @property
     def settings(self) -> CameraSettings:
-        """Of it."""
+        """Settings of the camera."""
         return self.model.settings
 
     @property
     def name(self) -> str:
-        """Of the camera."""
+        """Name of the camera."""
         return self.settings.name
 
     @property
     def span_ns(self) -> int:
-        """Time over which motion shows in a picture; 0 if it does not."""
+        """Time over which motion affects an image, nanoseconds; 0 if it has no effect."""
         effects = self.settings.effects
         return round(NS_PER_S * max(effects.shutter_s, effects.readout_s))
 
     def direction(self, time_ns: int) -> Direction:
-        """Return where it looks from the vehicle at a time."""
+        """Return its direction from the vehicle at a time."""
         return self.gimbal.direction(time_ns) if self.gimbal else self.settings.direction
 
     def held(self, attitude: Attitude) -> Attitude:
-        """Return how it is held by a vehicle of an attitude: a gimbal keeps it level."""
+        """Return the attitude of its mount on a vehicle; a gimbal keeps it level."""
         return Attitude(yaw_rad=attitude.yaw_rad) if self.gimbal else attitude
 
     def rotation(self, held: Attitude, time_ns: int) -> FloatArray:
@@ -136,12 +150,13 @@ class MountedCamera:
         looks = self.direction(time_ns)
         return np.asarray(body @ rotation_body_from_optical(looks.pitch_rad, looks.yaw_rad))
 
-    def take(self, exposure: Exposure) -> Picture:
-        """Return what it takes.
+    def take(self, exposure: Exposure) -> CameraPicture:
+        """Return the image of an exposure.
 
         Raises
         ------
-        ViewError: if it sees what cannot be drawn.
+        ViewError
+            If the view cannot be drawn.
         """
         place, time_ns = exposure.stand.position_enu, exposure.time_ns
         rotation = self.rotation(self.held(exposure.stand.attitude), time_ns)
@@ -152,7 +167,7 @@ class MountedCamera:
             rates = self._rates(exposure, rotation, truth)
             image = optics.develop(image, rates, exposure.rng)
             truth = None if truth is None else optics.truth(truth, rates)
-        return Picture(
+        return CameraPicture(
             camera=self.name,
             time_ns=time_ns,
             image=image,
@@ -164,7 +179,7 @@ class MountedCamera:
     def _rates(
         self, exposure: Exposure, rotation: FloatArray, truth: Truth | None
     ) -> Rates | None:
-        """Return how fast what each drawn pixel shows moves; None if nothing does."""
+        """Return the image motion of each drawn pixel; None if nothing moves."""
         if not self.span_ns:
             return None
         motion = self._motion(exposure)

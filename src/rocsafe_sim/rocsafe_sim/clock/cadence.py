@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When something periodic is due in simulated time."""
+"""Periodic events in simulated time."""
 
 from rocsafe_geo.time_units import NS_PER_S
 
 
 class Cadence:
-    """Due at the first step at or after each multiple of a period.
+    """An event that is due at the first step at or after each multiple of a period.
 
-    Multiples are counted from time zero, not from the start of the process: where the step
-    divides the period, speed and restarts change nothing.
+    Multiples are counted from time zero, not from the start of the process. If the step divides
+    the period, neither speed nor a restart changes the times.
     """
 
     def __init__(self, period_ns: int) -> None:
@@ -16,9 +16,9 @@ class Cadence:
         self._last_ns: int | None = None
 
     def is_due(self, time_ns: int) -> bool:
-        """Return whether a multiple lies after the last time asked for, `time_ns` included.
+        """Return whether a multiple lies after the time of the last call, up to `time_ns`.
 
-        At the first time asked for: whether that is a multiple itself.
+        In the first call: whether `time_ns` is a multiple.
         """
         before_ns = time_ns - 1 if self._last_ns is None else self._last_ns
         self._last_ns = time_ns
@@ -26,7 +26,7 @@ class Cadence:
 
 
 def period_ns(rate_hz: float) -> int:
-    """Return the simulated time between two events of a rate, nanoseconds."""
+    """Return the period of a rate, nanoseconds."""
     return round(NS_PER_S / rate_hz)
 
 

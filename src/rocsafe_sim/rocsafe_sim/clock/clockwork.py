@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated time in lock-step: when which time is to be published.
+"""Simulated time in lock-step: decides when to publish which time.
 
-Pure: wall time comes in as an argument, seconds of any clock that only runs forward.
+Wall time is an argument, seconds of any monotonic clock.
 """
 
 from collections.abc import Iterable
@@ -9,22 +9,25 @@ from dataclasses import dataclass
 
 # Without an answer the time is published again after this much wall time.
 RESEND_S = 0.5
-# Who has not answered for this long is named.
+# A participant that has not answered for this long is reported.
 COMPLAIN_S = 2.0
-# A world that starts listens so long for participants that are further on: they repeat
-# themselves every RESEND_S.
+# After its start the world listens this long for participants at a later step, which repeat their
+# reports every RESEND_S.
 LISTEN_S = 0.8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pace:
-    """How time runs.
+    """Start, step and speed of time.
 
     Attributes
     ----------
-    start_ns : first time.
-    step_ns : between two times.
-    speed : simulated seconds a wall second; 0 is as fast as possible.
+    start_ns
+        First time, nanoseconds.
+    step_ns
+        Step between two times, nanoseconds.
+    speed
+        Simulated seconds per wall second; 0: as fast as possible.
     """
 
     start_ns: int
@@ -33,15 +36,20 @@ class Pace:
 
 
 class Clockwork:
-    """Decides on each time to be published.
+    """Publishes the next time when all participants have done the last one.
 
     Parameters
     ----------
-    pace : how time runs.
-    participants : who must have done a step before the next.
-    wall_s : wall time now.
-    is_running : whether time begins by itself, else `run` lets it.
-    pauses_when_idle : pause after a step that left everybody idle, once somebody was busy.
+    pace
+        Start, step and speed.
+    participants
+        Names of those who must finish a step before the next one.
+    wall_s
+        Wall time of the start, seconds.
+    is_running
+        Whether time runs from the start; otherwise `run` starts it.
+    pauses_when_idle
+        Whether to pause after a step in which all were idle, once one was busy.
     """
 
     def __init__(
@@ -68,19 +76,19 @@ class Clockwork:
 
     @property
     def time_ns(self) -> int:
-        """The time being done, or done already while paused."""
+        """Current time, nanoseconds."""
         return self._time_ns
 
     @property
     def is_done(self) -> bool:
-        """Whether everybody has done the current time."""
+        """Whether all participants have finished the current time."""
         return self._published_s is not None and len(self._idle) == len(self._names)
 
     def take(self, name: str, step_ns: int, *, is_idle: bool) -> None:
-        """Take a participant's report; strangers and steps gone by do not count.
+        """Take the report of a participant; unknown names and past steps are ignored.
 
-        A report from the future is one to a world that was here before: its time is adopted, and
-        time runs on if somebody is busy.
+        A report of a later step was meant for a world process that has been restarted since. Its
+        time is adopted, and time runs on if the participant is busy.
         """
         if name not in self._names:
             return
@@ -92,14 +100,15 @@ class Clockwork:
             self.is_running = self.is_running or (self._is_adopted and not is_idle)
 
     def dismiss(self, name: str) -> None:
-        """Wait for a participant no more: it will not come back."""
+        """Stop waiting for a participant that has left."""
         self._names -= {name}
         self._idle.pop(name, None)
 
     def due(self, wall_s: float) -> int | None:
         """Return the time to be published now, None if it is not time yet."""
         if self._published_s is None:
-            # Whoever is there when time begins has heard of everybody: no first reading is lost.
+            # Time begins once participants had time to discover each other: no first reading is
+            # lost.
             is_heard = len(self._idle) > 0
             may_begin = self.is_running and wall_s >= self._begin_s
             return self._publish(wall_s) if is_heard or may_begin else None
@@ -108,7 +117,7 @@ class Clockwork:
         return self._publish(wall_s) if wall_s - self._published_s >= RESEND_S else None
 
     def missing(self, wall_s: float) -> list[str]:
-        """Return who has kept everybody waiting for `COMPLAIN_S` or longer."""
+        """Return the participants that have not answered for `COMPLAIN_S` or longer."""
         if (
             self.is_done
             or self._published_s is None
@@ -118,7 +127,7 @@ class Clockwork:
         return sorted(self._names - self._idle.keys())
 
     def run(self, *, is_running: bool) -> None:
-        """Let time run or pause it after the current step."""
+        """Let time run, or pause it after the current step."""
         self.is_running = is_running
         self._was_busy = False
 
@@ -135,7 +144,7 @@ class Clockwork:
             return None
         if self._pace.speed > 0.0:
             step_s = self._pace.step_ns * 1e-9 / self._pace.speed
-            # A step that is late by more than a step does not make the next ones hurry.
+            # After a delay of more than a step the following steps are not hurried.
             is_late = wall_s >= self._next_s + step_s
             self._next_s = (wall_s if is_late else self._next_s) + step_s
         self._time_ns += self._pace.step_ns

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle can do: its flight, its hover time, its battery."""
+"""Performance of a vehicle: flight, hover time, battery."""
 
 from dataclasses import dataclass
 
@@ -14,13 +14,19 @@ class Airframe:
 
     Attributes
     ----------
-    performance : of its flight, and the wind.
-    hover_s : standing time at a viewpoint, at whose end it photographs; 0: it passes viewpoints
-        without a stop and photographs on the way.
-    endurance_s : time in the air on a full battery, however it flies.
-    reserve_fraction : part of a full battery with which it wants to land.
-    fails_after_s : time from a flight's take-off to the failure of its battery; 0: never.
-    collision_radius_m : within which nothing may stand; 0: it passes through everything.
+    performance
+        Limits of its flight, and the wind.
+    hover_s
+        Time at a viewpoint, at whose end it photographs, seconds; 0: it passes viewpoints without
+        a stop.
+    endurance_s
+        Time in the air on a full battery at the largest airspeed, seconds.
+    reserve_fraction
+        Charge to land with, as a part of a full battery.
+    fails_after_s
+        Time from take-off to a failure of the battery, seconds; 0: never.
+    collision_radius_m
+        Distance to an object that counts as a collision, metres; 0: no collisions.
     hover_power_w
         Power in hover in still air, W.
     """
@@ -43,7 +49,7 @@ class Airframe:
 
     @property
     def power(self) -> PowerModel:
-        """Power in flight; at the largest airspeed a battery lasts for `endurance_s`."""
+        """Power in flight."""
         return PowerModel(
             hover_power_w=self.hover_power_w,
             endurance_s=self.endurance_s,

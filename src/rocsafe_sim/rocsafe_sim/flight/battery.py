@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a flight must be broken off so that the vehicle gets home with its reserve."""
+"""Time at which a vehicle must end its flight to land with its reserve."""
 
 import math
 from functools import lru_cache
@@ -9,20 +9,22 @@ import numpy as np
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.fall import Fall
-from rocsafe_sim.flight.route import Route
-from rocsafe_sim.flight.segment import Mode, Pose
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose, Mode
 from rocsafe_sim.flight.tasks import LEVEL_TOLERANCE_M, safe_up, stopped
 from rocsafe_sim.flight.timeline import Timeline
 
-# The battery is looked at this often, counted from the flight's start: the decision does not
-# depend on the simulation's step.
+# Period of the checks of the battery, counted from the start of the flight, so that the decision
+# does not depend on the step of the simulation.
 CHECK_PERIOD_S = 1.0
 
 
-def return_duration_s(airframe: Airframe, start: Pose, route: Route, number: int = 0) -> float:
-    """Return the time from `start` to standing motors at the refuge, braking first if it moves.
+def return_duration_s(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, number: int = 0
+) -> float:
+    """Return the time from `start` to standing motors at the refuge, including a stop first.
 
-    As long as the timeline of such a diversion from flight `number`, which takes longer to make.
+    It equals the duration of the timeline of this diversion, but is faster to compute.
     """
     performance = airframe.performance
     stop, at = stopped(airframe, start)
@@ -45,24 +47,29 @@ def low_battery_s(
     airframe: Airframe,
     timeline: Timeline | Fall,
     charge_fraction: float,
-    route: Route,
+    route: FlightRoute,
     number: int = 0,
 ) -> float:
-    """Return when the charge is only just enough to land elsewhere and keep the reserve.
+    """Return the time at which the charge is just enough to land at the refuge with the reserve.
 
     Parameters
     ----------
-    airframe : of the vehicle.
-    timeline : the flight as intended.
-    charge_fraction : at the timeline's start, 0 to 1.
-    route : with the places to land at, and what is not flown over.
-    number : of the route's flight.
+    airframe
+        Performance of the vehicle.
+    timeline
+        Flight as planned.
+    charge_fraction
+        Charge at the start of the timeline, 0 to 1.
+    route
+        Route, with its landing places and exclusions.
+    number
+        Number of the flight of the route.
 
     Returns
     -------
-    Seconds since the timeline's start, a multiple of `CHECK_PERIOD_S`; infinity if the flight as
-    intended keeps the reserve, or is on its way down before. The way there is reckoned at full
-    power.
+    float
+        Seconds since the start of the timeline, a multiple of `CHECK_PERIOD_S`. Infinite if the
+        flight keeps the reserve, or returns before. The way to the refuge counts at full power.
     """
     spare_s = (charge_fraction - airframe.reserve_fraction) * airframe.endurance_s
     watt_s_per_s = airframe.power.capacity_j / airframe.endurance_s
@@ -79,13 +86,13 @@ def low_battery_s(
         left_s = spare_s - used_s - home_s - margin_s
         if left_s <= 0.0:
             return elapsed_s
-        # no look is needed before the need can have grown by what is left
+        # No check is needed before the need can have grown by what is left.
         elapsed_s += CHECK_PERIOD_S * max(1, math.floor(left_s / margin_s))
     return math.inf
 
 
-def _level_from_s(timeline: Timeline | Fall, route: Route) -> float:
-    """Return from when on the vehicle climbs no more."""
+def _level_from_s(timeline: Timeline | Fall, route: FlightRoute) -> float:
+    """Return the time from which on the vehicle does not climb."""
     heights = [waypoint.position_enu[2] for waypoint in route.waypoints]
     is_level = max(heights, default=0.0) - min(heights, default=0.0) <= LEVEL_TOLERANCE_M
     begin_s = timeline.first_start_s(Mode.FLYING, Mode.HOLDING)
@@ -93,10 +100,10 @@ def _level_from_s(timeline: Timeline | Fall, route: Route) -> float:
 
 
 def _growth_s(airframe: Airframe, is_level: bool) -> float:
-    """Return by how much time used plus time to return can grow in a second.
+    """Return an upper bound of the growth of time used plus time to return, seconds per second.
 
-    Speeding up away from home costs most: 1 s of flight, up to 3 s more of braking with its
-    jerks, and the way flown in these 4 s and back again; or, in a climb, down again.
+    Acceleration away from home costs most: 1 s of flight, up to 3 s of additional braking, and
+    the way back that was flown in these 4 s, or in a climb the descent.
     """
     performance = airframe.performance
     slowest = min(performance.descent_rate_mps, performance.autopilot.landing_speed_mps)

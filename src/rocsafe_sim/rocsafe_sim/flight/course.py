@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flight that follows from an order, in simulated time."""
+"""The flight that follows from a command, in simulated time."""
 
 import math
 from collections.abc import Iterator
@@ -7,65 +7,72 @@ from collections.abc import Iterator
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.battery import low_battery_s
-from rocsafe_sim.flight.orders import Order, OrderKind, timeline_of
-from rocsafe_sim.flight.route import Route
-from rocsafe_sim.flight.segment import Mode, Pose
+from rocsafe_sim.flight.commands import Command, CommandKind, timeline_of
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose, Mode
 from rocsafe_sim.flight.timeline import ShotTime
 
 
 class Course:
-    """What becomes of a vehicle if no other order comes.
+    """The future of a vehicle as long as no other command comes.
 
     Attributes
     ----------
-    order : that it follows from.
-    route : that the order is about.
-    timeline : segments flown.
-    low_ns : when the battery will call it home; infinity if never.
-    touch_down_ns : when it stands on the ground; infinity if never.
+    command
+        Command that it follows from.
+    route
+        Route of the command.
+    timeline
+        Motion as a function of time.
+    low_ns
+        Time at which it diverts because of its battery, nanoseconds; infinite if never.
+    touch_down_ns
+        Time at which it stands on the ground, nanoseconds; infinite if never.
     """
 
-    def __init__(self, order: Order, route: Route, airframe: Airframe) -> None:
-        self.order = order
+    def __init__(self, command: Command, route: FlightRoute, airframe: Airframe) -> None:
+        self.command = command
         self.route = route
-        self.timeline = timeline_of(order, route, airframe)
+        self.timeline = timeline_of(command, route, airframe)
         self._capacity_j = airframe.power.capacity_j
-        low_s = low_battery_s(airframe, self.timeline, order.charge_fraction, route, order.number)
+        low_s = low_battery_s(
+            airframe, self.timeline, command.charge_fraction, route, command.number
+        )
         self.low_ns = self._after_start_ns(low_s)
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
 
     def elapsed_s(self, time_ns: int) -> float:
-        """Return the seconds from the order to `time_ns`, 0 before it takes effect."""
-        if time_ns >= self.touch_down_ns:  # which is rounded to a nanosecond
+        """Return the seconds from the command to `time_ns`; 0 before it takes effect."""
+        if time_ns >= self.touch_down_ns:  # rounded to a nanosecond
             return self.timeline.duration_s
-        return max(0, time_ns - self.order.start_ns) / NS_PER_S
+        return max(0, time_ns - self.command.start_ns) / NS_PER_S
 
-    def pose(self, time_ns: int) -> Pose:
+    def pose(self, time_ns: int) -> FlightPose:
         """Return the pose at `time_ns`."""
         return self.timeline.pose(self.elapsed_s(time_ns))
 
     def mode(self, time_ns: int) -> Mode:
-        """Return what the vehicle is about at `time_ns`."""
+        """Return the mode at `time_ns`."""
         if time_ns >= self.touch_down_ns:
-            return Mode.CRASHED if self.order.kind is OrderKind.FALL else Mode.LANDED
-        if time_ns < self.order.start_ns:
+            return Mode.CRASHED if self.command.kind is CommandKind.FALL else Mode.LANDED
+        if time_ns < self.command.start_ns:
             return Mode.WAITING
         return self.timeline.segment(self.elapsed_s(time_ns)).mode
 
     def charge_fraction(self, time_ns: int) -> float:
-        """Return the battery charge left at `time_ns`, 0 to 1; on the ground none is used."""
+        """Return the charge left at `time_ns`, 0 to 1; on the ground none is used."""
         used = self.timeline.used_j(self.elapsed_s(time_ns)) / self._capacity_j
-        return max(0.0, self.order.charge_fraction - used)
+        return max(0.0, self.command.charge_fraction - used)
 
     def power_w(self, time_ns: int) -> float:
         """Return the power of the motors at `time_ns`; on the ground none."""
-        if not self.order.start_ns <= time_ns < self.touch_down_ns:
+        if not self.command.start_ns <= time_ns < self.touch_down_ns:
             return 0.0
         return self.timeline.power_w(self.elapsed_s(time_ns))
 
     def distance_m(self, time_ns: int) -> float:
         """Return the horizontal distance flown until `time_ns` since power-up."""
-        return self.order.distance_m + self.timeline.progress_m(self.elapsed_s(time_ns))
+        return self.command.distance_m + self.timeline.progress_m(self.elapsed_s(time_ns))
 
     def left(self, time_ns: int) -> tuple[float, float]:
         """Return horizontal distance (m) and time (s) from `time_ns` to touch-down."""
@@ -82,4 +89,4 @@ class Course:
     def _after_start_ns(self, elapsed_s: float) -> int | float:
         if math.isinf(elapsed_s):
             return math.inf
-        return self.order.start_ns + round(elapsed_s * NS_PER_S)
+        return self.command.start_ns + round(elapsed_s * NS_PER_S)

@@ -21,22 +21,24 @@ class FlightOptions(OriginOptions):
     climb_rate_mps: float = option(2.5, 'vertical speed up, m/s', 0.01, 50.0)
     descent_rate_mps: float = option(1.5, 'vertical speed down, m/s', 0.01, 50.0)
     hover_s: float = option(
-        1.0, 'standing time before each photograph, s; 0: viewpoints are passed', 0.0, 600.0
+        1.0, 'time at a viewpoint before its photograph, s; 0: viewpoints are passed', 0.0, 600.0
     )
     endurance_s: float = option(1500.0, 'time in the air on a full battery, s', 1.0, 604_800.0)
-    reserve_fraction: float = option(0.1, 'charge to land with, 0 to 0.9', 0.0, 0.9)
+    reserve_fraction: float = option(
+        0.1, 'charge to land with, as a part of a full battery', 0.0, 0.9
+    )
     collision_radius_m: float = option(
-        0.4, 'within which nothing of a scene may stand, m; 0: flies through all', 0.0, 10.0
+        0.4, 'distance to an object that counts as a collision, m; 0: no collisions', 0.0, 10.0
     )
     fails_after_s: float = option(
-        0.0, "time from a flight's take-off to the failure of its battery, s; 0: never", 0.0, 1e6
+        0.0, 'time from take-off to a failure of the battery, s; 0: never', 0.0, 1e6
     )
-    hover_power_w: float = option(HOVER_POWER_W, 'of the motors in still air, W', 1.0, 1e6)
+    hover_power_w: float = option(HOVER_POWER_W, 'power of the motors in hover, W', 1.0, 1e6)
     autopilot_file: str = option(
         '', "YAML file of the autopilot's settings, see docs/flight-model.md; empty: ArduCopter's"
     )
-    wind_east_mps: float = option(0.0, 'that the air moves towards, m/s', -100.0, 100.0)
-    wind_north_mps: float = option(0.0, 'that the air moves towards, m/s', -100.0, 100.0)
+    wind_east_mps: float = option(0.0, 'velocity of the air to the east, m/s', -100.0, 100.0)
+    wind_north_mps: float = option(0.0, 'velocity of the air to the north, m/s', -100.0, 100.0)
 
     def airframe(self) -> Airframe:
         """Return what the vehicles can do.

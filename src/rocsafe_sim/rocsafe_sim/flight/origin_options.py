@@ -9,14 +9,14 @@ from rocsafe_geo.position import GeoPosition
 
 
 def option(default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
-    """Return a field whose metadata become the descriptor of a ROS parameter."""
+    """Return a field whose metadata describe a ROS parameter."""
     limits = {name: value for name, value in (('min', low), ('max', high)) if value is not None}
     return field(default=default, metadata={'doc': doc, **limits})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OriginOptions:
-    """Where the mission's local frame lies; the ground is its plane up = 0."""
+    """Origin of the local frame of the mission; level ground is its plane up = 0."""
 
     origin_latitude_deg: float = option(0.0, 'latitude of the mission origin, deg', -90.0, 90.0)
     origin_longitude_deg: float = option(
@@ -27,7 +27,7 @@ class OriginOptions:
     )
 
     def frame(self) -> LocalFrame:
-        """Return the mission's local frame."""
+        """Return the local frame of the mission."""
         return LocalFrame(
             GeoPosition(
                 self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle is asked to fly."""
+"""Route of a vehicle: viewpoints, bends, landings, exclusions."""
 
 import math
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from rocsafe_geo.detour import Place, Ring, WaysAround
 from rocsafe_geo.limits import require_not_negative
 from rocsafe_geo.motion.state import Enu
 
-# A vehicle this near to its planned way is on it, and needs no way around exclusions to it.
+# A vehicle this near to its planned way is on it.
 ON_WAY_M = 0.01
 
 
@@ -26,15 +26,19 @@ def horizontal_m(a: Enu, b: Enu) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
+class RouteWaypoint:
     """A viewpoint to be photographed.
 
     Attributes
     ----------
-    viewpoint_id : number within the plan.
-    position_enu : of the camera, metres about the mission origin.
-    yaw_rad : of the vehicle while it photographs, ENU.
-    approach_enu : where the way to it bends, metres; flown over without a photograph.
+    viewpoint_id
+        Number within the plan.
+    position_enu
+        Place of the camera, metres about the mission origin.
+    yaw_rad
+        Yaw of the vehicle while it photographs, rad, ENU.
+    approach_enu
+        Bends of the way to it, metres; passed without a photograph.
     """
 
     viewpoint_id: int
@@ -51,13 +55,15 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Swap:
-    """A landing at home on the way, where the battery is changed.
+class BatterySwap:
+    """A landing at home to change the battery.
 
     Attributes
     ----------
-    after : number of viewpoints photographed before it.
-    homeward_enu : where the way home to it bends, metres.
+    after
+        Number of viewpoints photographed before it.
+    homeward_enu
+        Bends of the way home, metres.
     """
 
     after: int
@@ -69,33 +75,45 @@ class Swap:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Route:
+class FlightRoute:
     """Viewpoints in flying order, in one flight or more, and where to land.
 
     Attributes
     ----------
-    plan_id : of the plan that the route is part of.
-    home_enu : where to take off and land; up is that of the ground there.
-    waypoints : in flying order; none for a vehicle in the air that is to come home.
-    homeward_enu : where the way from the last one to the landing place bends, metres.
-    exclusions : outlines (east, north) that are not flown over, by who gives up the route either.
-    clearance_m : distance to keep from them.
-    delay_s : to wait on the ground before the first take-off.
-    swaps, swap_s : landings for a new battery, and the time on the ground that each takes.
-    landing_enu : where to land instead of home; up is that of the ground there.
-    is_open : whether to land at the last viewpoint instead.
-    height_m : above the ground, of places that differ in height; 0: all is flown level.
-    begins_enu : where it is taken up in the air; None: at home.
+    plan_id
+        Identifier of the plan that the route is part of.
+    home_enu
+        Place of take-off and landing on the ground, metres.
+    waypoints
+        Viewpoints in order of flight; empty to call a vehicle in the air home.
+    homeward_enu
+        Bends of the way from the last viewpoint to the landing place, metres.
+    exclusions
+        Outlines (east, north) of areas that are never flown over, metres.
+    clearance_m
+        Distance to keep from them, metres.
+    delay_s
+        Time on the ground before the first take-off, seconds.
+    swaps, swap_s
+        Landings for a new battery, and the time on the ground of each, seconds.
+    landing_enu
+        Place on the ground to land at instead of home, metres.
+    is_open
+        Whether to land below the last viewpoint instead.
+    height_m
+        Flight height above uneven ground, metres; 0: the route is flown level.
+    begins_enu
+        Place in the air where it begins; None: at home.
     """
 
     plan_id: str
     home_enu: Enu
-    waypoints: tuple[Waypoint, ...]
+    waypoints: tuple[RouteWaypoint, ...]
     homeward_enu: tuple[Enu, ...] = ()
     exclusions: tuple[Ring, ...] = ()
     clearance_m: float = 0.0
     delay_s: float = 0.0
-    swaps: tuple[Swap, ...] = ()
+    swaps: tuple[BatterySwap, ...] = ()
     swap_s: float = 0.0
     landing_enu: Enu | None = None
     is_open: bool = False
@@ -121,7 +139,7 @@ class Route:
 
     @property
     def is_level(self) -> bool:
-        """Whether all of it is flown at one height."""
+        """Whether it is flown at one height."""
         return self.height_m == 0.0
 
     def begin_of(self, number: int) -> int:
@@ -137,20 +155,20 @@ class Route:
         return number == len(self.swaps)
 
     def landing_of(self, number: int) -> Enu | None:
-        """Return where flight `number` lands; None: below its last viewpoint."""
+        """Return the landing place of flight `number`; None: below its last viewpoint."""
         if not self.is_last(number):
             return self.home_enu
         return None if self.is_open else self.landing_enu or self.home_enu
 
     def ground_below(self, place_enu: Enu) -> Enu:
-        """Return the ground below a place; off level ground that of the nearest viewpoint."""
+        """Return the ground below a place; over uneven ground that of the nearest viewpoint."""
         if self.is_level or not self.waypoints:
             return (*place_enu[:2], self.home_enu[2])
         near = min(self.waypoints, key=lambda w: horizontal_m(w.position_enu, place_enu))
         return (*place_enu[:2], near.position_enu[2] - self.height_m)
 
     def refuge(self, here_enu: Enu, number: int) -> Enu:
-        """Return the nearest place to land on flight `number`: home, or where it is to land."""
+        """Return the refuge of flight `number`: home or its landing place, whichever is nearer."""
         landing = self.landing_of(number)
         if landing is None and self.waypoints:
             landing = self.ground_below(self.waypoints[-1].position_enu)
@@ -158,9 +176,9 @@ class Route:
         return min(places, key=lambda place: horizontal_m(place, here_enu))
 
     def way_to(self, index: int, here_enu: Enu, number: int = 0) -> tuple[Enu, ...]:
-        """Return the bends still ahead to viewpoint `index`, or to the landing after the last.
+        """Return the remaining bends to viewpoint `index`, or to the landing after the last one.
 
-        A vehicle that was stopped on its way goes on with the part of it that it is nearest to.
+        A vehicle that was stopped continues with the nearest part of the way.
         """
         begin, is_down = self.begin_of(number), index == self.end_of(number)
         start = self.home_enu if number or self.begins_enu is None else self.begins_enu
@@ -175,14 +193,14 @@ class Route:
         offsets = [_offset_m(here_enu, a, b) for a, b in pairwise(corners)]
         part = offsets.index(min(offsets))
         ahead = bends[part:]
-        # nobody may have planned the way from where it was taken up
+        # The way from where the route was begun in the air may not be planned.
         is_planned = index > begin or part > 0 or number > 0 or self.begins_enu is None
         if min(offsets) < ON_WAY_M and is_planned:
             return ahead
         return (*self.around(here_enu, ahead[0] if ahead else after), *ahead)
 
     def around(self, here_enu: Enu, there_enu: Enu) -> tuple[Enu, ...]:
-        """Return where the way between any two places bends around the exclusions."""
+        """Return the bends of the way around the exclusions between two places."""
         if not self.exclusions:
             return ()
         ways = _ways_around(self.exclusions, self.clearance_m, there_enu[:2])
@@ -191,7 +209,7 @@ class Route:
 
 @lru_cache(maxsize=32)
 def _ways_around(zones: tuple[Ring, ...], clearance_m: float, goal: Place) -> WaysAround:
-    """Return the ways to a goal: looked for at every check of the battery, found once."""
+    """Return the ways around exclusions to a goal; cached, as every battery check asks."""
     return WaysAround(zones, clearance_m, goal)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle is about at a time, and where its nose points."""
+"""Segments of a flight: mode of the vehicle, and its yaw over time."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from rocsafe_geo.motion.state import STILL, Enu, MotionState
 
 
 class Mode(Enum):
-    """What the vehicle is about, after REP 147."""
+    """Mode of a vehicle, by REP 147."""
 
     DISARMED = 'disarmed'
     WAITING = 'waiting'
@@ -30,8 +30,8 @@ class Mode(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pose:
-    """Where a vehicle is, how it moves and where its nose points; metres, seconds, ENU."""
+class FlightPose:
+    """Position, velocity, acceleration and yaw of a vehicle; metres, seconds, ENU."""
 
     position_enu: Enu
     velocity_enu: Enu
@@ -45,26 +45,31 @@ class Pose:
 
     @property
     def motion(self) -> MotionState:
-        """The pose without the nose."""
+        """The pose without the yaw."""
         return MotionState(self.position_enu, self.velocity_enu, self.acceleration_enu)
 
 
-def standing(position_enu: Enu, yaw_rad: float) -> Pose:
-    """Return the pose of standing still somewhere."""
-    return Pose(position_enu=position_enu, velocity_enu=STILL, yaw_rad=yaw_rad)
+def standing(position_enu: Enu, yaw_rad: float) -> FlightPose:
+    """Return the pose of a vehicle that stands still."""
+    return FlightPose(position_enu=position_enu, velocity_enu=STILL, yaw_rad=yaw_rad)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Segment:
-    """A while in which a vehicle is about one thing.
+    """A part of a flight in one mode.
 
     Attributes
     ----------
-    mode : what it is about.
-    begin_s, end_s : since the start of the timeline; the end may be infinity.
-    yaw_start_rad, yaw_end_rad : nose direction, turned evenly from one to the other.
-    viewpoint_index : in the route, of the viewpoint flown to or stood at; None on the way home.
-    takes_shot : whether a photograph is due at its end.
+    mode
+        Mode of the vehicle.
+    begin_s, end_s
+        Seconds since the start of the timeline; the end may be infinite.
+    yaw_start_rad, yaw_end_rad
+        Yaw at begin and end, interpolated linearly.
+    viewpoint_index
+        Index in the route of the viewpoint flown to or stood at; None on the way home.
+    takes_shot
+        Whether its end is photographed.
     """
 
     mode: Mode
@@ -76,7 +81,7 @@ class Segment:
     takes_shot: bool = False
 
     def yaw_rad(self, elapsed_s: float) -> float:
-        """Return where the nose points at a time, held before the begin and after the end."""
+        """Return the yaw at a time; constant before the begin and after the end."""
         if elapsed_s >= self.end_s or self.yaw_start_rad == self.yaw_end_rad:
             return self.yaw_end_rad
         turned = max(0.0, elapsed_s - self.begin_s) / (self.end_s - self.begin_s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle does to obey an order: stop, then these tasks."""
+"""Timelines of commands: a stop, then a sequence of tasks."""
 
 import math
 from collections.abc import Iterator
@@ -8,20 +8,20 @@ from rocsafe_geo.motion.route_motion import Way
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.route import ON_WAY_M, Route, horizontal_m
-from rocsafe_sim.flight.segment import Mode, Pose, standing
+from rocsafe_sim.flight.route import ON_WAY_M, FlightRoute, horizontal_m
+from rocsafe_sim.flight.segment import FlightPose, Mode, standing
 from rocsafe_sim.flight.timeline import Task, Timeline
 
-# Heights nearer than this count as equal; coordinates that went through degrees come back to 1 nm.
+# Heights nearer than this count as equal; a conversion to degrees and back changes about 1 nm.
 LEVEL_TOLERANCE_M = 1e-3
 
 
 def fly_timeline(
-    airframe: Airframe, start: Pose, route: Route, from_here: tuple[int, int]
+    airframe: Airframe, start: FlightPose, route: FlightRoute, from_here: tuple[int, int]
 ) -> Timeline:
-    """Return what is left of a flight: over its viewpoints, to where it lands, and down.
+    """Return the rest of a flight: over its viewpoints, to its landing place, and down.
 
-    `from_here` is the flight's number and the first viewpoint that is left of it, if one is.
+    `from_here` holds the number of the flight and the index of the first viewpoint left.
     `start` may be on the ground or in the air, standing or moving.
     """
     stop, at = stopped(airframe, start)
@@ -29,10 +29,12 @@ def fly_timeline(
     return Timeline(airframe, start, stop, tasks)
 
 
-def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) -> Timeline:
+def return_timeline(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, ground: Enu
+) -> Timeline:
     """Return the way from `start` around exclusions to a place on the ground, and down.
 
-    It is flown level; off level ground no lower than any of the route's viewpoints.
+    It is flown level; over uneven ground no lower than any viewpoint of the route.
     """
     stop, at = stopped(airframe, start)
     tasks: list[Task] = []
@@ -46,14 +48,14 @@ def return_timeline(airframe: Airframe, start: Pose, route: Route, ground: Enu) 
     return Timeline(airframe, start, stop, tasks)
 
 
-def safe_up(route: Route, up_m: float) -> float:
-    """Return the height at which to give up a route at height `up_m`."""
+def safe_up(route: FlightRoute, up_m: float) -> float:
+    """Return the height of the way home of a vehicle at height `up_m`."""
     if route.is_level:
         return up_m
     return max(up_m, *(waypoint.position_enu[2] for waypoint in route.waypoints))
 
 
-def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
+def hold_timeline(airframe: Airframe, start: FlightPose) -> Timeline:
     """Return the stop from `start` and a stand without end."""
     stop, at = stopped(airframe, start)
     way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
@@ -61,17 +63,17 @@ def hold_timeline(airframe: Airframe, start: Pose) -> Timeline:
 
 
 def land_timeline(
-    airframe: Airframe, start: Pose, route: Route, ground_up_m: float | None = None
+    airframe: Airframe, start: FlightPose, route: FlightRoute, ground_up_m: float | None = None
 ) -> Timeline:
-    """Return the stop from `start` and the way straight down, to the ground that the route has."""
+    """Return the stop from `start` and the vertical descent to the ground."""
     stop, at = stopped(airframe, start)
     if ground_up_m is None:
         ground_up_m = route.ground_below(at.position_enu)[2]
     return Timeline(airframe, start, stop, list(_down_tasks(airframe, at, ground_up_m)))
 
 
-def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
-    """Return how a vehicle stops, None if it stands, and where it then is."""
+def stopped(airframe: Airframe, start: FlightPose) -> tuple[StopMotion | None, FlightPose]:
+    """Return the stop of a vehicle, None if it stands, and its pose afterwards."""
     if start.motion.is_still:
         return None, start
     performance = airframe.performance
@@ -80,9 +82,9 @@ def stopped(airframe: Airframe, start: Pose) -> tuple[StopMotion | None, Pose]:
 
 
 def _route_tasks(
-    airframe: Airframe, at: Pose, route: Route, number: int, first_index: int
+    airframe: Airframe, at: FlightPose, route: FlightRoute, number: int, first_index: int
 ) -> Iterator[Task]:
-    """Yield what is left of flight `number` for a vehicle that stands at `at`."""
+    """Yield the rest of flight `number` for a vehicle that stands at `at`."""
     begin, end = route.begin_of(number), route.end_of(number)
     if first_index == begin < end:
         for task in _climb_tasks(airframe, at, route, begin):
@@ -99,8 +101,10 @@ def _route_tasks(
     yield from _landing_tasks(airframe, at, over, ground[2], bends, is_level=route.is_level)
 
 
-def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iterator[Task]:
-    """Yield the climb over home, with the take-off if on the ground; none elsewhere."""
+def _climb_tasks(
+    airframe: Airframe, at: FlightPose, route: FlightRoute, index: int
+) -> Iterator[Task]:
+    """Yield the climb above home, with the take-off if on the ground; nothing elsewhere."""
     performance, here, home = airframe.performance, at.position_enu, route.home_enu
     up_m = home[2] + route.height_m
     if route.is_level:
@@ -114,11 +118,11 @@ def _climb_tasks(airframe: Airframe, at: Pose, route: Route, index: int) -> Iter
 
 
 def _viewpoint_tasks(
-    airframe: Airframe, at: Pose, route: Route, target: tuple[int, int]
+    airframe: Airframe, at: FlightPose, route: FlightRoute, target: tuple[int, int]
 ) -> Iterator[Task]:
     """Yield the way to a viewpoint, with a stop at each bend, and the photograph there.
 
-    `target` is the flight's number and the viewpoint's index.
+    `target` holds the number of the flight and the index of the viewpoint.
     """
     number, index = target
     performance, waypoint = airframe.performance, route.waypoints[index]
@@ -127,7 +131,7 @@ def _viewpoint_tasks(
         task = _task(performance.way(at.position_enu, over_bend), Mode.FLYING, at, index)
         yield task
         at = _at_end(task)
-    # before it turns home a vehicle stops, as autopilots do before they return
+    # Autopilots stop before they return, at the last viewpoint, too.
     is_passed = airframe.hover_s == 0.0 and index < route.end_of(number) - 1
     way = performance.way(
         at.position_enu, waypoint.position_enu, airframe.hover_s, is_passed=is_passed
@@ -143,14 +147,14 @@ def _viewpoint_tasks(
 
 def _landing_tasks(
     airframe: Airframe,
-    at: Pose,
+    at: FlightPose,
     over: Enu,
     ground_up_m: float,
     bends: tuple[Enu, ...],
     *,
     is_level: bool = True,
 ) -> Iterator[Task]:
-    """Yield the way over `bends` to the place `over` the landing, the wait there, and down."""
+    """Yield the way over `bends` to the place `over` the landing, the wait, and the descent."""
     performance = airframe.performance
     for bend in bends:
         over_bend = _over(bend, at, is_level=is_level)
@@ -163,20 +167,20 @@ def _landing_tasks(
     yield from _down_tasks(airframe, _at_end(task), ground_up_m)
 
 
-def _over(bend: Enu, at: Pose, *, is_level: bool) -> Enu:
-    """Return where a way bends: as high as it comes from, unless the ground is uneven."""
+def _over(bend: Enu, at: FlightPose, *, is_level: bool) -> Enu:
+    """Return a bend at the height of `at`; over uneven ground at its own."""
     return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
 
 
-def _down_tasks(airframe: Airframe, at: Pose, ground_up_m: float) -> Iterator[Task]:
+def _down_tasks(airframe: Airframe, at: FlightPose, ground_up_m: float) -> Iterator[Task]:
     for way in airframe.performance.descent(at.position_enu, ground_up_m):
         yield _task(way, Mode.LANDING, at)
 
 
-def _task(way: Way, mode: Mode, at: Pose, viewpoint_index: int | None = None) -> Task:
-    """Return a task during which the nose keeps its direction."""
+def _task(way: Way, mode: Mode, at: FlightPose, viewpoint_index: int | None = None) -> Task:
+    """Return a task with constant yaw."""
     return Task(way=way, mode=mode, yaw_rad=at.yaw_rad, viewpoint_index=viewpoint_index)
 
 
-def _at_end(task: Task) -> Pose:
+def _at_end(task: Task) -> FlightPose:
     return standing(task.way.end_enu, task.yaw_rad)

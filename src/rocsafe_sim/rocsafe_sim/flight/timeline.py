@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flight over time: where the vehicle is at any time, past or to come."""
+"""A flight as a function of time, past or future."""
 
 import math
 from bisect import bisect_right
@@ -12,12 +12,12 @@ from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Motion, MotionState
 from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.segment import Mode, Pose, Segment
+from rocsafe_sim.flight.segment import FlightPose, Mode, Segment
 
 
 @dataclass(frozen=True, slots=True)
 class ShotTime:
-    """A photograph due `elapsed_s` seconds after the timeline's start, at a route's viewpoint."""
+    """A photograph at a viewpoint, `elapsed_s` seconds after the start of the timeline."""
 
     elapsed_s: float
     viewpoint_index: int
@@ -25,15 +25,20 @@ class ShotTime:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A leg with the stand at its end, and what it is for.
+    """A leg with the stand at its end, and its purpose.
 
     Attributes
     ----------
-    way : to fly.
-    mode : what the vehicle is about meanwhile.
-    yaw_rad : of the nose at its end.
-    viewpoint_index : in the route, of the viewpoint flown to; None on the way home.
-    takes_shot : whether its end is photographed.
+    way
+        Leg and stand.
+    mode
+        Mode of the vehicle meanwhile.
+    yaw_rad
+        Yaw at its end.
+    viewpoint_index
+        Index in the route of the viewpoint flown to; None on the way home.
+    takes_shot
+        Whether its end is photographed.
     """
 
     way: Way
@@ -44,21 +49,25 @@ class Task:
 
 
 class Timeline:
-    """A stop from any motion, if there is one, then tasks one after the other.
+    """A stop, if the vehicle moves, then tasks one after the other.
 
-    All elapsed times are seconds since the start. Before it the vehicle is where it starts, after
-    the last task where that ends.
+    Elapsed times are seconds since the start. Before the start the vehicle is at its begin, after
+    the last task at its end.
 
     Parameters
     ----------
-    airframe : of the vehicle.
-    start : pose at time 0.
-    stop : from it, None if it stands.
-    tasks : at least one; they begin where the stop ends.
+    airframe
+        Performance of the vehicle.
+    start
+        Pose at time 0.
+    stop
+        Stop from that pose; None if it stands.
+    tasks
+        Tasks, at least one; they begin where the stop ends.
     """
 
     def __init__(
-        self, airframe: Airframe, start: Pose, stop: StopMotion | None, tasks: Sequence[Task]
+        self, airframe: Airframe, start: FlightPose, stop: StopMotion | None, tasks: Sequence[Task]
     ) -> None:
         self._airframe = airframe
         self._stop = stop
@@ -71,7 +80,7 @@ class Timeline:
 
     @property
     def duration_s(self) -> float:
-        """Time of the end; infinity for a stand without end."""
+        """Time of the end, seconds; infinite for a stand without end."""
         return self._stop_s + self._route.duration_s
 
     @property
@@ -79,10 +88,10 @@ class Timeline:
         """Horizontal distance flown in all."""
         return self._stop_m + self._route.distance_m
 
-    def pose(self, elapsed_s: float) -> Pose:
+    def pose(self, elapsed_s: float) -> FlightPose:
         """Return the pose at a time."""
         state = self._state(elapsed_s)
-        return Pose(
+        return FlightPose(
             position_enu=state.position_enu,
             velocity_enu=state.velocity_enu,
             yaw_rad=self.segment(elapsed_s).yaw_rad(elapsed_s),
@@ -90,7 +99,7 @@ class Timeline:
         )
 
     def segment(self, elapsed_s: float) -> Segment:
-        """Return what the vehicle is about at a time."""
+        """Return the segment at a time."""
         return self.segments[min(bisect_right(self._ends, elapsed_s), len(self._ends) - 1)]
 
     def progress_m(self, elapsed_s: float) -> float:
@@ -119,7 +128,7 @@ class Timeline:
                 yield ShotTime(segment.end_s, segment.viewpoint_index)
 
     def first_start_s(self, *modes: Mode) -> float:
-        """Return when the first segment of one of `modes` begins; infinity if none is."""
+        """Return the begin of the first segment in one of `modes`; infinite if there is none."""
         begins = (segment.begin_s for segment in self.segments if segment.mode in modes)
         return next(begins, math.inf)
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle with its sensors."""
+"""A simulated vehicle with its sensors, cameras and files."""

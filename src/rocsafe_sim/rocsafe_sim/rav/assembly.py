@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""RAVs put together from options."""
+"""Construction of RAVs from options."""
 
 import math
 from collections.abc import Callable
@@ -13,29 +13,31 @@ from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera
 from rocsafe_scene.cameras.ground_camera import GroundCamera
 from rocsafe_scene.errors import EngineError
+from rocsafe_scene.flat_ground.ground_photograph import read_photograph
+from rocsafe_scene.flat_ground.scene_ground import SceneGround
+from rocsafe_scene.ground.ground_patch import Ground
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
-from rocsafe_scene.ground.picture import Ground
-from rocsafe_scene.ground.procedural_ground import ProceduralGround
 from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scene.map_cache import default_folder
-from rocsafe_scene.scenery.catalogue import make_scene
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
-from rocsafe_sim.options import ENGINE, PROCEDURAL, VehicleOptions
+from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 from rocsafe_sim.vehicle.surroundings import Surroundings
-from rocsafe_sim.vehicle.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SharedParts:
-    """What all vehicles of a process have in common.
+    """Parts that all vehicles of a process share.
 
     Attributes
     ----------
-    cameras : of each vehicle.
-    surroundings : that they fly in; None: they meet nothing.
+    cameras
+        Cameras of each vehicle.
+    surroundings
+        Ground and obstacles; None: there are no obstacles.
     """
 
     cameras: tuple[CameraModel, ...]
@@ -43,16 +45,16 @@ class SharedParts:
 
 
 def make_shared(options: VehicleOptions) -> SharedParts:
-    """Return the cameras of the vehicles, and what they may fly into.
+    """Return the cameras and the surroundings of the vehicles.
 
     Raises
     ------
     ValueError
         If the file of the cameras is wrong.
     ViewError
-        If the ground, the scene or the engine cannot be had.
+        If the ground, the scene or the engine cannot be loaded.
     """
-    # Other vehicles are other processes: threads of their own would only contend.
+    # Each vehicle is a process: threads of OpenCV would compete for the same cores.
     cv2.setNumThreads(1)
     is_engine = options.camera_backend == ENGINE
     draws, surroundings = _engine(options) if is_engine else _flat(options)
@@ -68,7 +70,7 @@ def _optics(settings: CameraSettings) -> Optics | None:
 
 
 def _flat(options: VehicleOptions) -> tuple[Callable[[CameraSettings], Camera], None]:
-    """Return what makes cameras over the flat picture, in which nothing stands."""
+    """Return a maker of cameras over the flat ground, which has no obstacles."""
     ground = make_ground(options)
     return lambda settings: GroundCamera(settings.drawn_lens, ground), None
 
@@ -76,8 +78,8 @@ def _flat(options: VehicleOptions) -> tuple[Callable[[CameraSettings], Camera], 
 def _engine(
     options: VehicleOptions,
 ) -> tuple[Callable[[CameraSettings], Camera], Surroundings]:
-    """Return what makes cameras in the scene, and the scene as vehicles meet it."""
-    # Only here: who flies over flat ground needs no engine installed.
+    """Return a maker of cameras in the scene, and the scene as surroundings."""
+    # Imported on use: the engine need not be installed for the flat ground.
     try:
         from rocsafe_scene.cameras.engine_camera import EngineCamera, EngineRequest, EngineScene
     except ModuleNotFoundError as error:
@@ -103,14 +105,15 @@ def _engine(
 
 
 def make_ground(options: VehicleOptions) -> Ground:
-    """Return the ground that flat cameras see.
+    """Return the image of the flat ground.
 
     Raises
     ------
-    GroundError: if it is a file that cannot be read.
+    GroundError
+        If its file cannot be read.
     """
-    if options.ground == PROCEDURAL:
-        return ProceduralGround(options.seed, make_scene(options.scene, options.seed))
+    if options.ground == SCENE_GROUND:
+        return SceneGround(read_photograph(options.scene), options.seed)
     return OrthophotoGround(Path(options.ground), options.frame())
 
 
@@ -121,12 +124,12 @@ def make_rav(
     shared: SharedParts,
     spool: Path | None,
 ) -> Rav:
-    """Return the RAV called `name` that stands at `home`, on the ground, with `make_shared`.
+    """Return the RAV `name` on the ground at `home`, with the parts of `make_shared`.
 
     Raises
     ------
     JournalError, SpoolError
-        If `spool` holds what cannot be read.
+        If a file in `spool` cannot be read.
     ValueError
         If the file of the autopilot is wrong, or there is too much wind.
     """
@@ -147,5 +150,5 @@ def make_rav(
     )
     surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
-    vehicle = Vehicle(options.airframe(), (east, north, up), surroundings)
+    vehicle = SimulatedVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated RAV: a vehicle with its sensors, its camera, its journal and its photographs."""
+"""A simulated RAV: a `SimulatedVehicle` with sensors, cameras, journal and photographs.
+
+It knows nothing of ROS; `rocsafe_sim.vehicle_node` gives it its topics.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,27 +17,35 @@ from rocsafe_geo.storage.shot_store import ShotStore
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_sim.cameras.gimbal import Direction
 from rocsafe_sim.cameras.gimbal_file import read_gimbal, write_gimbal
-from rocsafe_sim.cameras.mounted_camera import Attitude, Exposure, MountedCamera, Picture, Stand
+from rocsafe_sim.cameras.mounted_camera import (
+    Attitude,
+    CameraPicture,
+    Exposure,
+    MountedCamera,
+    VehiclePose,
+)
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.flight_record import VehicleRecord
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
-from rocsafe_sim.vehicle.observation import Observation, ShotDue
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+from rocsafe_sim.vehicle.snapshot import ShotDue, VehicleSnapshot
 from rocsafe_sim.vehicle.surroundings import on_ground
-from rocsafe_sim.vehicle.vehicle import Vehicle
 
 JOURNAL_NAME = 'journal.json'
-# Height of the cameras of a vehicle that stands on its legs.
+# Height of the cameras of a vehicle on the ground.
 LANDED_CAMERA_M = 0.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fix:
-    """Where a receiver believes it is, and where it is.
+    """True and measured position of a GPS receiver.
 
     Attributes
     ----------
-    true_position, position : true and measured.
-    position_enu : measured, metres.
+    true_position, position
+        True and measured position.
+    position_enu
+        Measured position in the local frame, metres.
     """
 
     true_position: GeoPosition
@@ -44,14 +55,18 @@ class Fix:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RavParts:
-    """What a RAV is made of.
+    """Sensors and cameras of a RAV.
 
     Attributes
     ----------
-    name : of the vehicle.
-    frame : local frame of the mission.
-    noise : of its sensors.
-    cameras : the first takes the photographs of the survey.
+    name
+        Name of the vehicle.
+    frame
+        Local frame of the mission.
+    noise
+        Errors of its sensors.
+    cameras
+        Cameras; the first takes the photographs of the survey.
     """
 
     name: str
@@ -61,31 +76,38 @@ class RavParts:
 
 
 class Rav:
-    """Steps a vehicle, takes its photographs, keeps its journal.
+    """Steps a vehicle, takes its photographs and writes its journal.
 
     Parameters
     ----------
-    parts : sensors and frame.
-    vehicle : as switched on; a journal in `spool` overrides its state.
-    spool : folder of journal and photographs; None keeps them in memory only.
+    parts
+        Sensors, cameras and frame.
+    vehicle
+        Vehicle after power-up; a journal in `spool` replaces its state.
+    spool
+        Folder of journal and photographs; None: memory only.
 
     Attributes
     ----------
-    pictures : of the last step, of all cameras, at its viewpoints.
+    pictures
+        Images of all cameras at the viewpoints of the last step.
 
     Raises
     ------
-    JournalError, SpoolError: if the spool holds what cannot be read.
+    JournalError, SpoolError
+        If a file in the spool cannot be read.
     """
 
-    def __init__(self, parts: RavParts, vehicle: Vehicle, spool: Path | None = None) -> None:
+    def __init__(
+        self, parts: RavParts, vehicle: SimulatedVehicle, spool: Path | None = None
+    ) -> None:
         self.parts = parts
         self.vehicle = vehicle
         self.shots = ShotStore(spool)
         self._spool = spool
         self._journal = None if spool is None else spool / JOURNAL_NAME
         self._written: VehicleRecord | None = None
-        self.pictures: list[Picture] = []
+        self.pictures: list[CameraPicture] = []
         if self._journal is not None:
             record = read_journal(self._journal)
             if record is not None:
@@ -96,25 +118,25 @@ class Rav:
     def _restore_gimbals(self) -> None:
         for camera in self.parts.cameras:
             if camera.gimbal is not None and self._spool is not None:
-                order = read_gimbal(self._spool, camera.name)
-                camera.gimbal.order = order or camera.gimbal.order
+                turn = read_gimbal(self._spool, camera.name)
+                camera.gimbal.turn = turn or camera.gimbal.turn
 
-    def step(self, time_ns: int) -> tuple[Observation, list[Shot]]:
-        """Advance to `time_ns`; return what is true then and the photographs taken on the way.
+    def step(self, time_ns: int) -> tuple[VehicleSnapshot, list[Shot]]:
+        """Advance to `time_ns`; return the state at that time and the photographs since.
 
-        Photographs are on disk before the journal counts them. `pictures` then holds what all
-        cameras took at the same moments.
+        Photographs are on disk before the journal counts them. `pictures` then holds the images of
+        all cameras at the same times.
         """
-        observation = self.vehicle.step(time_ns)
+        snapshot = self.vehicle.step(time_ns)
         self.pictures.clear()
-        taken = [self._photograph(due) for due in observation.shots]
+        taken = [self._photograph(due) for due in snapshot.shots]
         for shot in taken:
             self.shots.add(shot)
         self.keep_journal()
-        return observation, taken
+        return snapshot, taken
 
-    def pictures_of(self, camera: MountedCamera) -> list[Picture]:
-        """Return what a camera took at the viewpoints of the last step."""
+    def pictures_of(self, camera: MountedCamera) -> list[CameraPicture]:
+        """Return the images of a camera at the viewpoints of the last step."""
         return [each for each in self.pictures if each.camera == camera.name]
 
     def point(self, camera: MountedCamera, target: Direction) -> None:
@@ -122,21 +144,22 @@ class Rav:
         if camera.gimbal is not None:
             camera.gimbal.point(target, self.vehicle.time_ns)
             if self._spool is not None:
-                write_gimbal(self._spool, camera.name, camera.gimbal.order)
+                write_gimbal(self._spool, camera.name, camera.gimbal.turn)
 
-    def look(self, camera: MountedCamera, seen: Observation) -> Picture:
-        """Return what a camera sees at a step, for a stream.
+    def look(self, camera: MountedCamera, seen: VehicleSnapshot) -> CameraPicture:
+        """Return the image of a camera at a step, for a stream.
 
         Raises
         ------
-        ViewError: if that cannot be drawn.
+        ViewError
+            If the view cannot be drawn.
         """
 
-        def stand(time_ns: int) -> Stand:
+        def stand(time_ns: int) -> VehiclePose:
             pose, sway = self.vehicle.pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
             east, north, up = pose.position_enu
             on_legs = LANDED_CAMERA_M - self._height_m(pose.position_enu)
-            return Stand(
+            return VehiclePose(
                 position_enu=(east, north, up + max(0.0, on_legs)),
                 attitude=_attitude(pose.yaw_rad, sway),
             )
@@ -147,10 +170,10 @@ class Rav:
         self,
         camera: MountedCamera,
         time_ns: int,
-        stand: Callable[[int], Stand],
+        stand: Callable[[int], VehiclePose],
         *,
         is_quick: bool = False,
-    ) -> Picture:
+    ) -> CameraPicture:
         half_ns, rng = camera.span_ns // 2, self.parts.noise.picture_rng(camera.name, time_ns)
         around = (stand(time_ns - half_ns), stand(time_ns + half_ns))
         return camera.take(
@@ -160,14 +183,14 @@ class Rav:
         )
 
     def keep_journal(self) -> None:
-        """Write the journal if an order, a photograph or a landing changed it."""
+        """Write the journal if a command, a photograph or a landing changed it."""
         record = self.vehicle.record
         if self._journal is not None and record is not self._written and record != self._written:
             write_journal(self._journal, record)
         self._written = record
 
     def fix(self, time_ns: int, true_enu: Enu) -> Fix:
-        """Return what the receiver says at a time and true place."""
+        """Return the fix of the receiver at a time and a true place."""
         error = self.parts.noise.gps_error_m(time_ns)
         measured: Enu = (true_enu[0] + error[0], true_enu[1] + error[1], true_enu[2] + error[2])
         frame = self.parts.frame
@@ -181,10 +204,10 @@ class Rav:
         parts, place = self.parts, due.pose.position_enu
         sway = parts.noise.sway_rad(due.sequence)
 
-        def stand(time_ns: int) -> Stand:
+        def stand(time_ns: int) -> VehiclePose:
             pose = due.pose if time_ns == due.time_ns else self.vehicle.pose_at(time_ns)
             attitude = _attitude(pose.yaw_rad, sway)
-            return Stand(position_enu=pose.position_enu, attitude=attitude)
+            return VehiclePose(position_enu=pose.position_enu, attitude=attitude)
 
         first, *others = parts.cameras
         picture = self._take(first, due.time_ns, stand)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of a vehicle's sensors, as functions of (seed, vehicle, time or number) alone.
+"""Errors of the sensors of a vehicle, as functions of seed, vehicle, and time or number.
 
-No generator is kept from one call to the next: errors depend neither on the order of calls nor on
-the speed of a run, and a restarted process repeats them.
+No generator is kept between calls. Errors depend neither on the order of calls nor on the speed of
+a run, and a restarted process repeats them.
 """
 
 import math
@@ -14,14 +14,14 @@ import numpy as np
 
 from rocsafe_geo.motion.state import Enu
 
-# A receiver's error wanders between values drawn at knots this far apart; a tenth of its variance
-# is new in every fix.
+# Interval of the knots between which the error of the receiver varies slowly; a tenth of its
+# variance is new in every fix.
 KNOT_PERIOD_NS = 20_000_000_000
 _WHITE_VARIANCE_SHARE = 0.1
-# A vehicle that sways further than this does not release the shutter.
+# Largest sway: a vehicle that sways further does not release the shutter.
 LARGEST_SWAY_STDS = 3.5
 
-# A vehicle's sway between the pictures of a stream wanders between knots this far apart.
+# Interval of the knots between which the sway of a stream varies.
 SWAY_PERIOD_NS = 1_000_000_000
 
 _GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE, _SWAY_WANDER = range(5)
@@ -29,15 +29,20 @@ _GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE, _SWAY_WANDER = range(5)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorNoise:
-    """Draws the errors of one vehicle.
+    """Errors of the sensors of one vehicle.
 
     Attributes
     ----------
-    seed : of the run, 0 or above.
-    vehicle : its name.
-    gps_horizontal_std_m, gps_vertical_std_m : of east, of north; of altitude.
-    tilt_std_rad : sway in roll and in pitch.
-    attitude_std_rad : error of the measured attitude about each axis.
+    seed
+        Seed of the run, 0 or above.
+    vehicle
+        Name of the vehicle.
+    gps_horizontal_std_m, gps_vertical_std_m
+        Standard deviation of east and north each, and of altitude, metres.
+    tilt_std_rad
+        Standard deviation of the sway in roll and in pitch, rad.
+    attitude_std_rad
+        Standard deviation of the measured attitude about each axis, rad.
     """
 
     seed: int
@@ -50,8 +55,8 @@ class SensorNoise:
     def gps_error_m(self, time_ns: int) -> Enu:
         """Return the error of the receiver (east, north, up) at a simulated time.
 
-        At every time it is normal with the stated standard deviations: knots are blended by
-        cosine and sine, whose squares add up to 1.
+        At every time it is normal with the stated standard deviations. Values at knots are blended
+        by cosine and sine, whose squares add up to 1.
         """
         knot, rest_ns = divmod(time_ns, KNOT_PERIOD_NS)
         turn = 0.5 * math.pi * rest_ns / KNOT_PERIOD_NS
@@ -73,7 +78,7 @@ class SensorNoise:
         return self._swayed(roll, pitch)
 
     def sway_at_rad(self, time_ns: int) -> tuple[float, float]:
-        """Return true (roll, pitch) at a simulated time: as wide as at photographs, and smooth."""
+        """Return true (roll, pitch) at a simulated time, continuous, with the same deviations."""
         knot, rest_ns = divmod(time_ns, SWAY_PERIOD_NS)
         turn = 0.5 * math.pi * rest_ns / SWAY_PERIOD_NS
         before, after = self._draw(_SWAY_WANDER, knot), self._draw(_SWAY_WANDER, knot + 1)
@@ -96,7 +101,7 @@ class SensorNoise:
         return std * roll, std * pitch, std * yaw
 
     def picture_rng(self, camera: str, time_ns: int) -> np.random.Generator:
-        """Return the generator of a picture's noise."""
+        """Return the generator of the noise of an image."""
         key = [self.seed, crc32(self.vehicle.encode()), crc32(camera.encode()), time_ns]
         return np.random.default_rng(key)
 
@@ -108,7 +113,7 @@ class SensorNoise:
 
 
 def _normals(seed: int, vehicle: str, stream: int, index: int) -> tuple[float, ...]:
-    """Return three standard normal values that belong to these arguments."""
+    """Return three standard normal values that depend on these arguments only."""
     generator = np.random.default_rng([seed, crc32(vehicle.encode()), stream, index])
     return tuple(generator.standard_normal(3).tolist())
 

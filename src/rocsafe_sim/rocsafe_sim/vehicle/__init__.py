@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated vehicle: its orders, collisions, record and journal."""
+"""A simulated vehicle without sensors: commands, collisions, record and journal."""

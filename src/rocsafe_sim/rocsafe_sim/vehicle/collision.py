@@ -1,41 +1,44 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When a flight ends in something that stands in its way.
+"""Collisions of a flight with the ground and with objects.
 
-It is looked at places along the course that overlap, at times that follow from the order in force:
-neither the step of the simulation nor a restart changes what is hit, and when.
+Overlapping places along the course are checked, at times that follow from the command in force.
+Neither the step of the simulation nor a restart changes what is hit, and when.
 """
 
 from dataclasses import dataclass
 
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.commands import CommandKind
 from rocsafe_sim.flight.course import Course
-from rocsafe_sim.flight.orders import OrderKind
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.surroundings import GROUND, Surroundings
 
-# A vehicle is looked at no more seldom than this, s.
+# Longest time between two checks, s.
 LONGEST_STEP_S = 0.1
-# Only on its way up and down may it come near the ground.
+# Modes in which a vehicle may not come near the ground.
 _LEVEL = frozenset({Mode.FLYING, Mode.HOLDING, Mode.RETURNING})
 
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """What is hit, and when."""
+    """Time of a collision, nanoseconds, and name of the object."""
 
     time_ns: int
     thing: str
 
 
 class CollisionWatch:
-    """Looks along one course.
+    """Checks one course for collisions.
 
     Parameters
     ----------
-    course : of the vehicle.
-    surroundings : that it flies in.
-    airframe : of the vehicle; its radius is above 0.
+    course
+        Course of the vehicle.
+    surroundings
+        Ground and obstacles.
+    airframe
+        Performance of the vehicle; its collision radius is above 0.
     """
 
     def __init__(self, course: Course, surroundings: Surroundings, airframe: Airframe) -> None:
@@ -46,17 +49,17 @@ class CollisionWatch:
         fastest_mps = max(
             performance.cruise_speed_mps, performance.climb_rate_mps, performance.descent_rate_mps
         )
-        # two looks apart by less than the diameter, even where two legs add up in a corner
+        # Two checks are less than the diameter apart, even where two legs add up in a corner.
         step_s = min(LONGEST_STEP_S, self._radius_m / fastest_mps)
         self._step_ns = round(step_s * NS_PER_S)
-        self._next_ns = course.order.start_ns + self._step_ns
+        self._next_ns = course.command.start_ns + self._step_ns
 
     def first_until(self, time_ns: int | float) -> Collision | None:
         """Return the first collision up to a time, `time_ns` included; None if there is none.
 
-        Asked for later times one after the other.
+        Times must not decrease from call to call.
         """
-        if self._course.order.kind is OrderKind.FALL:
+        if self._course.command.kind is CommandKind.FALL:
             return None
         last_ns = min(time_ns, self._course.touch_down_ns)
         while self._next_ns <= last_ns:

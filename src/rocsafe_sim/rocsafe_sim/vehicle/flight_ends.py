@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a flight may begin, and what follows on its end: nothing, or one with a new battery."""
+"""Begin and end of flights: conditions, outcomes, changes of the battery."""
 
 import math
 from dataclasses import replace
@@ -8,34 +8,40 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.commands import Command, CommandKind
 from rocsafe_sim.flight.course import Course
-from rocsafe_sim.flight.orders import Order, OrderKind
-from rocsafe_sim.flight.route import Route, horizontal_m
+from rocsafe_sim.flight.route import FlightRoute, horizontal_m
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord
 
-# A route's home may be this far from the vehicle's own: more is a route meant for another one.
+# Largest distance between the home of a route and that of the vehicle: a route with a home further
+# away is meant for another vehicle.
 HOME_TOLERANCE_M = 5.0
-# A vehicle whose flight ends so does not fly again.
-_BROKEN = frozenset({Outcome.FAILED, Outcome.COLLIDED})
+# After a flight with such an outcome a vehicle does not fly again.
+_BROKEN = frozenset({FlightOutcome.FAILED, FlightOutcome.COLLIDED})
 _BUSY = frozenset({Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING, Mode.LANDING})
 
 
 def require_ready(
-    route: Route, flight: FlightRecord | None, mode: Mode, home_enu: Enu, *, replaces: bool
+    route: FlightRoute, flight: FlightRecord | None, mode: Mode, home_enu: Enu, *, replaces: bool
 ) -> None:
     """Refuse a route that a vehicle cannot fly now.
 
     Parameters
     ----------
-    route : to be flown.
-    flight, mode : its last one, running or ended, and what it is about.
-    home_enu : where it stands, or took off.
-    replaces : whether the route may take the place of one being flown.
+    route
+        Route of the command.
+    flight, mode
+        Last flight of the vehicle, running or ended, and its mode.
+    home_enu
+        Place where it stands or took off, metres.
+    replaces
+        Whether the route may replace one that is being flown.
 
     Raises
     ------
-    CommandRefusedError: saying why.
+    CommandRefusedError
+        If the vehicle cannot fly it; the text states why.
     """
     if flight is not None and flight.outcome is None and not replaces:
         raise CommandRefusedError(f'flies plan {flight.route.plan_id!r}: cancel that first')
@@ -53,48 +59,48 @@ def require_ready(
         )
 
 
-def cut_short(flight: FlightRecord, ending: Outcome, text: str) -> FlightRecord:
-    """Note why a flight ends early, unless it has ended or all is photographed."""
+def cut_short(flight: FlightRecord, ending: FlightOutcome, text: str) -> FlightRecord:
+    """Return the flight with the reason why it ends early, unless it ended or is complete."""
     is_done = flight.visited == len(flight.route.waypoints)
-    if is_done or flight.outcome is not None or flight.ending is not Outcome.COMPLETED:
+    if is_done or flight.outcome is not None or flight.ending is not FlightOutcome.COMPLETED:
         return flight
     return replace(flight, ending=ending, text=text)
 
 
 def failure_ns(flight: FlightRecord, course: Course, airframe: Airframe) -> int | float:
-    """Return when the battery fails; infinity if it does not, or has."""
+    """Return the time at which the battery fails; infinite if it does not, or already did."""
     if not airframe.fails_after_s or flight.ending in _BROKEN:
         return math.inf
     fails_ns = flight.take_off_ns + round(airframe.fails_after_s * NS_PER_S)
-    return fails_ns if course.order.start_ns <= fails_ns < course.touch_down_ns else math.inf
+    return fails_ns if course.command.start_ns <= fails_ns < course.touch_down_ns else math.inf
 
 
 def failed(flight: FlightRecord) -> FlightRecord:
-    """Note that the battery failed."""
+    """Return the flight with the failure of its battery."""
     text = f'the battery failed after {flight.visited} viewpoints'
-    return replace(flight, ending=Outcome.FAILED, text=text)
+    return replace(flight, ending=FlightOutcome.FAILED, text=text)
 
 
 def collided(flight: FlightRecord, thing: str) -> FlightRecord:
-    """Note that the vehicle flew into something."""
+    """Return the flight with its collision."""
     text = f'flew into {thing} after {flight.visited} viewpoints'
-    return replace(flight, ending=Outcome.COLLIDED, text=text)
+    return replace(flight, ending=FlightOutcome.COLLIDED, text=text)
 
 
 def is_over(flight: FlightRecord) -> bool:
-    """Return whether a landing ends a flight: no other flight of its route follows."""
-    is_whole = flight.order.kind is OrderKind.FLY and flight.ending is Outcome.COMPLETED
-    return not is_whole or flight.route.is_last(flight.order.number)
+    """Return whether a landing ends a flight, with no other flight of its route to follow."""
+    is_whole = flight.command.kind is CommandKind.FLY and flight.ending is FlightOutcome.COMPLETED
+    return not is_whole or flight.route.is_last(flight.command.number)
 
 
-def with_new_battery(flight: FlightRecord, landed: Order) -> FlightRecord:
-    """Return the flight that follows on a landing at home, after the change of the battery."""
+def with_new_battery(flight: FlightRecord, landed: Command) -> FlightRecord:
+    """Return the next flight of a route, after the change of the battery."""
     swap_ns = round(flight.route.swap_s * NS_PER_S)
-    order = replace(
+    command = replace(
         landed,
         start_ns=landed.start_ns + swap_ns,
         wait_ns=swap_ns,
         charge_fraction=1.0,
         number=landed.number + 1,
     )
-    return replace(flight, order=order)
+    return replace(flight, command=command)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All that a vehicle must remember to continue a flight: written at each change, not each step."""
+"""State from which a restarted vehicle continues its flight; it changes with events, not steps."""
 
 from dataclasses import dataclass
 from enum import Enum
 
 from rocsafe_geo.motion.state import Enu
-from rocsafe_sim.flight.orders import Order
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.commands import Command
+from rocsafe_sim.flight.route import FlightRoute
 
 
-class Outcome(Enum):
+class FlightOutcome(Enum):
     """How a flight ended."""
 
     COMPLETED = 'completed'
@@ -26,37 +26,49 @@ class FlightRecord:
 
     Attributes
     ----------
-    route : being flown.
-    order : in force.
-    take_off_ns : when the flight began.
-    take_off_distance_m : flown before it since power-up.
-    visited : viewpoints photographed on it.
-    outcome : None while it runs.
-    ending : outcome that it will have at touch-down.
-    text : for people: why it ends as it does.
-    ended_ns : when it ended, None while it runs.
+    route
+        Route of the flight.
+    command
+        Command in force.
+    take_off_ns
+        Time at which the flight began, nanoseconds.
+    take_off_distance_m
+        Distance flown before it since power-up, metres.
+    visited
+        Number of viewpoints photographed on it.
+    outcome
+        Outcome; None while it runs.
+    ending
+        Outcome that it will have at touch-down.
+    text
+        Reason of the outcome, for people.
+    ended_ns
+        Time at which it ended, nanoseconds; None while it runs.
     """
 
-    route: Route
-    order: Order
+    route: FlightRoute
+    command: Command
     take_off_ns: int
     take_off_distance_m: float
     visited: int = 0
-    outcome: Outcome | None = None
-    ending: Outcome = Outcome.COMPLETED
+    outcome: FlightOutcome | None = None
+    ending: FlightOutcome = FlightOutcome.COMPLETED
     text: str = ''
     ended_ns: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleRecord:
-    """A vehicle's memory.
+    """State of a vehicle.
 
     Attributes
     ----------
-    home_enu : where it was put, metres.
-    shots_taken : since power-up; the next photograph's sequence number.
-    flight : the last one, None if it never flew.
+    home_enu
+        Place where it was switched on, metres.
+    shots_taken
+        Photographs since power-up; the number of the next one.
+    flight
+        Last flight; None before the first.
     """
 
     home_enu: Enu

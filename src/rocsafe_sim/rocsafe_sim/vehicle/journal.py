@@ -1,24 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle's record on disk, so that a killed process continues its flight.
+"""File of the record of a vehicle, from which a restarted process continues its flight.
 
-A float's shortest decimal form reads back as the same float: nothing is rounded.
+The shortest decimal form of a float reads back as the same float: nothing is rounded.
 """
 
 import json
-import math
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
-from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.storage.durable import replace_whole
+from rocsafe_geo.storage.value_file import values_of
 from rocsafe_sim.errors import JournalError
-from rocsafe_sim.flight.orders import Order, OrderKind
-from rocsafe_sim.flight.route import Route, Swap, Waypoint
-from rocsafe_sim.flight.segment import Pose
-from rocsafe_sim.vehicle.flight_record import FlightRecord, Outcome, VehicleRecord
+from rocsafe_sim.flight.commands import CommandKind
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, VehicleRecord
 
-FORMAT = 4
+FORMAT = 5
 
 
 def write_journal(path: Path, record: VehicleRecord) -> None:
@@ -32,98 +28,26 @@ def read_journal(path: Path) -> VehicleRecord | None:
 
     Raises
     ------
-    JournalError: if the file is not such a record.
+    JournalError
+        If the file is not such a record.
     """
     try:
-        fields = json.loads(path.read_text())
-        if fields['format'] != FORMAT:
-            raise JournalError(f'{path}: format is {fields["format"]}: must be {FORMAT}')
-        return _vehicle(fields)
+        fields = json.loads(path.read_text(), parse_constant=_refuse)
+        found = fields.pop('format')
+        if found != FORMAT:
+            raise JournalError(f'{path}: format is {found}: must be {FORMAT}')
+        return values_of(fields, VehicleRecord, path.name)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise JournalError(f'{path}: not a vehicle journal: {error!r}') from error
 
 
 def _plain(value: object) -> object:
-    if isinstance(value, (Outcome, OrderKind)):
+    if isinstance(value, (FlightOutcome, CommandKind)):
         return value.value
     raise TypeError(f'{type(value).__name__} has no place in a journal')
 
 
-def _vehicle(fields: dict[str, Any]) -> VehicleRecord:
-    flight = fields['flight']
-    return VehicleRecord(
-        home_enu=_enu(fields['home_enu']),
-        shots_taken=int(fields['shots_taken']),
-        flight=None if flight is None else _flight(flight),
-    )
-
-
-def _flight(fields: dict[str, Any]) -> FlightRecord:
-    outcome = fields['outcome']
-    return FlightRecord(
-        **{
-            **fields,
-            'route': _route(fields['route']),
-            'order': _order(fields['order']),
-            'outcome': None if outcome is None else Outcome(outcome),
-            'ending': Outcome(fields['ending']),
-        }
-    )
-
-
-def _order(fields: dict[str, Any]) -> Order:
-    start = fields['start']
-    pose = Pose(
-        position_enu=_enu(start['position_enu']),
-        velocity_enu=_enu(start['velocity_enu']),
-        yaw_rad=float(start['yaw_rad']),
-        acceleration_enu=_enu(start['acceleration_enu']),
-    )
-    return Order(**{**fields, 'kind': OrderKind(fields['kind']), 'start': pose})
-
-
-def _route(fields: dict[str, Any]) -> Route:
-    return Route(
-        plan_id=str(fields['plan_id']),
-        home_enu=_enu(fields['home_enu']),
-        waypoints=tuple(
-            Waypoint(
-                **{
-                    **waypoint,
-                    'position_enu': _enu(waypoint['position_enu']),
-                    'approach_enu': tuple(map(_enu, waypoint['approach_enu'])),
-                }
-            )
-            for waypoint in fields['waypoints']
-        ),
-        homeward_enu=tuple(map(_enu, fields['homeward_enu'])),
-        exclusions=tuple(
-            tuple((float(east), float(north)) for east, north in ring)
-            for ring in fields['exclusions']
-        ),
-        clearance_m=float(fields['clearance_m']),
-        delay_s=float(fields['delay_s']),
-        swaps=tuple(_swap(swap) for swap in fields['swaps']),
-        swap_s=float(fields['swap_s']),
-        landing_enu=_place(fields['landing_enu']),
-        is_open=bool(fields['is_open']),
-        height_m=float(fields['height_m']),
-        begins_enu=_place(fields['begins_enu']),
-    )
-
-
-def _swap(fields: dict[str, Any]) -> Swap:
-    return Swap(after=int(fields['after']), homeward_enu=tuple(map(_enu, fields['homeward_enu'])))
-
-
-def _place(values: list[float] | None) -> Enu | None:
-    return None if values is None else _enu(values)
-
-
-def _enu(values: list[float]) -> Enu:
-    east, north, up = values
-    if not all(math.isfinite(value) for value in values):
-        raise ValueError(f'position {values}: must be finite')
-    return (east, north, up)
+def _refuse(constant: str) -> None:
+    raise ValueError(f'{constant}: must be finite')

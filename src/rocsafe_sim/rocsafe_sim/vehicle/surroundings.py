@@ -1,27 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a vehicle may meet: the ground, and what stands on it.
+"""Surroundings of a vehicle: the ground, and objects on it.
 
-Without surroundings a vehicle flies over what its route says of the ground, and meets nothing.
+Without surroundings the ground is as the route has it, and there are no obstacles.
 """
 
 from dataclasses import replace
 from typing import Protocol
 
 from rocsafe_geo.motion.state import Enu
-from rocsafe_sim.flight.route import Route
+from rocsafe_sim.flight.route import FlightRoute
 
 GROUND = 'the ground'
 
 
 class Surroundings(Protocol):
-    """A world that is in the way; metres about the mission origin."""
+    """Ground and obstacles; metres about the mission origin."""
 
     def ground_up_m(self, east_m: float, north_m: float) -> float:
         """Return the height of the ground at a place."""
         ...
 
     def touched(self, place_enu: Enu, radius_m: float) -> str:
-        """Return the name of a thing that a ball touches, the ground aside; empty: none."""
+        """Return the name of an object that a ball touches, without the ground; empty: none."""
         ...
 
 
@@ -31,8 +31,8 @@ def on_ground(surroundings: Surroundings, place_enu: Enu) -> Enu:
     return east, north, surroundings.ground_up_m(east, north)
 
 
-def grounded(route: Route, surroundings: Surroundings) -> Route:
-    """Return `route` with the places where it begins and lands on the ground."""
+def grounded(route: FlightRoute, surroundings: Surroundings) -> FlightRoute:
+    """Return `route` with its home and landing place on the ground."""
     landing = route.landing_enu
     if route.is_open and route.waypoints:
         landing = route.waypoints[-1].position_enu

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command services of a real vehicle: answered when it has obeyed or refused."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rocsafe_mavlink.conversions import check_message, ring_of
+from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.preflight import failures
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+
+Begin = Callable[[Any, float], None]
+
+
+class CommandServices:
+    """Services: hold, resume, return_home, land, go_to, set_speed, preflight, fence and rally.
+
+    Parameters
+    ----------
+    node
+        Node in the vehicle's namespace.
+    drone
+        The vehicle.
+    clock
+        Returns steady time, seconds.
+    """
+
+    def __init__(self, node: VehicleScopeNode, drone: Drone, clock: Callable[[], float]) -> None:
+        self._node = node
+        self._drone = drone
+        self._clock = clock
+        self._waiting: list[_Answer] = []
+        commands = drone.commands
+        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
+        self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
+        self._serve(topics.RETURN_HOME, lambda _request, now_s: commands.return_home(now_s), True)
+        self._serve(topics.LAND, lambda _request, now_s: commands.land(now_s), True)
+        self._serve(topics.GO_TO, self._go_to)
+        self._serve(
+            topics.SET_SPEED,
+            lambda request, now_s: commands.change_speed(request.speed_mps, now_s),
+        )
+        self._serve(topics.PUSH_FENCE, self._push_fence)
+        self._serve(topics.PUSH_RALLY, self._push_rally)
+        spec = topics.PREFLIGHT
+        node.create_service(spec.call_type, spec.name, self._on_preflight)
+
+    def step(self) -> None:
+        """Answer the calls whose command is over."""
+        waiting, self._waiting = self._waiting, []
+        for answer in waiting:
+            error = self._drone.commands.outcome(answer.number)
+            if error is None:
+                self._waiting.append(answer)
+                continue
+            if not error and answer.ends_flight:
+                self._drone.gave_up()
+            answer.give(error)
+
+    def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
+        answers: list[_Answer] = []
+
+        def on_call(request: Any, response: Any) -> Any:
+            answer = _Answer(response, self._drone.spec.name, ends_flight)
+            answers.append(answer)
+            now_s = self._clock()
+            # A flight that has just been found may be resumed.
+            self._drone.step(now_s)
+            try:
+                begin(request, now_s)
+            except (CommandRefusedError, ValueError) as refusal:
+                answer.give(str(refusal))
+                return response
+            answer.number = self._drone.commands.count
+            self._waiting.append(answer)
+            return response
+
+        service = self._node.create_service(spec.call_type, spec.name, on_call)
+        send = service.send_response
+
+        def send_later(_response: Any, header: Any) -> None:
+            answers.pop(0).address(lambda response: send(response, header))
+
+        # The executors send the response by this method as soon as the callback returns.
+        service.send_response = send_later
+
+    def _go_to(self, request: Any, now_s: float) -> None:
+        place = position_of_point(request.position)
+        self._drone.commands.go_to(place, request.height_m, now_s)
+
+    def _push_fence(self, request: Any, _now_s: float) -> None:
+        fence = Fence(
+            inclusions=tuple(map(ring_of, request.inclusions)),
+            exclusions=tuple(map(ring_of, request.exclusions)),
+        )
+        self._drone.commands.push_fence(fence)
+
+    def _push_rally(self, request: Any, _now_s: float) -> None:
+        points = [position_of_point(point) for point in request.points]
+        self._drone.commands.push_rally(points, request.height_m)
+
+    def _on_preflight(self, _request: Any, response: Any) -> Any:
+        try:
+            checks = self._drone.checks_of_plan(self._clock())
+        except ValueError as error:
+            self._node.get_logger().warning(f'{self._drone.spec.name}: {error}')
+            return response
+        response.checks = [check_message(check) for check in checks]
+        response.may_fly = not failures(checks)
+        return response
+
+
+class _Answer:
+    """The response to one call: sent when both its address and its content are known."""
+
+    def __init__(self, response: Any, vehicle: str, ends_flight: bool) -> None:
+        self.number = -1
+        self.ends_flight = ends_flight
+        self._response = response
+        self._vehicle = vehicle
+        self._is_known = False
+        self._send: Callable[[Any], None] | None = None
+
+    def give(self, error: str) -> None:
+        """Fill in why the command failed; empty if it was obeyed."""
+        self._response.success = not error
+        self._response.message = f'{self._vehicle}: {error}' if error else ''
+        self._is_known = True
+        self._send_if_ready()
+
+    def address(self, send: Callable[[Any], None]) -> None:
+        """Give the function that sends the response."""
+        self._send = send
+        self._send_if_ready()
+
+    def _send_if_ready(self) -> None:
+        if self._is_known and self._send is not None:
+            self._send(self._response)

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that people give to one vehicle: begun, or refused with the reason.
+
+Nothing here is ever called by the suite itself, but by services and actions.
+"""
+
+from collections.abc import Callable, Sequence
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.drone.vehicle_session import VehicleSession
+from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.fence import Fence, rally_items
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, mission_of
+from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
+from rocsafe_mavlink.knowledge.telemetry import Contact
+from rocsafe_mavlink.protocols.mission_results import MissionType
+
+Writer = Callable[[VehicleCommands], CommandSequence]
+
+
+class DroneCommands:
+    """Commands to one vehicle.
+
+    Hold, return and land may replace a command under way; others wait for its end. Every method
+    raises `CommandRefusedError`, saying why, if the command cannot be given at all; how a given
+    one ends is told by `outcome`.
+
+    Parameters
+    ----------
+    session
+        The exchange with the vehicle.
+    limits
+        Limits of its flights.
+    """
+
+    def __init__(self, session: VehicleSession, limits: FlightLimits) -> None:
+        self._session = session
+        self._limits = limits
+
+    @property
+    def count(self) -> int:
+        """Number of the present or last command."""
+        return self._session.sequence_count
+
+    def outcome(self, number: int) -> str | None:
+        """Return why command `number` failed, empty if it was obeyed; None while under way."""
+        sequence = self._session.sequence
+        if self.count != number or sequence is None:
+            return 'another command took its place'
+        if not sequence.is_over:
+            return None
+        return f'{sequence.name}: {sequence.error}' if sequence.error else ''
+
+    def hold(self, now_s: float) -> None:
+        """Stop where it is, within the mission if one is flown."""
+        self.require_in_air(now_s)
+        self._begin(lambda commands: commands.hold(self._session.telemetry), preempts=True)
+
+    def resume(self, now_s: float) -> None:
+        """Continue the mission."""
+        self.require_in_air(now_s)
+        session = self._session
+        if not session.is_flying:
+            # The flight of an earlier bridge is found by these.
+            telemetry = session.telemetry
+            needed = (session.readout.mission.items, telemetry.home, telemetry.landed or None)
+            is_read = None not in needed
+            reason = 'no route is being flown' if is_read else 'it is still being read'
+            raise CommandRefusedError(reason)
+        self._begin(lambda commands: commands.resume(session.telemetry))
+
+    def return_home(self, now_s: float) -> None:
+        """Give up the route, fly home and land."""
+        self.require_in_air(now_s)
+        self._begin(lambda commands: commands.return_home(), preempts=True)
+
+    def land(self, now_s: float) -> None:
+        """Give up the route and land where it is."""
+        self.require_in_air(now_s)
+        self._begin(lambda commands: commands.land(), preempts=True)
+
+    def change_speed(self, speed_mps: float, now_s: float) -> None:
+        """Fly faster or slower from now on."""
+        self.require_in_air(now_s)
+        self._begin(lambda commands: commands.change_speed(speed_mps))
+
+    def go_to(self, place: GeoPosition, height_m: float, now_s: float) -> None:
+        """Fly to a place, `height_m` above home, and stay there."""
+        self.require_in_air(now_s)
+        try:
+            home = require_reachable(place, height_m, self._session.telemetry.home, self._limits)
+        except ValueError as error:
+            raise CommandRefusedError(str(error)) from error
+        self._require_within_fence(place)
+        self._begin(lambda commands: commands.go_to(place, height_m, home))
+
+    def push_fence(self, fence: Fence) -> None:
+        """Replace the polygons of the fence."""
+        self._begin(lambda commands: commands.push_fence(fence))
+        # It is read again as it lies there then: until that is done no flight begins.
+        self._session.readout.forget_fence()
+
+    def push_rally(self, points: Sequence[GeoPosition], height_m: float) -> None:
+        """Replace the rally points."""
+        try:
+            items = rally_items(points, height_m)
+        except ValueError as error:
+            raise CommandRefusedError(str(error)) from error
+        self._begin(lambda commands: commands.push(MissionType.RALLY, items))
+
+    def replace_route(self, plan: FlightPlan, now_s: float) -> None:
+        """Fly another plan in the place of the one under way."""
+        self.require_in_air(now_s)
+        if not self._session.is_flying:
+            raise CommandRefusedError('no flight is under way')
+        failed = failures(self.route_checks(plan))
+        if failed:
+            raise CommandRefusedError(failed)
+        self._begin(
+            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot))
+        )
+
+    def route_checks(self, plan: FlightPlan) -> tuple[Check, ...]:
+        """Return the checks of the way of a plan that is to be flown in place of another."""
+        session = self._session
+        return route_checks(session.telemetry, plan, self._limits, session.readout.settings)
+
+    def require_in_air(self, now_s: float) -> None:
+        """Refuse a command to a vehicle that is on the ground or not in contact."""
+        contact = self._session.telemetry.contact(now_s)
+        if contact is not Contact.FRESH:
+            raise CommandRefusedError(f'the vehicle is not in contact ({contact.value})')
+        if self._session.telemetry.is_on_ground:
+            raise CommandRefusedError('the vehicle is on the ground')
+
+    def _require_within_fence(self, place: GeoPosition) -> None:
+        readout = self._session.readout
+        if readout.fence is None and not readout.fence_error:
+            raise CommandRefusedError('its fence is still being read')
+        if readout.fence is not None and not readout.fence.holds(place):
+            raise CommandRefusedError('the place is outside the fence')
+
+    def _begin(self, write: Writer, *, preempts: bool = False) -> None:
+        try:
+            self._session.begin(write(self._session.commands()), preempts=preempts)
+        except ValueError as error:
+            raise CommandRefusedError(str(error)) from error

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is read from a vehicle without anybody asking for it: rates, settings, fence, mission.
+
+Reading changes nothing of what a vehicle does: message rates that are missing are asked for,
+settings and fence are read on the ground, the mission of a vehicle that is found in the air.
+"""
+
+from dataclasses import dataclass, field
+
+from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.flight.fence import Fence, fence_of
+from rocsafe_mavlink.flight.preflight import VehicleSettings
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.protocols.command_call import set_interval
+from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
+from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_results import MissionType
+from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
+from rocsafe_mavlink.protocols.stream_rates import StreamRates
+from rocsafe_mavlink.wire.dialect import Message
+
+Target = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Activity:
+    """What a vehicle is busy with, as far as reading must wait for it.
+
+    Attributes
+    ----------
+    is_beginning
+        Whether a flight is being started.
+    is_commanded
+        Whether a command of the operator is under way.
+    """
+
+    is_beginning: bool
+    is_commanded: bool
+
+
+@dataclass(slots=True)
+class Readout:
+    """Reads settings, fence and mission of one vehicle, and owns what is known of them.
+
+    Attributes
+    ----------
+    target
+        (system, component) of the vehicle.
+    rates
+        Watches the rates of its messages.
+    parameters
+        Reader of its parameters, from when its kind is known.
+    mission
+        What is known of the mission on the vehicle.
+    fence
+        Polygons of its fence; None: not read.
+    fence_error
+        Why its fence cannot be read; empty while it may be.
+    """
+
+    target: Target
+    rates: StreamRates
+    parameters: ParameterReader | None = None
+    mission: OnboardMission = field(default_factory=OnboardMission)
+    fence: Fence | None = None
+    fence_error: str = ''
+    _download: Download | None = None
+    _was_lost: bool = False
+
+    @property
+    def settings(self) -> VehicleSettings:
+        """What the pre-flight checks need of it."""
+        return VehicleSettings(
+            parameters=self.parameters, fence=self.fence, fence_error=self.fence_error
+        )
+
+    def on_message(self, message: Message, now_s: float) -> list[Message]:
+        """Take a message of the vehicle; return what to send."""
+        if self.parameters is not None:
+            self.parameters = self.parameters.on_message(message)
+        if self._download is None:
+            return []
+        self._download, sent = self._download.on_message(message, now_s)
+        self._keep_if_read()
+        return sent
+
+    def on_tick(
+        self,
+        vehicle: VehicleTelemetry,
+        kind: Autopilot | None,
+        activity: Activity,
+        now_s: float,
+    ) -> list[Message]:
+        """Let time pass; return what to send. `kind` is None where no autopilot is known."""
+        contact = vehicle.contact(now_s)
+        if contact is Contact.LOST:
+            self._was_lost = True
+        if contact is not Contact.FRESH:
+            return []
+        if self._was_lost:
+            # Another station may have changed what lies on it.
+            self._was_lost, self.mission = False, self.mission.forgotten()
+            self.forget_fence()
+        return self._missing_rates(kind, now_s) + self._read(vehicle, kind, activity, now_s)
+
+    def forget(self) -> None:
+        """Forget all that a vehicle that was started again may have changed."""
+        self.mission = self.mission.forgotten()
+        self.parameters = self._download = None
+        self.forget_fence()
+
+    def forget_fence(self) -> None:
+        """Forget the fence, which may be another by now, and what was read of it so far."""
+        self.fence, self.fence_error = None, ''
+        if self._download is not None and self._download.mission_type == MissionType.FENCE:
+            self._download = None
+
+    def _missing_rates(self, kind: Autopilot | None, now_s: float) -> list[Message]:
+        due = self.rates.due(now_s, frozenset() if kind is None else kind.unsent)
+        return [] if due is None else [set_interval(self.target, *due)]
+
+    def _read(
+        self,
+        vehicle: VehicleTelemetry,
+        kind: Autopilot | None,
+        activity: Activity,
+        now_s: float,
+    ) -> list[Message]:
+        """Read one thing after the other: mission in the air, then fence, settings on the ground.
+
+        The fence is read in the air too, where a route may be replaced.
+        """
+        if self._download is not None:
+            self._download, sent = self._download.on_tick(now_s)
+            self._keep_if_read()
+            return sent
+        if not vehicle.is_armed:
+            self.mission = self.mission.unread()
+        if activity.is_beginning:
+            return []
+        if vehicle.is_armed and self.mission.items is None:
+            return self._begin(MissionType.MISSION, now_s)
+        if activity.is_commanded:
+            return []
+        if self.fence is None and not self.fence_error:
+            return self._begin(MissionType.FENCE, now_s)
+        return [] if vehicle.is_armed else self._read_parameters(kind, now_s)
+
+    def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
+        download = Download(target=self.target, mission_type=kind)
+        self._download, sent = download.begin(now_s)
+        return sent
+
+    def _keep_if_read(self) -> None:
+        done = self._download
+        if done is None or done.stage not in (DownloadStage.DONE, DownloadStage.FAILED):
+            return
+        self._download = None
+        if done.mission_type == MissionType.MISSION:
+            self.mission = self.mission.read(done.items)
+        elif done.stage is DownloadStage.DONE:
+            self.fence = _fence(done.items)
+        else:
+            self.fence_error = done.error
+
+    def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
+        if kind is None:
+            return []
+        if self.parameters is None:
+            self.parameters = ParameterReader(autopilot=kind.number, target=self.target, found={})
+        self.parameters, sent = self.parameters.on_tick(now_s)
+        return sent
+
+
+def _fence(items: tuple[MissionItem, ...]) -> Fence:
+    try:
+        return fence_of(items)
+    except ValueError:
+        # The items make no polygon: the autopilot does not keep to it either.
+        return Fence()

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The exchange of messages with one vehicle: what it said, what is under way, what to send next.
+
+All that is sent to the vehicle goes through `VehicleSession.send`. Commands come from the
+sequences of its flight and of its operator, all else only reads.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.autopilots.registry import autopilot_of
+from rocsafe_mavlink.drone.readout import Activity, Readout, Target
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.flight import MissionFlight
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
+from rocsafe_mavlink.knowledge.events import Event, EventKind
+from rocsafe_mavlink.knowledge.px4_events import text_of_event
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.link.link import Address
+from rocsafe_mavlink.protocols.mission_results import MissionType
+from rocsafe_mavlink.protocols.stream_rates import StreamRates
+from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.texts import TextJoiner
+
+_OVERWRITES = ('MISSION_COUNT', 'MISSION_CLEAR_ALL')
+
+
+@dataclass(slots=True, kw_only=True)
+class VehicleSession:
+    """One vehicle on a link.
+
+    Attributes
+    ----------
+    us
+        Our own (system, component).
+    telemetry
+        What the vehicle said.
+    readout
+        What was read from it besides
+        Settings, fence, mission.
+    separation_m
+        Height of the geoid above the ellipsoid where the vehicle does not tell, metres; NaN if not
+        known.
+    address
+        Address from which it speaks; held while it is in contact.
+    flight
+        Present or last flight.
+    sequence
+        Present or last sequence of commands of the operator.
+    sequence_count
+        Number of sequences of the operator so far.
+    texts
+        Joins texts that come in several messages.
+    """
+
+    us: Target
+    telemetry: VehicleTelemetry
+    readout: Readout
+    separation_m: float = math.nan
+    address: Address | None = None
+    flight: MissionFlight | None = None
+    sequence: CommandSequence | None = None
+    sequence_count: int = 0
+    texts: TextJoiner = field(default_factory=TextJoiner)
+    _outgoing: list[Message] = field(default_factory=list)
+
+    @classmethod
+    def of(
+        cls,
+        target: Target,
+        us: Target,
+        *,
+        separation_m: float = math.nan,
+        position_rate_hz: float | None = None,
+    ) -> 'VehicleSession':
+        """Return the session with a vehicle that was not heard yet."""
+        return cls(
+            us=us,
+            telemetry=VehicleTelemetry(system=target[0], component=target[1]),
+            readout=Readout(target=target, rates=StreamRates(position_rate_hz)),
+            separation_m=separation_m,
+        )
+
+    @property
+    def target(self) -> Target:
+        """(system, component) of the vehicle."""
+        return self.readout.target
+
+    @property
+    def is_flying(self) -> bool:
+        """Whether a flight of ours is under way, or one that was found in the air."""
+        return self.flight is not None and not self.flight.is_over
+
+    def autopilot(self) -> Autopilot:
+        """Return the kind of autopilot of the vehicle.
+
+        Raises
+        ------
+        ValueError
+            If the vehicle was never heard, or its kind is not known.
+        """
+        if self.telemetry.autopilot is None:
+            raise ValueError('the vehicle was never heard')
+        return autopilot_of(self.telemetry.autopilot, self.telemetry.vehicle_type)
+
+    def known_autopilot(self) -> Autopilot | None:
+        """Return the kind of autopilot; None if it is not known: it is then only listened to."""
+        try:
+            return self.autopilot()
+        except ValueError:
+            return None
+
+    def commands(self) -> VehicleCommands:
+        """Return what makes commands for the vehicle; raises as `autopilot`."""
+        return VehicleCommands(autopilot=self.autopilot(), target=self.target, us=self.us)
+
+    def may_hear(self, address: Address, now_s: float) -> bool:
+        """Whether `address` may speak for the vehicle: one at a time, until it falls silent."""
+        if self.address != address:
+            if self.telemetry.contact(now_s) in (Contact.FRESH, Contact.STALE):
+                return False
+            self.address = address
+        return True
+
+    def take(self, message: Message, now_s: float) -> list[Event]:
+        """Take a message of the vehicle; return what happened."""
+        heard = self.texts.late(now_s)
+        if message.name == 'STATUSTEXT':
+            heard += self.texts.take(message, now_s)
+        else:
+            heard.append(text_of_event(message) if message.name == 'EVENT' else message)
+        return [event for one in heard for event in self._take(one, now_s)]
+
+    def tick(self, now_s: float) -> None:
+        """Let time pass."""
+        flight, sequence = self.flight, self.sequence
+        if flight is not None:
+            self.flight, sent = flight.on_tick(self.telemetry, now_s)
+            self.send(sent)
+            self._note_verified(flight.sequence, self.flight.sequence)
+        if sequence is not None:
+            self.sequence, sent = sequence.on_tick(self.telemetry, now_s)
+            self.send(sent)
+            self._note_verified(sequence, self.sequence)
+        activity = Activity(
+            is_beginning=self.flight is not None and self.flight.is_beginning,
+            is_commanded=self.sequence is not None and not self.sequence.is_over,
+        )
+        kind = self.known_autopilot()
+        self.send(self.readout.on_tick(self.telemetry, kind, activity, now_s))
+
+    def begin(self, sequence: CommandSequence, *, preempts: bool = False) -> None:
+        """Begin a sequence of the operator; the next `tick` sends its first command.
+
+        With `preempts` it takes the place of one that is under way.
+
+        Raises
+        ------
+        ValueError
+            If another is under way.
+        """
+        if self.sequence is not None and not self.sequence.is_over and not preempts:
+            raise ValueError(f'{self.sequence.name} is under way')
+        self.sequence = sequence
+        self.sequence_count += 1
+
+    def send(self, messages: list[Message]) -> None:
+        """Queue messages for the vehicle."""
+        for message in messages:
+            is_mission = message.fields.get('mission_type', 0) == MissionType.MISSION
+            if message.name in _OVERWRITES and is_mission:
+                self.readout.mission = self.readout.mission.upload_begun()
+            self._outgoing.append(message)
+
+    def outgoing(self) -> list[Message]:
+        """Return the queued messages, and empty the queue."""
+        queued, self._outgoing = self._outgoing, []
+        return queued
+
+    def _take(self, message: Message, now_s: float) -> list[Event]:
+        self.telemetry, events = reduce(self.telemetry, message, now_s, self.separation_m)
+        self.readout.rates.hear(message.name, now_s)
+        if any(event.kind is EventKind.REBOOTED for event in events):
+            self.readout.forget()
+            self.flight = None if self.flight is None else self.flight.restarted()
+        if self.flight is not None:
+            self.flight, sent = self.flight.on_message(message, now_s)
+            self.send(sent)
+        if self.sequence is not None:
+            self.sequence, sent = self.sequence.on_message(message, now_s)
+            self.send(sent)
+        self.send(self.readout.on_message(message, now_s))
+        return events
+
+    def _note_verified(
+        self, before: CommandSequence | None, after: CommandSequence | None
+    ) -> None:
+        """Note that a mission was read back as it was sent."""
+        verified = None if after is None else after.verified_mission
+        if verified is not None and (before is None or before.verified_mission is None):
+            self.readout.mission = self.readout.mission.upload_verified(verified)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The drones of a bridge, as its `drones_file` describes them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_geo.storage.value_file import read_values
+
+LARGEST_SPEED_MPS = 50.0
+LARGEST_HOVER_S = 600.0
+LARGEST_SEPARATION_M = 110.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DroneOptions:
+    """One drone of the file.
+
+    Attributes
+    ----------
+    name
+        Name of the vehicle, which is its namespace.
+    link
+        ``udp://HOST:PORT``, ``udpout://HOST:PORT``, ``tcp://HOST:PORT`` or
+        ``serial:///dev/NAME?baud=N``; drones may share one.
+    system, component
+        MAVLink numbers of the autopilot, 1 to 255.
+    speed_mps
+        Speed over ground, m/s.
+    hover_s
+        Time that it stays at a viewpoint, seconds.
+    endurance_s
+        Flight time on a full battery, seconds.
+    image_folder
+        Folder of its JPEG files, or ``rtsp://...``, ``http://...``, ``/dev/video...``; empty: no
+        images.
+    signing_key_file
+        Signing key, mode 0600; the time stamps are kept beside it; empty: unsigned.
+    geoid_separation_m
+        Height of the geoid above the ellipsoid where it flies, metres; None: the drone tells.
+    """
+
+    name: str
+    link: str
+    system: int = 1
+    component: int = 1
+    speed_mps: float = 5.0
+    hover_s: float = 1.0
+    endurance_s: float = 1500.0
+    image_folder: str = ''
+    signing_key_file: str = ''
+    geoid_separation_m: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in (('system', self.system), ('component', self.component)):
+            if not 1 <= value <= 255:
+                raise ValueError(f'{name} is {value}: must be within 1 and 255')
+        require_positive('speed_mps', self.speed_mps, 'm/s')
+        require_between('speed_mps', self.speed_mps, 0.0, LARGEST_SPEED_MPS, 'm/s')
+        require_between('hover_s', self.hover_s, 0.0, LARGEST_HOVER_S, 's')
+        require_positive('endurance_s', self.endurance_s, 's')
+        if self.geoid_separation_m is not None:
+            largest_m = LARGEST_SEPARATION_M
+            require_between(
+                'geoid_separation_m', self.geoid_separation_m, -largest_m, largest_m, 'm'
+            )
+
+    @property
+    def target(self) -> tuple[int, int]:
+        """(system, component)."""
+        return self.system, self.component
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DroneFleet:
+    """All drones of the file; those on one link differ in their numbers and share their key."""
+
+    drones: tuple[DroneOptions, ...]
+
+    def __post_init__(self) -> None:
+        for lines in (self._repeated_names(), self._repeated_targets(), self._different_keys()):
+            for line in lines:
+                raise ValueError(line)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Each link once."""
+        return tuple(dict.fromkeys(drone.link for drone in self.drones))
+
+    def on(self, link: str) -> tuple[DroneOptions, ...]:
+        """Return the drones on `link`."""
+        return tuple(drone for drone in self.drones if drone.link == link)
+
+    def _repeated_names(self) -> Iterator[str]:
+        names = [drone.name for drone in self.drones]
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            yield f'drones: {name} is named twice'
+
+    def _repeated_targets(self) -> Iterator[str]:
+        for link in self.links:
+            targets = [drone.target for drone in self.on(link)]
+            if len(set(targets)) < len(targets):
+                yield f'drones on {link} must differ in system or component'
+
+    def _different_keys(self) -> Iterator[str]:
+        for link in self.links:
+            if len({drone.signing_key_file for drone in self.on(link)}) > 1:
+                yield f'drones on {link} must have one signing_key_file'
+
+
+def read_drones(path: str) -> DroneFleet:
+    """Return the drones that the file at `path` describes.
+
+    Raises
+    ------
+    ValueError
+        With one line for each mistake; a path that is empty is one.
+    """
+    if not path:
+        raise ValueError('drones_file is empty: must name the YAML file of the drones')
+    return read_values(Path(path), DroneFleet)

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sequences of commands for one kind of autopilot: start a flight, hold, resume, go to, ...
+
+Nothing here decides when to command. Flights start by `fly_route`; all else is commanded by people
+only, never because a link came back or a failsafe is over.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from rocsafe_geo.limits import require_between
+from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
+from rocsafe_mavlink.flight.command_sequence import (
+    CommandSequence,
+    CommandStep,
+    Shown,
+    Step,
+    TransferStep,
+)
+from rocsafe_mavlink.flight.fence import Fence, fence_items
+from rocsafe_mavlink.flight.flight_plan import Mission
+from rocsafe_mavlink.flight.flight_signs import home_moved
+from rocsafe_mavlink.flight.preflight import FlightLimits
+from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
+from rocsafe_mavlink.protocols import command_call as calls
+from rocsafe_mavlink.protocols.command_call import CommandCall
+from rocsafe_mavlink.protocols.mission_item import GLOBAL_INT, RELATIVE_INT, MissionItem
+from rocsafe_mavlink.protocols.mission_results import MissionType
+from rocsafe_mavlink.protocols.mission_transfer import transfer
+from rocsafe_mavlink.wire.authority import DO_REPOSITION
+from rocsafe_mavlink.wire.dialect import Message, addressed
+from rocsafe_mavlink.wire.units import e7_of_deg
+
+CHANGE_MODE = 1.0
+UNCHANGED = -1.0
+SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleCommands:
+    """Makes the command sequences for one vehicle.
+
+    Attributes
+    ----------
+    autopilot
+        Kind of autopilot of the vehicle.
+    target
+        (system, component) of the vehicle.
+    us
+        Our own (system, component).
+    """
+
+    autopilot: Autopilot
+    target: tuple[int, int]
+    us: tuple[int, int]
+
+    def start_flight(self, mission: Mission, home: Home) -> CommandSequence:
+        """Return the sequence that uploads a mission, arms and starts; `home` is the planned one.
+
+        Refused after arming if the home has moved: heights would not be those of the plan.
+        """
+        autopilot = self.autopilot
+        return self._sequence(
+            'flight',
+            self._upload(mission),
+            self._mode(autopilot.arms_in),
+            self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
+            replace(
+                self._mode(Verb.MISSION), refusal=lambda vehicle: home_moved(home, vehicle.home)
+            ),
+            replace(self._do(calls.start_mission(self.target)), is_shown_unanswered=_is_airborne),
+        )
+
+    def disarm(self) -> CommandSequence:
+        """Return the sequence that stops the motors, which autopilots refuse in flight."""
+        step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
+        return self._sequence('disarm', step)
+
+    def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
+        """Return the sequence that stops the vehicle: within its mission if it flies one."""
+        if self.autopilot.is_in(vehicle, Verb.MISSION):
+            return self._sequence('hold', self._pause())
+        return self._sequence('hold', self._mode(Verb.HOLD))
+
+    def resume(self, vehicle: VehicleTelemetry) -> CommandSequence:
+        """Return the sequence that continues the mission."""
+        if self.autopilot.is_in(vehicle, Verb.MISSION):
+            return self._sequence('resume', self._continue())
+        return self._sequence('resume', self._mode(Verb.MISSION))
+
+    def return_home(self) -> CommandSequence:
+        """Return the sequence that flies home and lands there."""
+        return self._sequence('return home', self._mode(Verb.RETURN))
+
+    def land(self) -> CommandSequence:
+        """Return the sequence that lands where the vehicle is."""
+        return self._sequence('land', self._mode(Verb.LAND))
+
+    def change_speed(self, speed_mps: float) -> CommandSequence:
+        """Return the sequence that sets the speed over ground.
+
+        Raises
+        ------
+        ValueError
+            If no multicopter flies at `speed_mps`.
+        """
+        require_between('speed_mps', speed_mps, SLOWEST_MPS, FASTEST_MPS, 'm/s')
+        return self._sequence('speed', self._do(calls.change_speed(self.target, speed_mps)))
+
+    def go_to(self, place: GeoPosition, height_m: float, home: Home) -> CommandSequence:
+        """Return the sequence that flies to a place, `height_m` above home, and stays there."""
+        steps = [] if self.autopilot.repositions_itself else [self._mode(Verb.GUIDED)]
+        return self._sequence('go to', *steps, self._do(self._reposition(place, height_m, home)))
+
+    def push_fence(self, fence: Fence) -> CommandSequence:
+        """Return the sequence that replaces the polygons of the fence."""
+        return self.push(MissionType.FENCE, fence_items(fence))
+
+    def push(self, kind: MissionType, items: tuple[MissionItem, ...]) -> CommandSequence:
+        """Return the sequence that replaces fence or rally points by `items`."""
+        moving = transfer(items, self.target, first_compared=0, mission_type=kind)
+        return self._sequence(kind.word, TransferStep(moving=moving))
+
+    def replace_mission(self, mission: Mission) -> CommandSequence:
+        """Return the sequence that stops, uploads another mission and flies it from its first leg.
+
+        It stops in a mode of its own: an ArduCopter whose mission is only paused flies on by
+        itself as soon as it has another one, before that was read back.
+        """
+        return self._sequence(
+            'new route',
+            self._mode(Verb.HOLD),
+            self._upload(mission, clears_after_failure=False),
+            *self._start_in_air(mission),
+        )
+
+    def _sequence(self, name: str, *steps: Step) -> CommandSequence:
+        return CommandSequence(name=name, target=self.target, steps=steps)
+
+    def _do(self, command: Message, is_shown: Shown | None = None) -> CommandStep:
+        return CommandStep(call=CommandCall(command=command, us=self.us), is_shown=is_shown)
+
+    def _upload(self, mission: Mission, *, clears_after_failure: bool = True) -> TransferStep:
+        moving = transfer(
+            mission.items,
+            self.target,
+            first_compared=self.autopilot.first_own_item,
+            clears_after_failure=clears_after_failure,
+        )
+        return TransferStep(moving=moving)
+
+    def _mode(self, verb: Verb) -> CommandStep:
+        def is_shown(vehicle: VehicleTelemetry) -> bool:
+            return self.autopilot.is_in(vehicle, verb)
+
+        return self._do(self.autopilot.mode_command(verb, self.target), is_shown)
+
+    def _pause(self) -> CommandStep:
+        """Return the step that stops within a mission.
+
+        An ArduPilot pauses only between waypoints. While it climbs, stands at a waypoint or
+        returns it refuses, and is switched to BRAKE instead.
+        """
+        brake = self._mode(Verb.HOLD)
+        if not self.autopilot.pauses_missions:
+            return brake
+        return replace(self._do(calls.pause(self.target), _is_paused), otherwise=brake)
+
+    def _continue(self) -> CommandStep:
+        """Return the step that goes on after `_pause`."""
+        switch = self._mode(Verb.MISSION)
+        if not self.autopilot.pauses_missions:
+            return switch
+        return replace(self._do(calls.resume(self.target), _is_active), otherwise=switch)
+
+    def _start_in_air(self, mission: Mission) -> list[CommandStep]:
+        """Return the steps that start a mission in the air, behind its take-off item."""
+        first = mission.first_item
+        is_at_first = _flies_to(first, mission.waypoint_items[0])
+        switch = self._mode(Verb.MISSION)
+        if not self.autopilot.starts_anywhere:
+            return [self._do(calls.set_current(self.target, first), is_at_first), switch]
+
+        def is_shown(vehicle: VehicleTelemetry) -> bool:
+            return self.autopilot.is_in(vehicle, Verb.MISSION) and is_at_first(vehicle)
+
+        return [self._do(calls.start_mission(self.target, first), is_shown)]
+
+    def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
+        by_itself = self.autopilot.repositions_itself
+        return addressed(
+            'COMMAND_INT',
+            self.target,
+            frame=GLOBAL_INT if by_itself else RELATIVE_INT,
+            command=DO_REPOSITION,
+            param1=UNCHANGED,
+            param2=CHANGE_MODE if by_itself else 0.0,
+            param4=math.nan,
+            x=e7_of_deg(place.latitude_deg),
+            y=e7_of_deg(place.longitude_deg),
+            z=height_m + home.altitude_msl_m if by_itself else height_m,
+        )
+
+
+def require_reachable(
+    place: GeoPosition, height_m: float, home: Home | None, limits: FlightLimits
+) -> Home:
+    """Return home if the vehicle may fly to a place.
+
+    Raises
+    ------
+    ValueError
+        Naming the number and its limit.
+    """
+    if home is None:
+        raise ValueError('the vehicle has not told its home')
+    require_between('height_m', height_m, limits.lowest_m, limits.highest_m, 'm')
+    away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
+    require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
+    return home
+
+
+def _is_airborne(vehicle: VehicleTelemetry) -> bool:
+    return vehicle.landed in (Landed.TAKEOFF, Landed.IN_AIR)
+
+
+def _is_paused(vehicle: VehicleTelemetry) -> bool:
+    # Old autopilots do not report the phase.
+    return vehicle.mission.phase in (MissionPhase.PAUSED, MissionPhase.UNKNOWN)
+
+
+def _is_active(vehicle: VehicleTelemetry) -> bool:
+    return vehicle.mission.phase in (MissionPhase.ACTIVE, MissionPhase.UNKNOWN)
+
+
+def _flies_to(first: int, last: int) -> Shown:
+    def is_shown(vehicle: VehicleTelemetry) -> bool:
+        return first <= vehicle.mission.current <= last
+
+    return is_shown

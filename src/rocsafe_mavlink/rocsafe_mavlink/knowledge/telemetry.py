@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one autopilot said of itself: a value that only messages change, see `reducer`."""
+
+import math
+from dataclasses import dataclass
+from enum import Enum, IntEnum, IntFlag
+
+from rocsafe_geo.angle import heading_of_yaw_rad
+from rocsafe_geo.position import GeoPosition
+
+NEVER = -math.inf
+# Age of the last heartbeat from which a vehicle counts as stale, as lost.
+STALE_AFTER_S = 3.0
+LOST_AFTER_S = 10.0
+FIX_3D = 3
+FIX_NONE = 0
+
+
+class Contact(Enum):
+    """How long ago a vehicle was heard."""
+
+    NONE = 'never heard'
+    FRESH = 'fresh'
+    STALE = 'stale'
+    LOST = 'lost'
+
+
+class Landed(IntEnum):
+    """MAV_LANDED_STATE."""
+
+    UNDEFINED = 0
+    ON_GROUND = 1
+    IN_AIR = 2
+    TAKEOFF = 3
+    LANDING = 4
+
+
+class SystemStatus(IntEnum):
+    """MAV_STATE, the values that are used here."""
+
+    UNINIT = 0
+    BOOT = 1
+    CALIBRATING = 2
+    STANDBY = 3
+    ACTIVE = 4
+    CRITICAL = 5
+    EMERGENCY = 6
+
+
+class MissionPhase(IntEnum):
+    """MISSION_STATE."""
+
+    UNKNOWN = 0
+    NONE = 1
+    NOT_STARTED = 2
+    ACTIVE = 3
+    PAUSED = 4
+    COMPLETE = 5
+
+
+class EkfFlag(IntFlag):
+    """Flags of the position estimate that decide whether it can be used."""
+
+    HORIZONTAL_VELOCITY = 2
+    ABSOLUTE_HORIZONTAL_POSITION = 16
+    CONSTANT_POSITION = 128
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gps:
+    """Last report of the GPS receiver.
+
+    Attributes
+    ----------
+    fix_type
+        3 and above is a position with height.
+    satellites
+        Satellites in use; -1 if not known.
+    time_us
+        Time of the receiver's solution.
+    changed_s
+        Steady time at which `time_us` last changed.
+    horizontal_std_m, vertical_std_m
+        Standard deviations, metres; NaN if the receiver does not tell.
+    """
+
+    fix_type: int = FIX_NONE
+    satellites: int = -1
+    time_us: int = 0
+    changed_s: float = NEVER
+    horizontal_std_m: float = math.nan
+    vertical_std_m: float = math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """Position and velocity as the autopilot estimates them.
+
+    Attributes
+    ----------
+    position
+        Altitude above the ellipsoid, NaN if the geoid is not known here.
+    altitude_msl_m
+        Altitude above mean sea level.
+    height_above_home_m
+        Height above home, by the autopilot.
+    velocity_enu_mps
+        Velocity east, north, up.
+    yaw_rad
+        Yaw after REP 103; NaN if not known.
+    boot_s
+        Time since the start of the autopilot.
+    heard_s
+        Steady time of arrival.
+    """
+
+    position: GeoPosition
+    altitude_msl_m: float
+    height_above_home_m: float
+    velocity_enu_mps: tuple[float, float, float]
+    yaw_rad: float
+    boot_s: float
+    heard_s: float
+
+    @property
+    def heading_deg(self) -> float:
+        """Compass heading, 0 to 360; NaN if not known."""
+        return math.degrees(heading_of_yaw_rad(self.yaw_rad))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attitude:
+    """Attitude after REP 103: yaw 0 is east, positive pitch lowers the nose."""
+
+    roll_rad: float
+    pitch_rad: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Home:
+    """Place to which the autopilot will return; its altitude is above mean sea level."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_msl_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Battery:
+    """Charge; NaN where the autopilot does not tell."""
+
+    fraction: float = math.nan
+    voltage_v: float = math.nan
+    current_a: float = math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionStatus:
+    """Progress of the autopilot in its mission, in its own item numbers.
+
+    Attributes
+    ----------
+    current
+        Item to which it flies; -1 if it has not said.
+    reached
+        Highest item that it reported reached since it was armed; -1 if none.
+    phase
+        Phase of its mission.
+    """
+
+    current: int = -1
+    reached: int = -1
+    phase: MissionPhase = MissionPhase.UNKNOWN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleTelemetry:
+    """All that one autopilot, (system, component), said of itself.
+
+    Attributes
+    ----------
+    heartbeat_s
+        Steady time of its last heartbeat.
+    autopilot
+        MAV_AUTOPILOT of its heartbeat, None before the first.
+    vehicle_type
+        MAV_TYPE of its heartbeat.
+    has_flown
+        Whether it was in the air since it was last seen started.
+    is_prearm_ok
+        Its pre-arm bit; it means nothing in a mode that cannot be armed.
+    geoid_separation_m
+        Height of the geoid above the ellipsoid; NaN if not known; kept while armed.
+    jumped_s
+        Steady time at which the position last moved faster than any multicopter flies.
+    boot_unix_s
+        Time of day at its start; NaN if not known.
+    is_fence_breached
+        Whether it reports a breach of its fence.
+    """
+
+    system: int
+    component: int
+    heartbeat_s: float = NEVER
+    autopilot: int | None = None
+    vehicle_type: int = 0
+    custom_mode: int = 0
+    status: int = SystemStatus.UNINIT
+    is_armed: bool = False
+    has_flown: bool = False
+    landed: Landed = Landed.UNDEFINED
+    is_prearm_ok: bool = False
+    gps: Gps = Gps()
+    ekf_flags: int | None = None
+    motion: Motion | None = None
+    attitude: Attitude | None = None
+    home: Home | None = None
+    battery: Battery = Battery()
+    mission: MissionStatus = MissionStatus()
+    geoid_separation_m: float = math.nan
+    jumped_s: float = NEVER
+    boot_unix_s: float = math.nan
+    is_fence_breached: bool = False
+
+    def contact(self, now_s: float) -> Contact:
+        """Return how recent its last heartbeat is at `now_s`."""
+        age_s = now_s - self.heartbeat_s
+        if self.autopilot is None:
+            return Contact.NONE
+        if age_s < STALE_AFTER_S:
+            return Contact.FRESH
+        return Contact.STALE if age_s < LOST_AFTER_S else Contact.LOST
+
+    @property
+    def is_on_ground(self) -> bool:
+        """Whether the motors are off, or it reports that it stands on the ground."""
+        return not self.is_armed or self.landed is Landed.ON_GROUND

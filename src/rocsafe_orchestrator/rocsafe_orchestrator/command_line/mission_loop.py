@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main loop of a run: supervises processes, advances the mission, shows its state."""
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from rocsafe_orchestrator.command_line.progress import Display
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.mission import REPORT, Mission
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Situation
+from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
+from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
+from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
+from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
+from rocsafe_orchestrator.processes.supervisor import Supervisor
+from rocsafe_orchestrator.provenance import write_json
+from rocsafe_orchestrator.run_directory import RunDirectory
+
+if TYPE_CHECKING:  # the loop is tested without ROS
+    from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
+
+TICK_S = 0.05
+SHOW_PERIOD_S = 0.25
+PUBLISH_PERIOD_S = 0.5
+# If simulated time stands still for longer, the participants are asked which one is late.
+STALL_WATCH_S = 3.0
+# DDS finds orchestrators on other machines in this time; on this machine there is a lock.
+DISCOVERY_S = 0.7
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parts:
+    """The parts of a run."""
+
+    table: tuple[ProcessSpec, ...]
+    participants: tuple[str, ...]
+    mission: Mission
+    monitor: Monitor
+    supervisor: Supervisor
+    node: 'OrchestratorNode'
+    spinner: 'Spinner'
+    display: Display
+    interrupt: Interrupt
+    directory: RunDirectory
+    run_info: dict[str, Any]
+
+
+class MissionLoop:
+    """Flies one mission from the start of its processes to their end.
+
+    Parameters
+    ----------
+    parts
+        The parts of the run.
+    stop_s
+        Time within which a process must end when asked, seconds.
+    started_s
+        When the run began, by `time.monotonic`.
+    """
+
+    def __init__(self, parts: Parts, stop_s: float, started_s: float) -> None:
+        self._parts = parts
+        self._stop_s = stop_s
+        self._started_s = started_s
+        self._pace = Pace()
+        self._ready: frozenset[str] = frozenset()
+        self._show_at_s = self._publish_at_s = 0.0
+        self._shown_phase: Phase | None = None
+
+    def fly(self) -> Phase:
+        """Run the mission to its end and return how it ended; no process is left.
+
+        Raises
+        ------
+        SetupError
+            If another run uses this ROS domain, or the report cannot be started.
+        """
+        parts = self._parts
+        try:
+            # The processes load meanwhile; they can still be stopped without harm.
+            self._look_for_company()
+            parts.node.requests.begin(parts.mission)
+            parts.node.publish_region()
+            while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:
+                parts.spinner.spin_for(TICK_S)
+                self._tick(time.monotonic())
+            if not parts.mission.phase.is_over:
+                parts.mission.abandon()
+            self._show(time.monotonic())
+        finally:
+            self._stop([*(spec.name for spec in parts.table), REPORT])
+            self._write_outcome(is_over=True)
+        return parts.mission.phase
+
+    def _look_for_company(self) -> None:
+        self._parts.spinner.spin_for(DISCOVERY_S)
+        if self._parts.node.has_company():
+            raise SetupError(COMPANY_TEXT)
+
+    def _tick(self, now_s: float) -> None:
+        parts = self._parts
+        if parts.interrupt.count:
+            parts.mission.cancel(parts.interrupt.text)
+        for event in parts.supervisor.poll():
+            self._on_event(event, now_s)
+        for order in parts.mission.advance(now_s, self._situation(now_s)):
+            self._carry_out(order)
+        while parts.mission.remarks:
+            parts.display.say(parts.mission.remarks.pop(0))
+        parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
+        self._show(now_s)
+
+    def _on_event(self, event: ProcessEvent, now_s: float) -> None:
+        mission = self._parts.mission
+        if event.kind is ProcessEventKind.DONE and event.name == REPORT:
+            mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
+            return
+        self._parts.display.say(f'{event.name} {event.text}')
+        if event.kind is ProcessEventKind.RESTARTED:
+            mission.restarted(event.name, now_s)
+        elif event.kind is ProcessEventKind.GAVE_UP:
+            mission.gave_up(event.name, event.text)
+
+    def _situation(self, now_s: float) -> Situation:
+        parts = self._parts
+        if parts.mission.phase is Phase.STARTING:
+            self._ready = parts.node.ready(parts.table)
+        self._pace.note(now_s, parts.monitor.time_s)
+        return Situation(
+            ready=self._ready,
+            simulated_s=parts.monitor.time_s,
+            waiting_for=parts.node.waiting_for(parts.participants),
+            images_stored=parts.monitor.images_stored,
+            images_rejected=len(parts.monitor.rejections),
+            still=parts.monitor.still,
+        )
+
+    def _carry_out(self, order: Order) -> None:
+        if order.kind is not OrderKind.WRITE_PRODUCTS:
+            self._parts.node.requests.send(order)
+            return
+        self._parts.mission.accepted(order)
+        self._show(time.monotonic())
+        # Only after the nodes have ended is the recording complete and no image being written.
+        self._stop([spec.name for spec in self._parts.table])
+        self._write_outcome(is_over=False)
+        if not self._parts.interrupt.is_urgent:
+            self._parts.supervisor.start(REPORT)
+
+    def _stop(self, names: list[str]) -> None:
+        interrupt = self._parts.interrupt
+        self._parts.supervisor.stop(
+            names, deadline_s=self._stop_s, must_hurry=lambda: interrupt.is_urgent
+        )
+
+    def _write_outcome(self, *, is_over: bool) -> None:
+        """Write the outcome to ``run.json``; before the products are made it is preliminary."""
+        mission = self._parts.mission
+        self._parts.run_info.update(
+            outcome=(mission.phase if is_over else mission.outcome).name.lower(),
+            outcome_text=mission.text,
+            wall_time_s=round(time.monotonic() - self._started_s, 3),
+            restarts=self._parts.supervisor.restarts,
+            lost_vehicles=mission.losses,
+            rejected_images=self._parts.monitor.rejections,
+        )
+        write_json(self._parts.directory.run_info, self._parts.run_info)
+
+    def _show(self, now_s: float) -> None:
+        mission = self._parts.mission
+        is_news = mission.phase is not self._shown_phase
+        self._shown_phase = mission.phase
+        status = None
+        if is_news or now_s >= self._publish_at_s:
+            self._publish_at_s = now_s + PUBLISH_PERIOD_S
+            status = self._status(now_s)
+            self._parts.node.publish(status)
+        if is_news or now_s >= self._show_at_s:
+            self._show_at_s = now_s + SHOW_PERIOD_S
+            self._parts.display.show(status or self._status(now_s))
+
+    def _status(self, now_s: float) -> RunStatus:
+        mission, monitor = self._parts.mission, self._parts.monitor
+        return RunStatus(
+            phase=mission.phase,
+            text=mission.text,
+            vehicles=monitor.vehicles,
+            images_stored=monitor.images_stored,
+            images_expected=monitor.images_expected,
+            viewpoints_planned=monitor.viewpoints_planned,
+            peak=monitor.peak,
+            flight_time_s=monitor.flight_time_s,
+            wall_time_s=now_s - self._started_s,
+            real_time_factor=self._pace.factor,
+            restarts=self._parts.supervisor.restarts,
+        )

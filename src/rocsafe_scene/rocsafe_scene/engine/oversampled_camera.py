@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renderers of scenes, and a camera that draws at a higher resolution and scales down."""
+
+from datetime import datetime
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_scene.engine.renderer import Renderer, RendererCamera
+from rocsafe_scene.engine.software_renderer import SoftwareRenderer, SoftwareRendererCamera
+from rocsafe_scene.errors import SceneError
+from rocsafe_scene.graphics.pipe import open_pipe
+from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.mesh.mesh import Floats
+from rocsafe_scene.scene.building import build
+from rocsafe_scene.scene.description import SceneDescription
+from rocsafe_scene.scene.environment import Environment
+from rocsafe_scene.scene.sunlight import lighting, sun_direction
+
+LARGEST_SIDE_PX = 8192
+AnyRenderer = Renderer | SoftwareRenderer
+
+
+def open_renderer(
+    environment: Environment, description: SceneDescription, time: datetime | None = None
+) -> AnyRenderer:
+    """Return a renderer of `environment`, lit as `description` says, at `time` if given.
+
+    Raises
+    ------
+    EngineError
+        If this machine has nothing to draw with.
+    """
+    light, place = description.light, description.place
+    direction = sun_direction(time or light.time, place.latitude_deg, place.longitude_deg)
+    sunlight = lighting(direction, light.weather)
+    if open_pipe().is_degraded:
+        return SoftwareRenderer(environment, sunlight)
+    return Renderer(environment, sunlight, light.weather)
+
+
+def open_scene(
+    description: SceneDescription,
+    seed: int | None = None,
+    origin: GeoPosition | None = None,
+    cache: Path | None = None,
+) -> AnyRenderer:
+    """Return a renderer of a scene, see `build`.
+
+    Raises
+    ------
+    SceneError, EngineError
+        If the scene cannot be built or drawn; one line.
+    """
+    return open_renderer(build(description, seed, origin, cache), description)
+
+
+class OversampledCamera:
+    """A camera whose image is drawn larger and scaled down, which smooths edges and detail.
+
+    Depth and labels are drawn at the size of the image, so that they stay exact.
+
+    Parameters
+    ----------
+    renderer
+        Renderer of the scene.
+    lens
+        Intrinsics of the images.
+    oversampling
+        1 draws once, 2 draws four times the pixels.
+
+    Raises
+    ------
+    SceneError
+        If the oversampled image would be too large.
+    """
+
+    def __init__(self, renderer: AnyRenderer, lens: PinholeCamera, oversampling: int = 2) -> None:
+        side = oversampling * max(lens.image_width_px, lens.image_height_px)
+        if not 1 <= oversampling <= 4 or side > LARGEST_SIDE_PX:
+            raise SceneError(
+                f'oversampling is {oversampling}, a side of {side} px: must be 1 to 4, with sides '
+                f'of {LARGEST_SIDE_PX} px at most'
+            )
+        self.lens = lens
+        self._plain = renderer.camera(lens)
+        self._large: RendererCamera | SoftwareRendererCamera | None = None
+        if oversampling > 1:
+            large = PinholeCamera(
+                lens.horizontal_fov_rad,
+                oversampling * lens.image_width_px,
+                oversampling * lens.image_height_px,
+            )
+            self._large = renderer.camera(large)
+
+    def expose_once(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
+        """Return what is seen from a pose, drawn once; see `RendererCamera.expose`."""
+        self._plain.resolve(self.lens.focal_px)
+        return self._plain.expose(position_enu, rotation_enu_from_optical)
+
+    def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
+        """Return what is seen from a pose, see `RendererCamera.expose`."""
+        if self._large is None:
+            return self.expose_once(position_enu, rotation_enu_from_optical)
+        # Labels must show the same leaves as the image.
+        self._plain.resolve(self._large.lens.focal_px)
+        frame = self._plain.expose(position_enu, rotation_enu_from_optical)
+        large = self._large.expose(position_enu, rotation_enu_from_optical)
+        size = (self.lens.image_width_px, self.lens.image_height_px)
+        image = cv2.resize(large.image, size, interpolation=cv2.INTER_AREA)
+        return Rendering(
+            image=np.asarray(image),
+            depth_m=frame.depth_m,
+            numbers=frame.numbers,
+            classes=frame.classes,
+            normals=frame.normals,
+        )

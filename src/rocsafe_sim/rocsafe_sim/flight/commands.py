@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands to a vehicle, and the motion that follows from each."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.fall import Fall
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import FlightPose
+from rocsafe_sim.flight.tasks import fly_timeline, hold_timeline, land_timeline, return_timeline
+from rocsafe_sim.flight.timeline import Timeline
+
+
+class CommandKind(Enum):
+    """What a command asks for."""
+
+    FLY = 'fly'
+    HOLD = 'hold'
+    RETURN = 'return'
+    DIVERT = 'divert'
+    LAND = 'land'
+    FALL = 'fall'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    """A command with the state in which it reached the vehicle; both determine the flight.
+
+    Attributes
+    ----------
+    kind
+        What the command asks for.
+    start_ns
+        Simulated time at which it takes effect, nanoseconds.
+    wait_ns
+        Time on the ground before that, nanoseconds.
+    start
+        Pose at that time.
+    first_index
+        Index of the first viewpoint of the route that is not yet photographed.
+    charge_fraction
+        Charge of the battery at that time, 0 to 1.
+    distance_m
+        Horizontal distance flown until that time since power-up, metres.
+    number
+        Number of the flight of the route, from 0.
+    ground_up_m
+        Height of the ground to land or fall on, metres; None: as the route has it.
+    """
+
+    kind: CommandKind
+    start_ns: int
+    start: FlightPose
+    first_index: int
+    charge_fraction: float
+    distance_m: float
+    number: int = 0
+    wait_ns: int = 0
+    ground_up_m: float | None = None
+
+
+def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:
+    """Return the motion that follows from a command."""
+    if command.kind is CommandKind.FLY:
+        return fly_timeline(airframe, command.start, route, (command.number, command.first_index))
+    if command.kind is CommandKind.HOLD:
+        return hold_timeline(airframe, command.start)
+    if command.kind is CommandKind.RETURN:
+        return return_timeline(airframe, command.start, route, route.home_enu)
+    if command.kind is CommandKind.DIVERT:
+        place = route.refuge(command.start.position_enu, command.number)
+        return return_timeline(airframe, command.start, route, place)
+    if command.kind is CommandKind.FALL:
+        below = route.ground_below(command.start.position_enu)[2]
+        return Fall(command.start, below if command.ground_up_m is None else command.ground_up_m)
+    return land_timeline(airframe, command.start, route, command.ground_up_m)

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Orders, parameters, fences and predictions: what is sent, what is refused, what is believed."""
+
+import math
+import struct
+from dataclasses import replace
+
+import pytest
+from test.fakes.fake_autopilot import HOME
+from test.mavlink.telemetry import heartbeat, ready, said
+from test.mavlink.test_flight import plan
+from test.mavlink.test_station import Air
+
+from rocsafe_geo.position import GeoPosition, distance_m, offset
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
+from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
+from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
+from rocsafe_mavlink.drone.commands import DroneCommands
+from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.preflight import CheckVerdict, FlightLimits, VehicleSettings, preflight
+from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
+from rocsafe_mavlink.knowledge.prediction import predict
+from rocsafe_mavlink.knowledge.reducer import reduce
+from rocsafe_mavlink.knowledge.telemetry import Home, Landed
+from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
+from rocsafe_mavlink.wire.dialect import Message
+
+TARGET, US = (1, 1), (255, 190)
+PLACE = GeoPosition(*HOME)
+HOME_OF = Home(latitude_deg=HOME[0], longitude_deg=HOME[1], altitude_msl_m=488.0)
+
+
+def numbers_of(sequence):
+    """Return the numbers of the commands of a sequence."""
+    return [step.call.command['command'] for step in sequence.steps if hasattr(step, 'call')]
+
+
+def flying(air, visited=1):
+    """Fly until so many waypoints are behind."""
+    air.wait(46.0)
+    air.fly(count=6)
+    air.until(lambda: air.flight().visited >= visited)
+    return air.drones[1].commands
+
+
+def done(air, commands):
+    """Let an order come to its end; return its error."""
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    return commands.outcome(commands.count)
+
+
+def test_hold_within_a_mission_keeps_the_mode():
+    """ArduPilot pauses; outside a mission it brakes, since LOITER obeys a stick."""
+    made = VehicleCommands(autopilot=COPTER, target=TARGET, us=US)
+    on_mission = reduce(ready(), heartbeat(AUTO, armed=True), 100.0)[0]
+    assert numbers_of(made.hold(on_mission)) == [193]
+    guided = reduce(ready(), heartbeat(GUIDED, armed=True), 100.0)[0]
+    (step,) = made.hold(guided).steps
+    assert (step.call.command['command'], step.call.command['param2']) == (176, float(BRAKE))
+    px4 = VehicleCommands(autopilot=MULTICOPTER, target=TARGET, us=US)
+    assert numbers_of(px4.hold(on_mission)) == [176]
+
+
+@pytest.mark.parametrize('visited', [0, 6], ids=['climbing', 'returning'])
+def test_what_cannot_pause_brakes(visited):
+    """A copter that climbs or returns within its mission refuses to pause; it stands all the same.
+
+    Then it goes on as it was.
+    """
+    air = Air()
+    commands = flying(air, visited)
+    air.until(lambda: air.copters[1].height_m > 5.0)
+    commands.hold(air.now_s)
+    assert done(air, commands) == ''
+    assert air.copters[1].mode == BRAKE
+    place = air.copters[1].place, air.copters[1].height_m
+    air.wait(5.0)
+    assert (air.copters[1].place, air.copters[1].height_m) == place
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
+    assert air.copters[1].mode == AUTO
+    air.until(lambda: air.flight().is_over)
+    assert (air.flight().outcome, air.flight().visited) == (FlightOutcome.COMPLETED, 6)
+
+
+def test_go_to_is_written_for_each_autopilot():
+    """ArduPilot wants GUIDED first and a height above home, PX4 one command and the sea's."""
+    first, second = (
+        VehicleCommands(autopilot=COPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+    )
+    assert first.call.command['param2'] == float(GUIDED)
+    assert (second.call.command['frame'], second.call.command['z']) == (6, 30.0)
+    assert second.call.command['x'] == 473977420
+    (only,) = (
+        VehicleCommands(autopilot=MULTICOPTER, target=TARGET, us=US)
+        .go_to(PLACE, 30.0, HOME_OF)
+        .steps
+    )
+    assert (only.call.command['frame'], only.call.command['z']) == (5, 518.0)
+    assert OFFBOARD not in {only.call.command.fields.get('param2')}
+
+
+@pytest.mark.parametrize('loss', [0.0, 0.2, 0.4])
+def test_orders_are_obeyed_over_a_lossy_link(loss):
+    """Held, resumed, slowed: an order ends well only if the vehicle shows it."""
+    air = Air()
+    commands = flying(air)
+    air.loss = loss
+    commands.hold(air.now_s)
+    error = done(air, commands)
+    assert not error or loss == 0.4
+    if not error:
+        # Where every pause was lost it was switched to BRAKE.
+        assert air.copters[1].is_paused or air.copters[1].mode == BRAKE
+        commands.resume(air.now_s)
+        assert not done(air, commands) or loss == 0.4
+
+
+def test_landing_takes_the_place_of_a_slower_order():
+    """What is urgent does not wait; what is not, does."""
+    air = Air()
+    commands = flying(air)
+    commands.change_speed(5.0, air.now_s)
+    with pytest.raises(CommandRefusedError, match='speed is under way'):
+        commands.resume(air.now_s)
+    commands.land(air.now_s)
+    assert commands.count == 2
+    assert done(air, commands) == ''
+    assert air.copters[1].mode == 9
+
+
+def test_refusal_carries_the_words_of_the_autopilot():
+    """Paused in a mode that cannot pause."""
+    air = Air()
+    commands = flying(air)
+    air.copters[1].is_paused = False
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
+    air.copters[1].mode = 6
+    air.wait(2.0)
+    commands.resume(air.now_s)
+    assert done(air, commands) == ''
+    assert air.copters[1].mode == AUTO
+
+
+@pytest.mark.parametrize('unread', [{'home': None}, {'landed': Landed.UNDEFINED}, {}])
+def test_route_is_called_none_only_when_all_is_read_that_tells_of_one(unread):
+    """A bridge that was started again finds its flight by mission, home and landed state."""
+    air = Air()
+    commands = flying(air)
+    session = air.drones[1].session
+    session.flight, session.readout.mission = None, OnboardMission(items=())
+    session.telemetry = replace(session.telemetry, **unread)
+    wanted = 'it is still being read' if unread else 'no route is being flown'
+    with pytest.raises(CommandRefusedError, match=wanted):
+        commands.resume(air.now_s)
+
+
+def test_nothing_is_ordered_by_the_suite_itself():
+    """A flight through failsafes, losses and returns: only what began it was ever sent."""
+    air = Air()
+    flying(air)
+    air.copters[1].lose_battery()
+    air.until(lambda: air.flight().is_over)
+    sent = [number for number in air.copters[1].commands if number != 511]
+    assert sent == [176, 400, 176, 300]
+
+
+@pytest.mark.parametrize(
+    ('names', 'speed'),
+    [({'WP_SPD': 8.0}, 'WP_SPD'), ({'WPNAV_SPEED': 800.0}, 'WPNAV_SPEED')],
+)
+def test_parameters_are_read_in_both_spellings(names, speed):
+    """The unit follows from the spelling that answered."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found={})
+    reader, asked = reader.on_tick(0.0)
+    assert {'WP_SPD', 'WPNAV_SPEED'} <= {message['param_id'] for message in asked}
+    for name, value in names.items():
+        reader = reader.on_message(
+            said('PARAM_VALUE', param_id=name, param_value=value, param_type=9)
+        )
+    assert reader.value(Parameter.CRUISE_SPEED_MPS) == pytest.approx(8.0)
+    assert reader.spelling(Parameter.CRUISE_SPEED_MPS) == speed
+    assert math.isnan(reader.value(Parameter.ACCELERATION_MPS2))
+    _, again = reader.on_tick(2.0)
+    assert speed not in {message['param_id'] for message in again}
+
+
+def test_px4_copies_the_bits_of_integers():
+    """A 2 comes as a float that is nearly nothing."""
+    (value,) = struct.unpack('<f', struct.pack('<i', 2))
+    told = said('PARAM_VALUE', param_id='NAV_DLL_ACT', param_value=value, param_type=6)
+    reader = ParameterReader(autopilot=PX4_NUMBER, target=TARGET, found={}).on_message(told)
+    assert reader.value(Parameter.LINK_LOSS_ACTION) == 2.0
+
+
+def test_link_loss_that_does_nothing_may_forbid_the_flight():
+    """Where the policy says that it must return, and the setting is off or not told."""
+    limits = FlightLimits(must_return_on_link_loss=True)
+    for found in ({'FS_GCS_ENABLE': 0.0}, {}):
+        knowledge = VehicleSettings(
+            parameters=ParameterReader(autopilot=3, target=TARGET, found=found)
+        )
+        checks = preflight(ready(), COPTER, None, limits, 100.0, knowledge)
+        verdicts = {check.name: check.verdict for check in checks}
+        assert verdicts['link-loss action'] is CheckVerdict.FAIL
+
+
+@pytest.mark.parametrize(
+    ('asks', 'value'), [(1, 'not read yet'), (6, 'FS_GCS_ENABLE not answered')]
+)
+def test_setting_is_waited_for(asks, value):
+    """What was asked for just now is not yet without an answer."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found={}, asks=asks)
+    checks = preflight(
+        ready(), COPTER, None, FlightLimits(), 100.0, VehicleSettings(parameters=reader)
+    )
+    assert {check.name: check.value for check in checks}['link-loss action'] == value
+
+
+def test_fence_travels_and_holds():
+    """As items and back; a place in an exclusion is outside."""
+    ring = tuple(offset(PLACE, *c) for c in ((-50, -50), (50, -50), (50, 50), (-50, 50)))
+    hole = tuple(offset(PLACE, *c) for c in ((10, 10), (20, 10), (20, 20)))
+    fence = Fence(inclusions=(ring,), exclusions=(hole,))
+    back = fence_of(fence_items(fence))
+    assert [len(r) for r in (*back.inclusions, *back.exclusions)] == [4, 3]
+    assert back.holds(offset(PLACE, -20.0, 0.0))
+    assert not back.holds(offset(PLACE, 17.0, 12.0))
+    assert not back.holds(offset(PLACE, 60.0, 0.0))
+    assert Fence().holds(PLACE)
+    with pytest.raises(ValueError, match='3 or more'):
+        Fence(inclusions=(ring[:2],))
+
+
+def ring(half_m):
+    """Return the corners of a square about home."""
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return tuple(offset(PLACE, half_m * east, half_m * north) for east, north in corners)
+
+
+@pytest.mark.parametrize('delay_s', [0.0, 0.1, 0.2, 0.3, 0.5, 5.0])
+def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
+    """Be the fence that it replaces unread, half read, or known: none is taken for the new one."""
+    air = Air()
+    air.until(lambda: air.vehicle().autopilot is not None)
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(900.0),))))
+    air.wait(delay_s)
+    commands = air.drones[1].commands
+    commands.push_fence(Fence(inclusions=(ring(120.0),)))
+    words = []
+    while not any('outside' in word for word in words):
+        assert air.now_s < 100.0
+        air.step()
+        words.append(words_of_fence(air))
+    assert set(words) == {'not read yet', '1 of 3 waypoints outside'}
+
+
+def words_of_fence(air):
+    """Return what the look at the fence says before a flight of 150 m to the north."""
+    checks = air.drones[1].commands.route_checks(plan())
+    return next((check.value for check in checks if check.name == 'within fence'), 'not read yet')
+
+
+def test_route_that_leaves_the_fence_takes_the_place_of_none():
+    """Nor does one that is too high or too far away; one that may be flown does."""
+    air = Air()
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(400.0),))))
+    commands = flying(air)
+    air.until(lambda: air.drones[1].session.readout.fence is not None)
+    for count, word in ((9, 'fence'), (60, 'dist')):
+        with pytest.raises(CommandRefusedError, match=word):
+            commands.replace_route(plan(count), air.now_s)
+    low = DroneCommands(air.drones[1].session, FlightLimits(highest_m=20.0))
+    with pytest.raises(CommandRefusedError, match='heights'):
+        low.replace_route(plan(3), air.now_s)
+    commands.replace_route(plan(4), air.now_s)
+    assert done(air, commands) == ''
+
+
+def test_silent_vehicle_is_taken_to_fly_on():
+    """Along its way, then it stays at its end."""
+    way = [offset(PLACE, 0.0, 100.0), offset(PLACE, 100.0, 100.0)]
+    early, late = predict(PLACE, way, 10.0, 5.0), predict(PLACE, way, 10.0, 15.0)
+    assert distance_m(early.position, offset(PLACE, 0.0, 50.0)) < 0.1
+    assert (early.passed, late.passed) == (0, 1)
+    assert distance_m(late.position, offset(PLACE, 50.0, 100.0)) < 0.1
+    end = predict(PLACE, way, 10.0, 300.0)
+    assert distance_m(end.position, way[-1]) < 0.1
+    assert end.spread_m > late.spread_m > early.spread_m
+
+
+def test_orders_that_make_no_sense_are_refused():
+    """On the ground, out of contact, out of limits."""
+    air = Air()
+    commands = air.drones[1].commands
+    with pytest.raises(CommandRefusedError, match='not in contact'):
+        commands.hold(air.now_s)
+    commands = flying(air)
+    for place, height_m, word in (
+        (offset(PLACE, 0.0, 9000.0), 30.0, 'distance'),
+        (PLACE, 4000.0, 'height_m'),
+        (PLACE, math.nan, 'height_m'),
+    ):
+        with pytest.raises(CommandRefusedError, match=word):
+            commands.go_to(place, height_m, air.now_s)
+    with pytest.raises(CommandRefusedError, match='speed_mps'):
+        commands.change_speed(math.inf, air.now_s)
+    assert isinstance(air.sent[-1], Message)
