@@ -50,8 +50,9 @@ ROSDEP_KEYS = {
     'scipy': 'python3-scipy',
     'yaml': 'python3-yaml',
 }
-# Without a rosdep key: set-up brings it where it can, and without it the flat camera works.
-OPTIONAL = {'panda3d'}
+# Without a rosdep key: set-up brings it where it can; the flat camera and all other
+# files of a map work without.
+OPTIONAL = {'panda3d', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
