@@ -34,7 +34,7 @@ ROSDEP_KEYS = {
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
     'jinja2': 'python3-jinja2',
-    'markupsafe': 'python3-jinja2',
+    'markupsafe': 'python3-jinja2',  # which depends on it
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
     'numba': 'python3-numba',
@@ -50,8 +50,9 @@ ROSDEP_KEYS = {
     'scipy': 'python3-scipy',
     'yaml': 'python3-yaml',
 }
-# Without a rosdep key: set-up brings it where it can, and without it the flat camera works.
-OPTIONAL = {'panda3d'}
+# Without a rosdep key: set-up brings it where it can; the flat camera and all other
+# files of a map work without.
+OPTIONAL = {'panda3d', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
@@ -298,9 +299,10 @@ def _is_within(name: str, allowed: set[str]) -> bool:
 def test_no_circle_of_rooms():
     """Folders of a package never import each other in a circle, nor do the packages."""
     rooms: dict[str, set[str]] = {}
+    names = {module.name for module in MODULES}
     for module in MODULES:
         room = module.name.rpartition('.')[0]
-        for name in module.imports & {other.name for other in MODULES}:
+        for name in module.imports & names:
             if (other := name.rpartition('.')[0]) != room and {room, other}.isdisjoint(OURS):
                 rooms.setdefault(room, set()).add(other)
     TopologicalSorter(rooms).prepare()

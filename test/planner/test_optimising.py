@@ -24,6 +24,8 @@ from rocsafe_planner.solver import route_cost
 from .fleets import FLEET, changed, problem, request
 from .surveys import surveys
 
+pytestmark = pytest.mark.slow
+
 TOOLS = ('boustrophedon_equal', 'boustrophedon_minmax', 'strips')
 
 

@@ -28,6 +28,7 @@ def spoilt(**changes):
     return dataclasses.replace(PLAN, routes=(route, *PLAN.routes[1:]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @settings(max_examples=12, suppress_health_check=list(HealthCheck))
 @given(survey=surveys())

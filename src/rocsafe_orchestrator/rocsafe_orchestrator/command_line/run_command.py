@@ -104,7 +104,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
     _log_to(directory)
     export_scenes(scenario, directory)
     display = make_display(console, directory.name, is_quiet=request.is_quiet)
-    flight = _Flight(
+    flight = _Run(
         request=request,
         scenario=scenario,
         directory=directory,
@@ -125,7 +125,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
 
 
 @dataclass(kw_only=True)
-class _Flight:
+class _Run:
     """Builds the parts of a run."""
 
     request: RunRequest
