@@ -3,14 +3,12 @@
 
 from collections.abc import Callable
 from functools import partial
-from threading import Event
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
-from rclpy.time import Time
 
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
@@ -31,9 +29,9 @@ from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan.plan import SurveyPlan as PlanValue
 from rocsafe_planner.plan.plan_reading import exported_plan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.planning import UNKNOWN, Figures, Progress
+from rocsafe_planner.planning import UNKNOWN, Figures
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_ros.background_job import start_job
+from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
@@ -42,27 +40,10 @@ from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
 WATCH_PERIOD_S = 0.1
 
 
-def _load_solver() -> None:
+def _load_solver(_report: Callable[[None], bool]) -> None:
     from rocsafe_planner.solver.precompile import load_kernels
 
     load_kernels()
-
-
-class _Planning:
-    """The planning of one goal in its thread: its future plan, newest figures, and a stop."""
-
-    def __init__(self, plan: Callable[[Progress], SurveyPlan]) -> None:
-        self.figures: Figures = UNKNOWN
-        self._is_stopped = Event()
-        self.plan = start_job(partial(plan, self._report), 'planning')
-
-    def stop(self) -> None:
-        """Ask it to end at its next report."""
-        self._is_stopped.set()
-
-    def _report(self, makespan_s: float, lower_bound_s: float) -> bool:
-        self.figures = (makespan_s, lower_bound_s)
-        return not self._is_stopped.is_set()
 
 
 class PlannerNode(Node):
@@ -81,7 +62,7 @@ class PlannerNode(Node):
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         # While the other nodes start: the first goal need not wait for it.
-        start_job(_load_solver, 'loading')
+        BackgroundJob(_load_solver, 'loading', None)
         self._server = ActionServer(
             self,
             PlanSurvey,
@@ -132,23 +113,22 @@ class PlannerNode(Node):
 
     async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
         """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
-        planning = _Planning(partial(self._plan, request))
-        started = self._wall_clock.now()
+        planning = BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
         done = Future()
         timer = self.create_timer(
             WATCH_PERIOD_S,
-            partial(self._watch, planning, started, goal, done),
+            partial(self._watch, planning, goal, done),
             clock=self._wall_clock,
         )
         await done
         self.destroy_timer(timer)
-        return planning.plan.result()
+        return planning.result()
 
-    def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
-        """Plan, check and export; runs in the thread of `_Planning`."""
-        plan = checked_plan(request, on_progress)
+    def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
+        """Plan, check and export; runs in the thread of the job."""
+        plan = checked_plan(request, lambda *figures: report(figures))
         self._plans[plan.plan_id] = plan
-        is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
+        is_wanted = report((plan.makespan_s, plan.lower_bound_s))
         if self._options.export_directory and is_wanted:
             folder = self._options.export_folder(
                 plan.plan_id, bool(request.continuation.viewpoints)
@@ -157,16 +137,18 @@ class PlannerNode(Node):
         return message_of_plan(plan)
 
     def _watch(
-        self, planning: _Planning, started: Time, goal: ServerGoalHandle, done: Future
+        self,
+        planning: BackgroundJob[SurveyPlan, Figures],
+        goal: ServerGoalHandle,
+        done: Future,
     ) -> None:
         """Report the progress of a goal; wake the goal when its planning has ended."""
         if done.done():
             return
         if goal.is_cancel_requested or goal is not self._newest:
-            planning.stop()
-        elapsed_s = 1e-9 * (self._wall_clock.now() - started).nanoseconds
-        goal.publish_feedback(feedback(elapsed_s, *planning.figures))
-        if planning.plan.done():
+            planning.cancel()
+        goal.publish_feedback(feedback(planning.elapsed_s, *planning.progress))
+        if planning.is_done:
             done.set_result(None)
 
     def _refuse(
