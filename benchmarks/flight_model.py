@@ -22,8 +22,8 @@ from rich.table import Table
 from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_planner.plan.vehicle import Vehicle as PlannedVehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle

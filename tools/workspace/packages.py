@@ -28,6 +28,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'numba': ('numba', (0, 58)),
     'panda3d': ('panda3d', (1, 10, 13)),
     'PIL': ('pillow', (10, 2)),
+    'pmtiles': ('pmtiles', (3, 4)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),
     'pyproj': ('pyproj', (3, 6)),

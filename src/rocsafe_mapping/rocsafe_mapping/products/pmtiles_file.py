@@ -5,9 +5,6 @@ import sqlite3
 from pathlib import Path
 from typing import IO, Any
 
-from pmtiles.tile import Compression, TileType, zxy_to_tileid
-from pmtiles.writer import Writer
-
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, sync_file
 from rocsafe_mapping.errors import MappingError
 
@@ -21,7 +18,7 @@ def write_pmtiles(mbtiles: Path, path: Path) -> None:
     Raises
     ------
     MappingError
-        If they cannot be read or the file cannot be written.
+        If they cannot be read, the file cannot be written, or the library is not installed.
     """
     part = part_of(path)
     try:
@@ -34,13 +31,16 @@ def write_pmtiles(mbtiles: Path, path: Path) -> None:
             source.close()
         sync_file(part)
         finish_part(path)
-    except (OSError, sqlite3.Error, ValueError) as error:
+    except (OSError, sqlite3.Error, ValueError, ImportError) as error:
         discard_part(path)
         raise MappingError(f'cannot write tiles of {mbtiles} to {path}: {error}') from error
 
 
 def _copy(source: sqlite3.Connection, file: IO[bytes]) -> None:
     """Write all tiles in the order of their numbers, equal ones once."""
+    from pmtiles.tile import zxy_to_tileid
+    from pmtiles.writer import Writer
+
     places = sorted(
         (zxy_to_tileid(zoom, x, (1 << zoom) - 1 - row), number)
         for number, zoom, x, row in source.execute(
@@ -60,6 +60,8 @@ def _copy(source: sqlite3.Connection, file: IO[bytes]) -> None:
 
 
 def _header(bounds: str, zooms: tuple[int, int]) -> dict[str, Any]:
+    from pmtiles.tile import Compression, TileType
+
     west, south, east, north = (float(edge) for edge in bounds.split(','))
     return {
         'tile_type': TileType.PNG,

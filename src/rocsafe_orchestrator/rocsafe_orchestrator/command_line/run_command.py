@@ -165,7 +165,7 @@ class _Run:
             mission = Mission(
                 crew_of(self.scenario, self.table),
                 node.deadlines,
-                planning_budget_s=self.scenario.survey.budget_s,
+                planning_budget_s=self.scenario.survey.effort.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.radiation.search.extra_rounds,
                 replans=self.scenario.replan == 'on_loss',

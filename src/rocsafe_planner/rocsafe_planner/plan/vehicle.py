@@ -7,6 +7,7 @@ from functools import lru_cache
 
 from rocsafe_geo.limits import require_not_negative, require_positive
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
+from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import GeoPosition
 
@@ -60,18 +61,18 @@ class Vehicle:
 
     name: str
     home: GeoPosition
-    cruise_speed_mps: float
-    acceleration_mps2: float
-    climb_rate_mps: float
-    descent_rate_mps: float
-    hover_s: float
-    endurance_s: float
+    cruise_speed_mps: float = 5.0
+    acceleration_mps2: float = 2.0
+    climb_rate_mps: float = 2.5
+    descent_rate_mps: float = 1.5
+    hover_s: float = 1.0
+    endurance_s: float = 1350.0
     battery_swap_s: float | None = None
     end: GeoPosition | None = None
     is_open: bool = False
     sensors: tuple[str, ...] = ()
     cruise_power_w: float = 200.0
-    hover_power_w: float = 220.0
+    hover_power_w: float = HOVER_POWER_W
     aloft: Aloft | None = None
     used_s: float = 0.0
     autopilot: Autopilot = ARDUCOPTER

@@ -12,25 +12,36 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
-from rocsafe_planner.export.plan_json import FORMAT_VERSION
+from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Aloft, Vehicle
-from rocsafe_planner.problem.viewpoint import Viewpoint
-from rocsafe_planner.site.document import Document
-from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.plan.plan_json import FORMAT_VERSION
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import (
+    AirspaceOptions,
+    Continuation,
+    CoverageOptions,
+    Effort,
+    SeparationOptions,
+)
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Aloft, Vehicle
+from rocsafe_planner.plan.viewpoint import Viewpoint
 
-_SAME = (
-    'height_agl_m', 'spacing_rule', 'overlap_fraction', 'front_overlap_fraction', 'grid', 'method',
-    'objective', 'clearance_m', 'separation_m', 'separation_by', 'terrain_clearance_m',
-    'budget_s', 'seed', 'max_viewpoints',
-)  # fmt: skip
 
-
-def read_plan(path: str | Path, terrain: Terrain | None = None) -> SurveyPlan:
+def read_plan(
+    path: str | Path, terrain: Terrain | None = None, *, needs_terrain: bool = True
+) -> SurveyPlan:
     """Return the plan in a file.
 
-    `terrain` is that of a plan over one, which holds no heights itself.
+    Parameters
+    ----------
+    path
+        File, usually ``plan.json``.
+    terrain
+        Terrain of a plan over one: the file holds its name and digest, no heights.
+    needs_terrain
+        Whether a plan over terrain is refused without it. A reader that plans and checks nothing
+        sets False; the request of the plan then has no terrain.
 
     Raises
     ------
@@ -39,13 +50,13 @@ def read_plan(path: str | Path, terrain: Terrain | None = None) -> SurveyPlan:
     """
     try:
         document = json.loads(Path(path).read_text(encoding='utf-8'))
-        _check(document, terrain)
+        _check(document, terrain, needs_terrain)
         return _plan(document, terrain)
     except OSError as error:
         raise ValueError(f'{path}: {error.strerror}') from error
     except KeyError as error:
         raise ValueError(f'{path}: is no plan: it has no {error.args[0]!r}') from error
-    except (TypeError, ValueError) as error:
+    except (AttributeError, TypeError, ValueError) as error:
         raise ValueError(f'{path}: {error}') from error
 
 
@@ -67,36 +78,23 @@ def exported_plan(
     raise ValueError(f'rest_of is {plan_id!r}: must be a plan of this planner')
 
 
-def _check(document: Document, terrain: Terrain | None) -> None:
+def _check(document: Document, terrain: Terrain | None, needs_terrain: bool) -> None:
     if document['format_version'] != FORMAT_VERSION:
-        raise ValueError(f'has format {document["format_version"]}, not {FORMAT_VERSION}')
-    wanted = document['terrain']
+        raise ValueError(
+            f'has format {document["format_version"]}, not {FORMAT_VERSION}: plan again'
+        )
+    wanted = document['request']['terrain']
     if wanted is None and terrain is not None:
         raise ValueError('is a plan over level ground: must be given no terrain')
-    if wanted is not None and terrain is None:
+    if wanted is not None and terrain is None and needs_terrain:
         raise ValueError(f'is a plan over {wanted["name"]}: must be given that file')
     if wanted is not None and terrain is not None and wanted['sha256'] != terrain.digest:
         raise ValueError(f'is a plan over {wanted["name"]}: {terrain.name} has other heights')
 
 
 def _plan(document: Document, terrain: Terrain | None) -> SurveyPlan:
-    camera = PinholeCamera(**document['camera'])
-    regions = (document['region'], *document['other_regions'])
-    request = SurveyRequest(
-        regions=tuple(
-            SurveyRegion(area=_area(region), sensors=tuple(region['sensors']))
-            for region in regions
-        ),
-        exclusions=tuple(map(_area, document['exclusions'])),
-        camera=camera,
-        vehicles=tuple(map(_vehicle, document['vehicles'])),
-        wind_mps=tuple(document['wind_mps']),
-        terrain=terrain,
-        viewpoints=_viewpoints(document, 'viewpoints', camera),
-        visited=_viewpoints(document, 'visited', camera),
-        ground_reference=tuple(map(_position, document.get('ground_reference', ()))),
-        **{key: document[key] for key in _SAME},
-    )
+    request = _request(document['request'], terrain)
+    camera = request.camera
     vehicles = zip(request.vehicles, document['routes'], strict=True)
     return SurveyPlan(
         plan_id=document['plan_id'],
@@ -114,8 +112,28 @@ def _plan(document: Document, terrain: Terrain | None) -> SurveyPlan:
     )  # fmt: skip
 
 
-def _viewpoints(document: Document, key: str, camera: PinholeCamera) -> tuple[Viewpoint, ...]:
-    return tuple(_viewpoint(view, camera) for view in document.get(key, ()))
+def _request(document: Document, terrain: Terrain | None) -> SurveyRequest:
+    camera = PinholeCamera(**document['camera'])
+    continuation = document['continuation']
+    return SurveyRequest(
+        regions=tuple(
+            SurveyRegion(area=_area(region), sensors=tuple(region['sensors']))
+            for region in document['regions']
+        ),
+        exclusions=tuple(map(_area, document['exclusions'])),
+        camera=camera,
+        vehicles=tuple(map(_vehicle, document['vehicles'])),
+        terrain=terrain,
+        coverage=CoverageOptions(**document['coverage']),
+        airspace=AirspaceOptions(**document['airspace']),
+        separation=SeparationOptions(**document['separation']),
+        effort=Effort(**document['effort']),
+        continuation=Continuation(
+            viewpoints=tuple(_viewpoint(v, camera) for v in continuation['viewpoints']),
+            visited=tuple(_viewpoint(v, camera) for v in continuation['visited']),
+            ground_reference=tuple(map(_position, continuation['ground_reference'])),
+        ),
+    )
 
 
 def _known(value: float | None, otherwise: float) -> float:

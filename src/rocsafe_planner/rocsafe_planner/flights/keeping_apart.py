@@ -6,15 +6,15 @@ import math
 from dataclasses import dataclass
 
 from rocsafe_planner.errors import BeyondEnduranceError
-from rocsafe_planner.plan.flight_track import FlightTrack
-from rocsafe_planner.plan.plan import Route
-from rocsafe_planner.plan.routes import route_of, routes_of
-from rocsafe_planner.plan.separation import (
+from rocsafe_planner.flights.flight_track import FlightTrack
+from rocsafe_planner.flights.routes import route_of, routes_of
+from rocsafe_planner.flights.separation import (
     Placed,
     delays_apart,
     flying_order,
     minimum_separation_m,
 )
+from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.problem.fleet_problem import Order
 from rocsafe_planner.site.survey_site import SurveySite
 
@@ -51,16 +51,18 @@ def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
 
 def _kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     request = site.request
-    is_wanted = request.separation_m > 0.0
+    is_wanted = request.separation.distance_m > 0.0
     layers = (0.0,) * len(orders)
     routes = routes_of(site, orders)
-    if is_wanted and request.separation_by == 'layers':
+    if is_wanted and request.separation.by == 'layers':
         layers = _layers(site, orders, routes)
         site = in_layers(site, layers)
         routes = routes_of(site, orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = [_track(site, k, routes[k]) for k in flying]
-    delays = delays_apart(tracks, request.separation_m) if is_wanted else [0.0] * len(tracks)
+    delays = (
+        delays_apart(tracks, request.separation.distance_m) if is_wanted else [0.0] * len(tracks)
+    )
     late = dict(zip(flying, delays, strict=True))
     delayed = tuple(
         dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
@@ -78,7 +80,7 @@ def _turned(site: SurveySite, routes: tuple[Route, ...]) -> Orders:
     orders = [_points(site, route) for route in routes]
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = {k: FlightTrack(site.problem, k, orders[k]) for k in flying}
-    placed = Placed(site.request.separation_m)
+    placed = Placed(site.request.separation.distance_m)
     for k in (flying[i] for i in flying_order(list(tracks.values()))):
         best = (math.inf, tracks[k], orders[k])
         for flights in _turns(routes[k], orders[k]):
@@ -116,7 +118,7 @@ def _layers(site: SurveySite, orders: Orders, routes: tuple[Route, ...]) -> tupl
     In the order in which places are given each vehicle takes the layer in which it lands first,
     waiting included; the lowest of those that are equal.
     """
-    step = site.request.separation_m
+    step = site.request.separation.distance_m
     placed = Placed(step)
     layers = [0.0] * len(orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]

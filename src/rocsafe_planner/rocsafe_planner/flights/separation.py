@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_planner.plan.flight_track import FlightTrack
+from rocsafe_planner.flights.flight_track import FlightTrack
 
 TOLERANCE_M = 0.01
 """Least distances are exact to this."""

@@ -9,9 +9,10 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import Ring, SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Vehicle
-from rocsafe_planner.problem.viewpoint import Viewpoint
+from rocsafe_planner.plan.survey_options import Continuation
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Vehicle
+from rocsafe_planner.plan.viewpoint import Viewpoint
 
 Document = dict[str, Any]
 
@@ -78,6 +79,15 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
         'height_agl_m': number(viewpoint.height_agl_m),
         'yaw_rad': viewpoint.yaw_rad,
         'sensors': list(viewpoint.sensors),
+    }
+
+
+def continuation_document(continuation: Continuation) -> Document:
+    """Return the viewpoints and places that an earlier plan hands on."""
+    return {
+        'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
+        'visited': [viewpoint_document(view) for view in continuation.visited],
+        'ground_reference': [position_document(p) for p in continuation.ground_reference],
     }
 
 

@@ -5,12 +5,13 @@ Altitudes are metres above the WGS84 ellipsoid. The order of the keys is fixed a
 on when or where the plan was made: equal requests give equal files.
 """
 
-from rocsafe_planner.plan.objective import OBJECTIVE_VALUES, objective_gap
-from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
-from rocsafe_planner.site.document import (
+from dataclasses import asdict
+
+from rocsafe_planner.plan.document import (
     Document,
     area_document,
     camera_document,
+    continuation_document,
     number,
     position_document,
     region_document,
@@ -18,42 +19,38 @@ from rocsafe_planner.site.document import (
     vehicle_document,
     viewpoint_document,
 )
+from rocsafe_planner.plan.objective import OBJECTIVE_VALUES, objective_gap
+from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
+from rocsafe_planner.plan.request import SurveyRequest
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 def plan_document(plan: SurveyPlan) -> Document:
-    """Return all that the plan says."""
-    request = plan.request
+    """Return all values of the plan."""
     return {
         'format': 'rocsafe-plan',
         'format_version': FORMAT_VERSION,
         **quality_document(plan),
-        'seed': request.seed,
-        'height_agl_m': request.height_agl_m,
-        'spacing_rule': request.spacing_rule,
-        'overlap_fraction': request.overlap_fraction,
-        'front_overlap_fraction': request.front_overlap_fraction,
-        'grid': request.grid,
         'spacing_m': plan.spacing_m,
         'spacing_along_m': plan.spacing_along_m,
-        'budget_s': request.budget_s,
-        'max_viewpoints': request.max_viewpoints,
-        'clearance_m': request.clearance_m,
-        'separation_m': request.separation_m,
-        'separation_by': request.separation_by,
-        'terrain': terrain_document(request.terrain),
-        'terrain_clearance_m': request.terrain_clearance_m,
-        'wind_mps': list(request.wind_mps),
-        'region': region_document(request.regions[0]),
-        'other_regions': [region_document(region) for region in request.regions[1:]],
-        'exclusions': [area_document(zone) for zone in request.exclusions],
-        'camera': camera_document(request.camera),
-        'visited': [viewpoint_document(view) for view in request.visited],
-        'viewpoints': [viewpoint_document(view) for view in request.viewpoints],
-        'ground_reference': [position_document(place) for place in request.ground_reference],
-        'vehicles': [vehicle_document(vehicle) for vehicle in request.vehicles],
+        'request': _request(plan.request),
         'routes': [_route(route) for route in plan.routes],
+    }
+
+
+def _request(request: SurveyRequest) -> Document:
+    return {
+        'regions': [region_document(region) for region in request.regions],
+        'exclusions': [area_document(zone) for zone in request.exclusions],
+        'terrain': terrain_document(request.terrain),
+        'camera': camera_document(request.camera),
+        'vehicles': [vehicle_document(vehicle) for vehicle in request.vehicles],
+        'coverage': asdict(request.coverage),
+        'airspace': asdict(request.airspace),
+        'separation': asdict(request.separation),
+        'effort': asdict(request.effort),
+        'continuation': continuation_document(request.continuation),
     }
 
 
@@ -61,9 +58,9 @@ def quality_document(plan: SurveyPlan) -> Document:
     """Return the plan's name and figures without its routes."""
     return {
         'plan_id': plan.plan_id,
-        'method': plan.request.method,
-        'objective': plan.request.objective,
-        'objective_value': OBJECTIVE_VALUES[plan.request.objective](plan),
+        'method': plan.request.effort.method,
+        'objective': plan.request.effort.objective,
+        'objective_value': OBJECTIVE_VALUES[plan.request.effort.objective](plan),
         'objective_bound': number(plan.objective_bound),
         'objective_gap_fraction': number(objective_gap(plan)),
         'viewpoint_count': plan.viewpoint_count,

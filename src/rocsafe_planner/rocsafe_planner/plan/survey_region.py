@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_planner.problem.vehicle import require_sensors
+from rocsafe_planner.plan.vehicle import require_sensors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
