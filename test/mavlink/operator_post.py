@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bridge, and an operator who hears and orders."""
 
+import time
 from pathlib import Path
 
 from rclpy.action import ActionClient
@@ -61,6 +62,11 @@ class Ground:
             return condition()
 
         self.ros.spin_until(is_so, deadline_s)
+
+    def listen_for(self, seconds):
+        """Fly and spin for some wall time."""
+        end_s = time.monotonic() + seconds
+        self.until(lambda: time.monotonic() >= end_s, seconds + DEADLINE_S)
 
     def call(self, name, kind, **fields):
         """Call a service and return its answer."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The virtual environment and what pip puts into it."""
+"""The virtual environment and the packages that pip installs into it."""
 
 import json
 import platform
@@ -65,7 +65,7 @@ _NETWORK_SIGNS = re.compile(
 def make_venv(
     layout: Layout, python: BasePython, ros: SystemRos | None, environment: Mapping[str, str]
 ) -> None:
-    """Make the virtual environment anew, whatever was there."""
+    """Make the virtual environment; an existing one is replaced."""
     remove(layout.venv)
     options = ['--system-site-packages'] if ros else []
     command = [str(python.executable), '-I', '-m', 'venv', *options, str(layout.venv)]
@@ -125,7 +125,8 @@ def remove(path: Path) -> None:
 
     Raises
     ------
-    SetupError: if the system does not allow it.
+    SetupError
+        If the system does not allow it.
     """
     try:
         if path.is_symlink() or path.is_file():

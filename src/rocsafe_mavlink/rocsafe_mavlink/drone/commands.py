@@ -7,16 +7,21 @@ Nothing here is ever called by the suite itself, but by services and actions.
 from collections.abc import Callable, Sequence
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.fence import Fence, rally_items
+from rocsafe_mavlink.flight.flight_outcome import FAILSAFES
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, mission_of
 from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_mavlink.protocols.mission_results import MissionType
+from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
+# Modes into which only commands of ours bring a vehicle.
+OUR_MODES = (Verb.MISSION, Verb.HOLD, Verb.GUIDED)
 Writer = Callable[[VehicleCommands], CommandSequence]
 
 
@@ -69,6 +74,7 @@ class DroneCommands:
             is_read = None not in needed
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
+        self._require_verified()
         self._begin(lambda commands: commands.resume(session.telemetry))
 
     def return_home(self, now_s: float) -> None:
@@ -115,6 +121,7 @@ class DroneCommands:
         self.require_in_air(now_s)
         if not self._session.is_flying:
             raise CommandRefusedError('no flight is under way')
+        self._require_ours()
         failed = failures(self.route_checks(plan))
         if failed:
             raise CommandRefusedError(failed)
@@ -134,6 +141,26 @@ class DroneCommands:
             raise CommandRefusedError(f'the vehicle is not in contact ({contact.value})')
         if self._session.telemetry.is_on_ground:
             raise CommandRefusedError('the vehicle is on the ground')
+
+    def _require_verified(self) -> None:
+        """Refuse to fly a mission that is not known to be the one of the plan."""
+        mission = self._session.readout.mission
+        if mission.condition is MissionCondition.TORN:
+            raise CommandRefusedError('its mission was not verified: send a route again')
+        if mission.condition is MissionCondition.UNKNOWN:
+            is_read = mission.items is not None
+            words = 'another mission lies on it' if is_read else 'its mission is still being read'
+            raise CommandRefusedError(words)
+
+    def _require_ours(self) -> None:
+        """Refuse a new route to a vehicle that its pilot or a failsafe has."""
+        session = self._session
+        autopilot, vehicle, flight = session.autopilot(), session.telemetry, session.flight
+        if flight is not None and flight.cause in FAILSAFES:
+            raise CommandRefusedError(f'it is not ours to command: {flight.cause.value}')
+        if not any(autopilot.is_in(vehicle, verb) for verb in OUR_MODES):
+            mode = autopilot.mode_name(vehicle.custom_mode)
+            raise CommandRefusedError(f'it is not ours to command: it is in {mode}')
 
     def _require_within_fence(self, place: GeoPosition) -> None:
         readout = self._session.readout

@@ -12,7 +12,7 @@ from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.registry import autopilot_of
 from rocsafe_mavlink.drone.readout import Activity, Readout, Target
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
-from rocsafe_mavlink.flight.flight import MissionFlight
+from rocsafe_mavlink.flight.flight import FlightStage, MissionFlight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.px4_events import text_of_event
@@ -20,6 +20,8 @@ from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.link.link import Address
 from rocsafe_mavlink.protocols.mission_results import MissionType
+from rocsafe_mavlink.protocols.mission_transfer import compare
+from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.texts import TextJoiner
@@ -148,6 +150,7 @@ class VehicleSession:
             is_beginning=self.flight is not None and self.flight.is_beginning,
             is_commanded=self.sequence is not None and not self.sequence.is_over,
         )
+        self._compare_mission()
         kind = self.known_autopilot()
         self.send(self.readout.on_tick(self.telemetry, kind, activity, now_s))
 
@@ -184,7 +187,7 @@ class VehicleSession:
         self.readout.rates.hear(message.name, now_s)
         if any(event.kind is EventKind.REBOOTED for event in events):
             self.readout.forget()
-            self.flight = None if self.flight is None else self.flight.restarted()
+            self._restarted()
         if self.flight is not None:
             self.flight, sent = self.flight.on_message(message, now_s)
             self.send(sent)
@@ -194,10 +197,27 @@ class VehicleSession:
         self.send(self.readout.on_message(message, now_s))
         return events
 
+    def _restarted(self) -> None:
+        """Withdraw what was under way when the autopilot was started again."""
+        if self.flight is not None:
+            self.flight = self.flight.restarted()
+        if self.sequence is not None:
+            self.sequence = self.sequence.withdrawn('the autopilot was started again')
+
+    def _compare_mission(self) -> None:
+        """Verify a mission that was read in the air by the plan of the flight."""
+        mission, flight = self.readout.mission, self.flight
+        is_new = mission.condition is MissionCondition.UNKNOWN and mission.items is not None
+        if not is_new or flight is None or flight.stage is not FlightStage.FLYING:
+            return
+        first = flight.autopilot.first_own_item
+        if not compare(flight.mission.items, mission.items or (), first):
+            self.readout.mission = mission.verified(mission.items or ())
+
     def _note_verified(
         self, before: CommandSequence | None, after: CommandSequence | None
     ) -> None:
         """Note that a mission was read back as it was sent."""
         verified = None if after is None else after.verified_mission
         if verified is not None and (before is None or before.verified_mission is None):
-            self.readout.mission = self.readout.mission.upload_verified(verified)
+            self.readout.mission = self.readout.mission.verified(verified)

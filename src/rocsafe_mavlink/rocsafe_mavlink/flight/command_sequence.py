@@ -3,7 +3,9 @@
 
 Every command that changes what a vehicle does, and every upload of a mission, a fence or rally
 points, is begun and repeated by `CommandSequence.on_tick`, which is given what is known of the
-vehicle at that moment. A step may name conditions under which it must not begin.
+vehicle at that moment. So a sequence is withdrawn as soon as the pilot, another station or a
+failsafe takes the vehicle over: no further step begins, and no command is repeated. A step may
+name further conditions under which it must not begin or be repeated.
 
 A step is a command that must be accepted and then show in the telemetry, or a list of items that
 must be read back as it was sent. The first step that fails, and its alternative if it has one,
@@ -11,9 +13,11 @@ ends the sequence with the autopilot's own words. Nothing is undone: the autopil
 itself.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from rocsafe_mavlink.flight.flight_outcome import failsafe_of
 from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
 from rocsafe_mavlink.protocols.mission_item import MissionItem
@@ -44,7 +48,9 @@ class CommandStep:
     is_shown_unanswered
         Whether the telemetry shows the effect although no answer came; None: as `is_shown`.
     refusal
-        Returns why the command must not be sent; empty if it may.
+        Returns why the command must not be sent or repeated; empty if it may.
+    modes
+        Custom modes to which the command may lead.
     accepted_s
         Steady time of the answer; negative before.
     otherwise
@@ -55,6 +61,7 @@ class CommandStep:
     is_shown: Shown | None = None
     is_shown_unanswered: Shown | None = None
     refusal: Refusal = _never
+    modes: frozenset[int] = frozenset()
     accepted_s: float = -1.0
     otherwise: 'CommandStep | None' = None
 
@@ -120,6 +127,11 @@ class TransferStep:
         return self.moving.download.items if is_mission and is_verified else None
 
     @property
+    def modes(self) -> frozenset[int]:
+        """A transfer leads to no other mode."""
+        return frozenset()
+
+    @property
     def otherwise(self) -> None:
         """A transfer has no alternative."""
 
@@ -173,6 +185,16 @@ class CommandSequence:
         Why the sequence failed; empty if it has not.
     verified_mission
         Mission that was uploaded by this sequence and read back as it was sent; None: none yet.
+    is_withdrawable
+        Whether the sequence ends where somebody else takes the vehicle over.
+    is_withdrawn
+        Whether it ended so.
+    mode
+        Custom mode in which the last step left the vehicle, or the first step found it.
+    was_armed
+        Whether its motors ran then.
+    look_after_s
+        The next step waits for a heartbeat after this steady time.
     """
 
     name: str
@@ -181,6 +203,11 @@ class CommandSequence:
     is_begun: bool = False
     error: str = ''
     verified_mission: tuple[MissionItem, ...] | None = None
+    is_withdrawable: bool = True
+    is_withdrawn: bool = False
+    mode: int = -1
+    was_armed: bool = False
+    look_after_s: float = -math.inf
 
     @property
     def is_over(self) -> bool:
@@ -190,15 +217,22 @@ class CommandSequence:
     def on_message(self, message: Message, now_s: float) -> Answer:
         """Take a message; those of other vehicles change nothing."""
         is_ours = (message.system, message.component) == self.target
-        if not is_ours or self.is_over or not self.is_begun:
+        if not is_ours or self.is_over:
+            return self, []
+        is_text = message.name == 'STATUSTEXT'
+        if is_text and self.is_withdrawable and failsafe_of(str(message['text'])):
+            return self.withdrawn(str(message['text'])), []
+        if not self.is_begun:
             return self, []
         step, sent = self.steps[0].on_message(message, now_s)
         return replace(self, steps=(step, *self.steps[1:])), sent
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
-        going, sent = self, list[Message]()
+        going, sent = self._looked_at(vehicle), list[Message]()
         while not going.is_over:
+            if not going.is_begun and vehicle.heartbeat_s < going.look_after_s:
+                return going, sent
             if not going.is_begun:
                 begun, more = going._begin(vehicle, now_s)
                 return begun, sent + more
@@ -209,6 +243,30 @@ class CommandSequence:
                 return advanced, sent
             going = advanced
         return going, sent
+
+    def withdrawn(self, reason: str) -> 'CommandSequence':
+        """Return the sequence ended without another command, unless it is over."""
+        if self.is_over or not self.is_withdrawable:
+            return self
+        return replace(self, error=f'withdrawn: {reason}', is_withdrawn=True)
+
+    def _looked_at(self, vehicle: VehicleTelemetry) -> 'CommandSequence':
+        """Return the sequence after a look at the vehicle, withdrawn if somebody took it over."""
+        if self.is_over:
+            return self
+        if self.mode < 0:
+            return replace(self, mode=vehicle.custom_mode, was_armed=vehicle.is_armed)
+        step = self.steps[0]
+        refusal = step.refusal(vehicle) if self.is_begun else ''
+        if refusal and not step.is_done(vehicle):
+            return replace(self, error=refusal)
+        modes = {self.mode, *(step.modes if self.is_begun else ())}
+        if self.was_armed and not vehicle.is_armed:
+            return self.withdrawn('the motors were stopped')
+        # On the ground modes change by themselves: a PX4 leaves a mode that it cannot fly in.
+        if not vehicle.is_armed or vehicle.custom_mode in modes:
+            return self
+        return self.withdrawn(f'the vehicle was switched to mode {vehicle.custom_mode}')
 
     def _begin(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         refusal = self.steps[0].refusal(vehicle)
@@ -227,5 +285,14 @@ class CommandSequence:
             return replace(self, error=error)
         if not step.is_done(vehicle):
             return self
-        verified = step.verified_mission or self.verified_mission
-        return replace(self, steps=rest, is_begun=False, verified_mission=verified)
+        is_transfer = isinstance(step, TransferStep)
+        return replace(
+            self,
+            steps=rest,
+            is_begun=False,
+            verified_mission=step.verified_mission or self.verified_mission,
+            mode=vehicle.custom_mode,
+            was_armed=vehicle.is_armed,
+            # A transfer takes long: what the vehicle did meanwhile may not show yet.
+            look_after_s=now_s if is_transfer else self.look_after_s,
+        )

@@ -113,11 +113,14 @@ class MissionFlight:
         return replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
 
     def restarted(self) -> 'MissionFlight':
-        """Return the flight after its autopilot was started again."""
+        """Return the flight after its autopilot restarted; one that begins is withdrawn."""
+        reason = 'the autopilot was started again'
+        if self.sequence is not None:
+            return replace(self, sequence=self.sequence.withdrawn(reason))
         if self.stage is not FlightStage.FLYING:
             return self
         cause = self.cause or FlightOutcome.RESTARTED
-        reason = self.reason or 'the autopilot was started again'
+        reason = self.reason or reason
         return replace(self, cause=cause, reason=reason)
 
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
@@ -134,6 +137,10 @@ class MissionFlight:
     ) -> Answer:
         """End a flight that has not begun; stop the motors if they may run."""
         ended = replace(self, reason=self.reason or sequence.error)
+        if sequence.is_withdrawn and vehicle.is_armed:
+            # Somebody else has it now: its flight is only watched.
+            cause = failsafe_of(sequence.error) or FlightOutcome.ABORTED_BY_OPERATOR
+            return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
         if self.stage is FlightStage.DISARMING and vehicle.is_armed:
             # The vehicle cannot be stopped: its flight is watched to the end.
             cause = FlightOutcome.REJECTED

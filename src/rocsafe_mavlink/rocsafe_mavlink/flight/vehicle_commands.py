@@ -14,6 +14,7 @@ from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.command_sequence import (
     CommandSequence,
     CommandStep,
+    Refusal,
     Shown,
     Step,
     TransferStep,
@@ -65,17 +66,24 @@ class VehicleCommands:
             'flight',
             self._upload(mission),
             self._mode(autopilot.arms_in),
-            self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
+            replace(
+                self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
+                refusal=self._not_in(autopilot.arms_in),
+            ),
             replace(
                 self._mode(Verb.MISSION), refusal=lambda vehicle: home_moved(home, vehicle.home)
             ),
-            replace(self._do(calls.start_mission(self.target)), is_shown_unanswered=_is_airborne),
+            replace(
+                self._do(calls.start_mission(self.target)),
+                is_shown_unanswered=_is_airborne,
+                modes=frozenset({autopilot.modes[Verb.MISSION]}),
+            ),
         )
 
     def disarm(self) -> CommandSequence:
         """Return the sequence that stops the motors, which autopilots refuse in flight."""
         step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return self._sequence('disarm', step)
+        return replace(self._sequence('disarm', step), is_withdrawable=False)
 
     def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
         """Return the sequence that stops the vehicle: within its mission if it flies one."""
@@ -111,7 +119,9 @@ class VehicleCommands:
     def go_to(self, place: GeoPosition, height_m: float, home: Home) -> CommandSequence:
         """Return the sequence that flies to a place, `height_m` above home, and stays there."""
         steps = [] if self.autopilot.repositions_itself else [self._mode(Verb.GUIDED)]
-        return self._sequence('go to', *steps, self._do(self._reposition(place, height_m, home)))
+        modes = frozenset({self.autopilot.modes[Verb.GUIDED], self.autopilot.modes[Verb.HOLD]})
+        reposition = replace(self._do(self._reposition(place, height_m, home)), modes=modes)
+        return self._sequence('go to', *steps, reposition)
 
     def push_fence(self, fence: Fence) -> CommandSequence:
         """Return the sequence that replaces the polygons of the fence."""
@@ -154,7 +164,17 @@ class VehicleCommands:
         def is_shown(vehicle: VehicleTelemetry) -> bool:
             return self.autopilot.is_in(vehicle, verb)
 
-        return self._do(self.autopilot.mode_command(verb, self.target), is_shown)
+        step = self._do(self.autopilot.mode_command(verb, self.target), is_shown)
+        return replace(step, modes=frozenset({self.autopilot.modes[verb]}))
+
+    def _not_in(self, verb: Verb) -> Refusal:
+        def refusal(vehicle: VehicleTelemetry) -> str:
+            if self.autopilot.is_in(vehicle, verb):
+                return ''
+            mode = self.autopilot.mode_name(vehicle.custom_mode)
+            return f'the vehicle was switched to {mode} before it was armed'
+
+        return refusal
 
     def _pause(self) -> CommandStep:
         """Return the step that stops within a mission.
@@ -185,7 +205,8 @@ class VehicleCommands:
         def is_shown(vehicle: VehicleTelemetry) -> bool:
             return self.autopilot.is_in(vehicle, Verb.MISSION) and is_at_first(vehicle)
 
-        return [self._do(calls.start_mission(self.target, first), is_shown)]
+        start = self._do(calls.start_mission(self.target, first), is_shown)
+        return [replace(start, modes=switch.modes)]
 
     def _reposition(self, place: GeoPosition, height_m: float, home: Home) -> Message:
         by_itself = self.autopilot.repositions_itself

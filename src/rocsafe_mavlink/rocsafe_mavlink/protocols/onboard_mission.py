@@ -38,13 +38,13 @@ class OnboardMission:
         """Return the state once the first item may have been overwritten."""
         return replace(self, condition=MissionCondition.TORN)
 
-    def upload_verified(self, items: tuple[MissionItem, ...]) -> 'OnboardMission':
-        """Return the state once `items` were read back as they had been sent."""
+    def verified(self, items: tuple[MissionItem, ...]) -> 'OnboardMission':
+        """Return the state once `items` were read back and are those of our plan."""
         return OnboardMission(condition=MissionCondition.VERIFIED, items=items)
 
     def read(self, items: tuple[MissionItem, ...]) -> 'OnboardMission':
-        """Return the state once the mission was read; that alone verifies nothing."""
-        return replace(self, items=items)
+        """Return the state once the mission was read; it is verified by a comparison only."""
+        return OnboardMission(items=items)
 
     def unread(self) -> 'OnboardMission':
         """Return the state in which the mission is to be read again."""

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands are withdrawn where pilot or failsafe has the vehicle; only verified missions fly."""
+
+import pytest
+from test.mavlink.test_flight import plan
+from test.mavlink.test_station import Air
+
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, LOITER, RTL
+from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+
+
+def flying(count=6):
+    """Return an air with a flight whose first waypoint is behind."""
+    air = Air()
+    air.wait(46.0)
+    air.fly(count=count)
+    air.until(lambda: air.flight().visited >= 1)
+    return air
+
+
+def changes(air):
+    """Return the commands that change what the copter does, as (command, mode or 0)."""
+    numbers = [m for m in air.sent if m.name in ('COMMAND_LONG', 'COMMAND_INT')]
+    return [(m['command'], m['param2']) for m in numbers if m['command'] != 511]
+
+
+def is_uploading(air, item):
+    """Whether an item of the mission was sent."""
+    return any(m.name == 'MISSION_ITEM_INT' and m['seq'] == item for m in air.sent)
+
+
+def replacing(air, item=3):
+    """Begin to replace the route; step until so many items were sent. Return the number."""
+    air.sent.clear()
+    air.drones[1].commands.replace_route(plan(4), air.now_s)
+    air.until(lambda: is_uploading(air, item))
+    return air.drones[1].commands.count
+
+
+@pytest.mark.parametrize(
+    ('take_over', 'words'),
+    [
+        (lambda copter: copter.lose_battery(), 'withdrawn: Battery Failsafe'),
+        (lambda copter: setattr(copter, 'mode', LOITER), 'withdrawn: the vehicle was switched'),
+        (lambda copter: setattr(copter, 'mode', RTL), 'withdrawn: the vehicle was switched'),
+    ],
+    ids=['failsafe', 'pilot', 'silent return'],
+)
+def test_new_route_is_withdrawn_when_the_vehicle_is_taken_over(take_over, words):
+    """In the middle of the upload: nothing is commanded any more, whatever was uploaded."""
+    air = flying()
+    number = replacing(air)
+    commands = air.drones[1].commands
+    take_over(air.copters[1])
+    mode = air.copters[1].mode
+    air.until(lambda: commands.outcome(number) is not None, 60.0)
+    assert words in commands.outcome(number)
+    air.wait(20.0)
+    assert [change for change in changes(air) if change != (176, float(BRAKE))] == []
+    assert not air.copters[1].is_armed or air.copters[1].mode == mode
+
+
+def test_new_route_is_withdrawn_from_a_vehicle_that_has_landed():
+    """It falls silent in the middle of the upload, and stands on the ground when it is heard."""
+    air = flying()
+    number = replacing(air)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    copter.is_silent = True
+    air.wait(3.5)
+    copter.is_armed = False
+    copter.is_silent = False
+    before = changes(air)
+    air.until(lambda: commands.outcome(number) is not None, 60.0)
+    assert 'withdrawn: the motors were stopped' in commands.outcome(number)
+    assert changes(air) == before
+
+
+def test_new_route_is_refused_while_a_failsafe_has_the_vehicle():
+    """Nor is one begun at all: the vehicle returns and lands."""
+    air = flying()
+    air.copters[1].lose_battery()
+    air.until(lambda: air.flight().cause is FlightOutcome.FAILSAFE_BATTERY)
+    before = changes(air)
+    with pytest.raises(CommandRefusedError, match='not ours to command: failsafe: battery'):
+        air.drones[1].commands.replace_route(plan(4), air.now_s)
+    air.until(lambda: air.flight().is_over)
+    assert changes(air) == before
+
+
+def test_new_route_is_refused_while_the_pilot_has_the_vehicle():
+    """He flies in a mode into which nothing of ours brings a vehicle."""
+    air = flying()
+    air.copters[1].mode = LOITER
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='not ours to command: it is in LOITER'):
+        air.drones[1].commands.replace_route(plan(4), air.now_s)
+
+
+def test_start_is_not_repeated_against_the_pilot():
+    """The answer to MISSION_START is lost and the pilot takes over: he keeps the vehicle."""
+    air = Air()
+    air.wait(46.0)
+    copter = air.copters[1]
+    say = copter._say
+
+    def say_less(name, **fields):
+        if name != 'COMMAND_ACK' or fields['command'] != 300:
+            say(name, **fields)
+
+    copter._say = say_less
+    # It does not even show that it flies.
+    copter._on_start = lambda _message: 0
+    air.fly()
+    air.until(lambda: 300 in copter.commands)
+    copter.mode = LOITER
+    before = len(copter.commands)
+    air.wait(20.0)
+    assert [number for number in copter.commands[before:] if number != 511] == []
+    assert copter.mode == LOITER
+    assert air.flight().cause is FlightOutcome.ABORTED_BY_OPERATOR
+    assert 'withdrawn' in air.flight().reason
+
+
+def test_route_that_reads_back_wrong_is_not_resumed():
+    """An item is stored 300 m high, every time: the vehicle stands, and is not sent on with it."""
+    air = flying()
+    copter = air.copters[1]
+    keep = copter.missions._keep
+    copter.missions._keep = lambda message, kind: keep(
+        type(message)(message.name, {**message.fields, 'z': 300.0}), kind
+    )
+    commands, number = air.drones[1].commands, replacing(air)
+    air.until(lambda: commands.outcome(number) is not None, 120.0)
+    assert 'z_m is 300' in commands.outcome(number)
+    assert air.drones[1].session.readout.mission.condition is MissionCondition.TORN
+    assert copter.mode == BRAKE
+    with pytest.raises(CommandRefusedError, match='was not verified: send a route again'):
+        commands.resume(air.now_s)
+    copter.missions._keep = keep
+    again = replacing(air)
+    air.until(lambda: commands.outcome(again) is not None, 60.0)
+    assert commands.outcome(again) == ''
+    assert air.drones[1].session.readout.mission.condition is MissionCondition.VERIFIED
+    assert copter.mode == AUTO
+
+
+def test_route_whose_upload_was_preempted_is_not_resumed():
+    """Somebody holds the vehicle in the middle of the upload: a part of each route lies on it."""
+    air = flying()
+    commands = air.drones[1].commands
+    replacing(air)
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    with pytest.raises(CommandRefusedError, match='was not verified'):
+        commands.resume(air.now_s)
+
+
+def test_mission_that_another_station_overwrote_is_not_resumed():
+    """It is read again after a lost link, and is another one."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    copter.is_silent = True
+    air.wait(15.0)
+    del copter.missions.stored[0][-2:]
+    copter.is_silent = False
+    air.wait(5.0)
+    assert air.drones[1].session.readout.mission.condition is MissionCondition.UNKNOWN
+    with pytest.raises(CommandRefusedError, match='another mission lies on it'):
+        commands.resume(air.now_s)
+
+
+def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():
+    """What was checked before may no longer hold: it is checked again with the next route."""
+    air = Air()
+    air.wait(46.0)
+    air.fly()
+    air.until(lambda: is_uploading(air, 2))
+    air.copters[1].reboot()
+    air.until(lambda: air.flight().is_over)
+    assert air.flight().outcome is FlightOutcome.REJECTED
+    assert 'the autopilot was started again' in air.flight().reason
+    assert 400 not in air.copters[1].commands
