@@ -149,7 +149,7 @@ class DroneBlock(Block):
     geoid_separation_m
         Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
     detector
-        ``simulated``: reads the simulated field at the vehicle's fix. ``own``: its driver publishes
+        ``simulated``: reads the simulated field at its fix. ``own``: its driver publishes
         ``radiation`` in the namespace of the vehicle.
     """
 
