@@ -125,3 +125,35 @@ def test_signal_right_after_the_start_is_heard(tmp_path: Path) -> None:
     assert end == 'was ended by SIGTERM'
     end = started(tmp_path, sleep, before=before, number=signal.SIGINT)[2]
     assert end == 'ended with exit code 1: KeyboardInterrupt'
+
+
+TWO = """
+import os, sys, time
+from pathlib import Path
+from rocsafe_orchestrator.processes.process_start import begin_as_fork
+from rocsafe_orchestrator.processes.process_values import NEVER, Launch
+from rocsafe_orchestrator.processes.supervisor import Supervisor
+
+script, folder = sys.argv[1], Path(sys.argv[2])
+names = ('first', 'second')
+supervisor = Supervisor(
+    Launch(name=name, command=(script,), log=folder / name, restart=NEVER) for name in names
+)
+supervisor.start('first', begin_as_fork)
+os.waitid(os.P_PID, supervisor.pid_of('first'), os.WEXITED | os.WNOWAIT)
+supervisor.start('second', begin_as_fork)
+told = []
+while len(told) < 2:
+    told += supervisor.poll()
+print(*sorted(f'{event.name} {event.text}' for event in told), sep='|')
+"""
+
+
+def test_fork_that_ended_before_the_next_one_began_is_told(tmp_path: Path) -> None:
+    """`multiprocessing` reaps it then, and its exit code is still known."""
+    script = tmp_path / 'ender'
+    script.write_text(f'#!{sys.executable}\nraise SystemExit(3)')
+    script.chmod(0o755)
+    command = [sys.executable, '-c', TWO, str(script), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, timeout=DEADLINE_S, check=True, text=True)
+    assert done.stdout == 'first ended with exit code 3|second ended with exit code 3\n'

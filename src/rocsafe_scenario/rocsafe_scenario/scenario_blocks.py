@@ -188,11 +188,21 @@ LINK_KEYS = frozenset({'link', 'drone'})
 
 
 class DroneBlock(Block):
-    """More of a real vehicle: its MAVLink numbers, its camera's folder, its signing key.
+    """More of a real vehicle.
 
-    `detector`: ``simulated``, which reads the simulated field at the vehicle's fix, or ``own``,
-    whose driver publishes ``radiation`` in the namespace of the vehicle.
-    `geoid_separation_m`: of the geoid above the ellipsoid, where the vehicle does not tell.
+    Attributes
+    ----------
+    system, component
+        MAVLink numbers of its autopilot.
+    image_folder
+        Folder of its JPEG files, or a stream; empty: no images.
+    signing_key_file
+        Signing key, mode 0600; empty: unsigned.
+    geoid_separation_m
+        Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
+    detector
+        ``simulated``: reads the simulated field at its fix. ``own``: its driver publishes
+        ``radiation`` in the namespace of the vehicle.
     """
 
     system: int = Field(default=1, ge=1, le=255)

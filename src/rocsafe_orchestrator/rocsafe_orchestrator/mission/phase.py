@@ -21,7 +21,3 @@ class Phase(IntEnum):
     def is_over(self) -> bool:
         """True if no other phase follows."""
         return self >= Phase.COMPLETE
-
-
-# Phases in which every process of the table has to run.
-ACTIVE_PHASES = frozenset(phase for phase in Phase if phase < Phase.REPORTING)

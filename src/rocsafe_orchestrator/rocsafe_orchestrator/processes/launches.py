@@ -95,7 +95,6 @@ def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch
         name=spec.name,
         command=(str(executable), *arguments),
         log=run.log_of(spec.name),
-        restart=spec.restart,
     )
 
 

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of processes: what runs, when it should, and how it shows that it is ready."""
+"""The table of processes: executable, parameters, and the endpoints that show readiness."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-from rocsafe_orchestrator.mission.phase import ACTIVE_PHASES, Phase
 from rocsafe_orchestrator.mission.situation import Crew
 from rocsafe_orchestrator.processes import node_parameters as parameters
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.node_parameters import BRIDGE, FLEET
-from rocsafe_orchestrator.processes.process_values import RestartPolicy
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
@@ -50,8 +48,6 @@ class ProcessSpec:
         Full name of the node, to which `parameters` belong.
     readiness
         It can be used once all of these exist.
-    runs_in
-        Phases of the mission in which it should run.
     """
 
     name: str
@@ -60,8 +56,6 @@ class ProcessSpec:
     node: str
     parameters: dict[str, Any]
     readiness: tuple[Endpoint, ...]
-    runs_in: frozenset[Phase] = ACTIVE_PHASES
-    restart: RestartPolicy = field(default_factory=RestartPolicy)
 
     @property
     def namespace(self) -> str:

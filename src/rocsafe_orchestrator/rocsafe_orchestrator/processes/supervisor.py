@@ -213,8 +213,12 @@ def _open_log(path: Path) -> IO[bytes]:
 def _ended(process: Process) -> int | None:
     """Return the exit code of an ended process, having ended what it left behind."""
     flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
-    if os.waitid(os.P_PID, process.pid, flags) is None:
-        return None
+    try:
+        if os.waitid(os.P_PID, process.pid, flags) is None:
+            return None
+    except ChildProcessError:
+        # Starting another fork reaps those that have ended: `multiprocessing` does so.
+        return process.wait()
     # Before it is reaped its id, which is that of its group, cannot have been given away.
     _signal(process, signal.SIGKILL)
     return process.wait()
