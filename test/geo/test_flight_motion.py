@@ -84,7 +84,7 @@ def test_passing_corners_is_never_slower_and_no_faster_than_cruise(places):
     passed, stopped = motion_along(flyer, places, 0.0), motion_along(flyer, places, 1e-9)
     assert passed.duration_s <= stopped.duration_s + 1e-6
     length = sum(math.dist(a[:2], b[:2]) for a, b in pairwise(places))
-    assert passed.duration_s >= length / 10.0
+    assert passed.duration_s >= length / 10.0 - 1e-9
 
 
 def test_a_straight_line_is_flown_through():

@@ -239,7 +239,9 @@ def test_planner_is_told_the_scenario(stage: Stage) -> None:
     assert [vehicle.name for vehicle in goal.vehicles] == ['rav1', 'rav2']
     assert goal.vehicles[0].endurance_s == pytest.approx(1350.0)
     assert goal.camera.horizontal_fov_rad == pytest.approx(math.radians(60.0))
-    assert (goal.height_agl_m, goal.spacing_rule, goal.overlap_fraction) == (32.0, 'iou', 0.2)
+    coverage = goal.coverage
+    assert (coverage.height_agl_m, coverage.spacing_rule) == (32.0, 'iou')
+    assert coverage.overlap_fraction == 0.2
 
 
 def test_refused_plan_is_told(stage: Stage) -> None:

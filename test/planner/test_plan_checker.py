@@ -13,7 +13,7 @@ from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.routing.methods import METHODS
 
-from .fleets import FLEET, changed, request
+from .fleets import FLEET, STARTS, changed, request, vehicle
 from .surveys import ring, surveys
 
 PLAN = plan_survey(request())
@@ -26,6 +26,13 @@ def spoilt(**changes):
     sortie = dataclasses.replace(SORTIE, **changes)
     route = dataclasses.replace(ROUTE, sorties=(sortie,))
     return dataclasses.replace(PLAN, routes=(route, *PLAN.routes[1:]))
+
+
+@pytest.mark.parametrize('altitude_m', [-400.0, 584.0, 4500.0])
+def test_plan_at_any_altitude_is_valid(altitude_m):
+    """Areas and lengths are those of the plane of the homes, in the high Andes, too."""
+    fleet = tuple(vehicle(f'rav{n}', home, altitude_m) for n, home in enumerate(STARTS, start=1))
+    assert check_plan(plan_survey(request(vehicles=fleet))) == []
 
 
 @pytest.mark.slow

@@ -108,9 +108,14 @@ def corners_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -
 
 
 def frame_of(plan: SurveyPlan) -> LocalFrame:
-    """Return a frame about a corner of the first region."""
+    """Return a frame about a corner of the first region, as high as the first home that is known.
+
+    The altitude matters: a plane 600 m higher shows areas larger by two in ten thousand.
+    """
     first = plan.request.regions[0].area.boundary[0]
-    return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, 0.0))
+    homes = (vehicle.home.altitude_m for vehicle in plan.request.vehicles)
+    altitude_m = next((home for home in homes if math.isfinite(home)), 0.0)
+    return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, altitude_m))
 
 
 def plane_of(frame: LocalFrame, positions: tuple[GeoPosition, ...]) -> FloatArray:

@@ -25,6 +25,8 @@ Fault = str
 RELATIVE = 2e-4
 ABSOLUTE_M = 0.05
 _ABSOLUTE_S = 0.05
+# Mean radius of the earth (IUGG): a geodesic is longer by altitude / radius above the ellipsoid.
+_EARTH_RADIUS_M = 6_371_009.0
 
 
 def route_faults(plan: SurveyPlan, route: Route) -> Iterator[Fault]:
@@ -57,10 +59,12 @@ def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
         yield f'has bends for {len(sortie.bends)} legs: it has {legs}'
     track = way(route, number)
     ups = ups_m(plan, route, number)
-    length = sum(distance_m(a, b) for a, b in pairwise(track))
+    frame = frame_of(plan)
+    scale = 1.0 + frame.origin.altitude_m / _EARTH_RADIUS_M
+    length = scale * sum(distance_m(a, b) for a, b in pairwise(track))
     if abs(length - sortie.length_m) > RELATIVE * length + ABSOLUTE_M:
         yield f'states {sortie.length_m} m: it is {length} m long'
-    duration = motion_of(plan, route, number, frame_of(plan)).duration_s
+    duration = motion_of(plan, route, number, frame).duration_s
     # A very short leg takes as long as the fourth root of its length: micrometres count there.
     slack = RELATIVE * duration + _ABSOLUTE_S * len(track)
     if abs(duration - sortie.duration_s) > slack:
