@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition, distance_m, ecef_m, offset, slant_distance_m
+from rocsafe_geo.position import GeoPosition, distance_m, ecef_m, offset
 
 from . import geodesy
 
@@ -100,14 +100,6 @@ def test_offset_and_distance_are_inverse(east, north):
     )
     assert distance * math.sin(azimuth) == pytest.approx(east, abs=ONE_MM)
     assert distance * math.cos(azimuth) == pytest.approx(north, abs=ONE_MM)
-
-
-def test_slant_distance_counts_height():
-    """Straight up, the slant distance is the difference of altitudes."""
-    a = GeoPosition(53.28, -9.06, 10.0)
-    assert slant_distance_m(a, GeoPosition(53.28, -9.06, 42.0)) == pytest.approx(32.0, abs=1e-8)
-    with pytest.raises(ValueError, match='altitude_m is nan'):
-        slant_distance_m(a, GeoPosition(53.28, -9.06))
 
 
 @pytest.mark.parametrize(

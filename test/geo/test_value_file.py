@@ -10,7 +10,8 @@ from typing import Literal
 import pytest
 
 from rocsafe_geo.limits import require_positive
-from rocsafe_geo.storage.value_file import ValueFileError, parse_values, read_values, values_of
+from rocsafe_geo.storage.value_file import ValueFileError, read_values, values_of
+from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +39,7 @@ class Things:
 
 def things_of(text: str) -> Things:
     """Return the settings that a text holds."""
-    return parse_values(text, Things, 'things.yaml')
+    return values_of(parse_yaml(text, 'things.yaml'), Things, 'things.yaml')
 
 
 def test_reads_what_is_written(tmp_path: Path):
@@ -83,7 +84,7 @@ def test_empty_file_has_defaults():
 )
 def test_mistake_is_named(text: str, line: str):
     """One line: file, key path, value, limit."""
-    with pytest.raises(ValueFileError) as caught:
+    with pytest.raises((ValueFileError, YamlError)) as caught:
         things_of(text)
     assert str(caught.value).startswith(f'things.yaml: {line}')
     assert len(str(caught.value).splitlines()) == 1

@@ -17,7 +17,7 @@ from test.mavlink.airspace import HARMLESS, told_once
 from test.mavlink.autopilots import AUTOPILOTS, make_airspace
 from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 
-from rocsafe_geo.position import offset, slant_distance_m
+from rocsafe_geo.position import GeoPosition, distance_m, offset
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     CameraSpec,
@@ -36,7 +36,7 @@ from rocsafe_planner.conversions import message_of_plan, request_of_goal
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.planning import plan_survey
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import point_of_position, position_of_fix
+from rocsafe_ros.conversions import point_of_position
 
 # Wall time for a flight of some minutes on a busy machine.
 DEADLINE_S = 120.0
@@ -355,8 +355,11 @@ def test_operator_flies_to_a_point(start):
 
     def is_there():
         # Without a position while it is not heard.
-        has_place = fixes[-1].status.status >= 0
-        return has_place and slant_distance_m(position_of_fix(fixes[-1]), place) < 2.0
+        fix = fixes[-1]
+        if fix.status.status < 0:
+            return False
+        there = GeoPosition(fix.latitude, fix.longitude)
+        return distance_m(there, place) < 1.5 and abs(fix.altitude - place.altitude_m) < 1.5
 
     ground.until(is_there, DEADLINE_S)
     far = point_of_position(offset(HOME_PLACE, 0.0, 5000.0))

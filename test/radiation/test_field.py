@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_geo.position import GeoPosition, offset, slant_distance_m
+from rocsafe_geo.position import GeoPosition, ecef_m, offset
 from rocsafe_radiation.errors import UnknownPointError
 from rocsafe_radiation.physics.field import RadiationField, dose_rate_usvps
 from rocsafe_radiation.physics.source import RadiationSource
@@ -75,7 +75,10 @@ def test_the_field_is_the_formula_at_the_slant_distance(east, north, up, latitud
     centre = GeoPosition(latitude, longitude, 25.0)
     place = offset(centre, east, north, up)
     field = RadiationField(sources=(source_at(centre, 7.0),))
-    expected = 7.0 / slant_distance_m(centre, place) ** 2 * 3600.0
+    ends = ecef_m(
+        [latitude, place.latitude_deg], [longitude, place.longitude_deg], [25.0, 25.0 + up]
+    )
+    expected = 7.0 / float(np.sum((ends[1] - ends[0]) ** 2)) * 3600.0
     assert rate_usvh(field, place) == pytest.approx(expected, rel=FORMULA_TOLERANCE)
 
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from test.sim.vehicle_files import cameras_file
 
 from rocsafe_geo.pinhole import rotation_body_from_optical
-from rocsafe_geo.storage.value_file import ValueFileError, parse_values
+from rocsafe_geo.storage.value_file import ValueFileError, values_of
+from rocsafe_geo.storage.yaml_source import parse_yaml
 from rocsafe_scene.optics.effects import Effects
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.options import RavOptions
@@ -22,7 +23,7 @@ REPOSITORY = Path(__file__).parents[2]
 
 def rig_of(text):
     """Return the cameras of the content of a file."""
-    return parse_values(text, CameraRig, 'cameras.yaml').cameras
+    return values_of(parse_yaml(text, 'cameras.yaml'), CameraRig, 'cameras.yaml').cameras
 
 
 def test_nothing_said_is_one_camera():

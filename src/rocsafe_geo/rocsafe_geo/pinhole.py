@@ -50,11 +50,6 @@ class PinholeCamera:
         return 0.5 * self.image_width_px / math.tan(0.5 * self.horizontal_fov_rad)
 
     @property
-    def vertical_fov_rad(self) -> float:
-        """Full angle across the image height, from the image's aspect."""
-        return 2.0 * math.atan(0.5 * self.image_height_px / self.focal_px)
-
-    @property
     def matrix(self) -> FloatArray:
         """Intrinsic matrix (3, 3): optical coordinates -> homogeneous pixels."""
         centre_x = 0.5 * (self.image_width_px - 1)

@@ -5,7 +5,6 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
 from numpy.typing import ArrayLike
 from pyproj import Geod, Transformer
 
@@ -48,18 +47,6 @@ def distance_m(a: GeoPosition, b: GeoPosition) -> float:
     """Return the geodesic distance along the ellipsoid (Karney 2013); altitudes do not count."""
     _, _, distance = _WGS84.inv(a.longitude_deg, a.latitude_deg, b.longitude_deg, b.latitude_deg)
     return float(distance)
-
-
-def slant_distance_m(a: GeoPosition, b: GeoPosition) -> float:
-    """Return the straight-line distance; ValueError if an altitude is unknown."""
-    for position in (a, b):
-        require_finite('altitude_m', position.altitude_m)
-    points = ecef_m(
-        [a.latitude_deg, b.latitude_deg],
-        [a.longitude_deg, b.longitude_deg],
-        [a.altitude_m, b.altitude_m],
-    )
-    return float(np.linalg.norm(points[1] - points[0]))
 
 
 def offset(a: GeoPosition, east_m: float, north_m: float, up_m: float = 0.0) -> GeoPosition:

@@ -66,21 +66,6 @@ def has_position(fix: NavSatFix) -> bool:
     )
 
 
-def position_of_fix(fix: NavSatFix) -> GeoPosition:
-    """Return the position of `fix`; altitude above the ellipsoid, NaN if unknown.
-
-    Raises
-    ------
-    ValueError
-        If it has no position.
-    """
-    if not has_position(fix):
-        raise ValueError(f'fix has no position (status {fix.status.status})')
-    return GeoPosition(
-        latitude_deg=fix.latitude, longitude_deg=fix.longitude, altitude_m=fix.altitude
-    )
-
-
 def fix_message(
     position: GeoPosition,
     stamp: Time,

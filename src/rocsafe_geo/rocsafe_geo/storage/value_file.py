@@ -18,7 +18,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml, read_yaml
+from rocsafe_geo.storage.yaml_source import YamlError, read_yaml
 
 T = TypeVar('T')
 LONGEST_VALUE = 60
@@ -48,21 +48,6 @@ def read_values(path: Path, kind: type[T]) -> T:
     except YamlError as error:
         raise ValueFileError(str(error)) from error
     return values_of(content, kind, path.name)
-
-
-def parse_values(text: str, kind: type[T], name: str) -> T:
-    """Return the settings in the YAML `text` as a `kind`; `name` is what error lines call it.
-
-    Raises
-    ------
-    ValueFileError
-        As `read_values`.
-    """
-    try:
-        content = parse_yaml(text, name)
-    except YamlError as error:
-        raise ValueFileError(str(error)) from error
-    return values_of(content, kind, name)
 
 
 def values_of(content: object, kind: type[T], name: str) -> T:
