@@ -26,7 +26,7 @@ from rocsafe_scene.engine.silhouettes import batches
 from rocsafe_scene.errors import EngineError
 from rocsafe_scene.graphics.lens import looking
 from rocsafe_scene.graphics.pipe import open_pipe
-from rocsafe_scene.mesh.classes import CLASS_NAMES
+from rocsafe_scene.mesh.classes import CLASSES
 
 OPTIONS = DatasetOptions(
     count=10, seed=2, size_px=(160, 120), height_m=(12.0, 25.0), per_arrangement=5,
@@ -137,7 +137,7 @@ def test_a_picture_says_where_it_was_taken(dataset):
     classes = cv2.imread(str(dataset.path / f'semantic/{stem}.png'), cv2.IMREAD_UNCHANGED)
     assert depth.dtype == np.float32
     assert depth.shape == classes.shape == (120, 160)
-    assert classes.max() < len(CLASS_NAMES)
+    assert classes.max() < len(CLASSES)
     assert depth[classes > 0].min() > 1.0
 
 

@@ -75,7 +75,9 @@ def test_tiles_show_the_map_at_all_zooms(live, tmp_path):
     """Each zoom shows the same ground in about a quarter of the pixels."""
     for shot in texture.flight(1):
         receive(live, shot)
-    live.draw_tiles()
+    live.release_tiles()
+    while live.work() or live.is_busy:
+        pass
     seen = {}
     for path in (tmp_path / 'tiles').rglob('*.png'):
         tile = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)

@@ -11,7 +11,6 @@ from rocsafe_mapping.drawing_options import SeamOptions
 # OpenCV's search of shifts fails in pictures of less than 32 pixels.
 LEAST_SIDE_PX = 40
 Colours = NDArray[np.uint8]
-Marks = NDArray[np.uint8]
 
 
 def seam_cost(first: Colours, second: Colours, options: SeamOptions) -> Shares:

@@ -133,12 +133,6 @@ class LiveMap:
         if self._tiles is not None:
             self._tiles.release()
 
-    def draw_tiles(self) -> None:
-        """Draw all tiles that are out of date."""
-        self.release_tiles()
-        while self._redraw():
-            pass
-
     def _tie(self) -> bool:
         if not self._to_tie:
             return False

@@ -60,10 +60,6 @@ class Material:
         logs = np.interp(_log_energies(energies_kev), self.log_energies, self.log_mass_attenuation)
         return np.asarray(np.exp(logs) * density)
 
-    def half_value_layer_m(self, energy_kev: float) -> float:
-        """Return the thickness that halves a narrow beam, metres."""
-        return math.log(2.0) / float(self.attenuation_per_m(energy_kev))
-
     def buildup(self, energy_kev: float, mean_free_paths: ArrayLike) -> FloatArray:
         """Return dose of all photons over dose of the unscattered ones, at least 1.
 

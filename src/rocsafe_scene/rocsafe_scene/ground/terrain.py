@@ -74,8 +74,3 @@ def _fitted(fine: HeightGrid, coarse: HeightGrid) -> HeightGrid:
     rim = np.minimum(np.minimum(row, rows - 1 - row), np.minimum(column, columns - 1 - column))
     share = np.clip(rim / 8.0, 0.0, 1.0)
     return HeightGrid(fine.frame, around + share * (fine.heights - around))
-
-
-def flat_terrain() -> Terrain:
-    """Return level ground at height 0."""
-    return make_terrain(lambda frame: np.zeros(frame.rows * frame.columns))

@@ -34,7 +34,6 @@ _TABLE = (
 CLASSES: dict[str, LabelClass] = {
     name: LabelClass(number, name, colour) for number, (name, colour) in enumerate(_TABLE)
 }
-CLASS_NAMES: tuple[str, ...] = tuple(CLASSES)
 
 
 def class_number(name: str) -> int:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from rocsafe_scene.mesh.mesh import Colour, Floats, Mesh, joined, made, unit
-from rocsafe_scene.mesh.shapes import ball, box, cylinder, prism, sheet, strip, tube, upright
+from rocsafe_scene.mesh.shapes import box, cylinder, prism, sheet, strip, tube, upright
 from rocsafe_scene.mesh.surfaces import Surface
 from rocsafe_scene.parts.lettering import digits
 
@@ -168,17 +168,6 @@ def sleepers(rng: np.random.Generator, course: Floats) -> Mesh:
         tone = int(rng.normal(98.0, 12.0))
         board = box(0.25, 2.6, 0.16, 0.02).turned(yaw_deg=yaw).moved(*place).moved(z=-0.16)
         parts.append(board.painted((tone, round(0.9 * tone), round(0.78 * tone)), Surface.WOOD))
-    return joined(parts)
-
-
-def stones(rng: np.random.Generator, places: Floats, size: float = 0.07) -> Mesh:
-    """Return loose stones at `places` (n, 3)."""
-    parts = []
-    for place in places:
-        scale = size * rng.uniform(0.5, 1.6, 3)
-        tone = int(rng.normal(132.0, 22.0))
-        stone = ball(1.0, 6).scaled(*scale).turned(float(rng.uniform(0, 360)))
-        parts.append(stone.moved(*place).painted((tone, tone, max(0, tone - 6)), Surface.STONE))
     return joined(parts)
 
 
