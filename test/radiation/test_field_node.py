@@ -153,8 +153,8 @@ def test_without_a_fix_the_reading_goes_on_and_its_position_is_nan(bench):
 
 
 def test_at_the_fix_there_is_no_reading_without_a_fix(ros, field_file):
-    """`position_source` fix: nothing is made up."""
-    bench = Bench(ros, field_file=field_file, position_source='fix')
+    """A real vehicle has no true position that is published: nothing is made up."""
+    bench = Bench(ros, field_file=field_file, vehicles_at_their_fix=['rav1'])
     bench.fix.publish(fix_at(1, status=NavSatStatus.STATUS_NO_FIX))
     bench.fix.publish(fix_at(2))
     bench.wait(1)

@@ -105,10 +105,6 @@ def test_things_of_a_scene_shield_beside_boxes(field_of, tmp_path):
     ('change', 'message'),
     [
         ({'model': 'lossy'}, "model = 'lossy' must be one of: paper"),
-        (
-            {'position_source': 'truth'},
-            "position_source = 'truth' must be one of: ground_truth, fix",
-        ),
         ({'detector': 'nose'}, "detector = 'nose' must be one of: ideal"),
         ({'vehicles': ('rav1', 'rav1')}, 'vehicles'),
         ({'vehicles': ('',)}, 'vehicles'),

@@ -57,7 +57,7 @@ class Detector:
         lone = ((topics.FIX, self._on_lone_fix),)
         self._fixes = [
             topics.create_subscription(node, spec, callback, vehicle)
-            for spec, callback in (pair if options.uses_truth(vehicle) else lone)
+            for spec, callback in (lone if vehicle in options.vehicles_at_their_fix else pair)
         ]
 
     @property

@@ -7,10 +7,6 @@ from typing import ClassVar
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL
 from rocsafe_radiation.physics.field import MODELS, PAPER_MODEL, SMALLEST_SOURCE_RADIUS_M
 
-GROUND_TRUTH = 'ground_truth'
-FIX = 'fix'
-POSITION_SOURCES = (GROUND_TRUTH, FIX)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FieldOptions:
@@ -24,7 +20,7 @@ class FieldOptions:
             'background_variation', 'background_length_m', 'background_cosmic',
         ),
         'in the file of field_file',
-    )  # fmt: skip
+    ) | {'position_source': 'vehicles_at_their_fix'}  # fmt: skip
 
     field_file: str = field(
         default='',
@@ -75,10 +71,6 @@ class FieldOptions:
         default=0,
         metadata={'doc': 'seed of counts and background', 'min': 0, 'max': 2**31 - 1},
     )
-    position_source: str = field(
-        default=GROUND_TRUTH,
-        metadata={'doc': 'where a dose rate is taken: at the ground_truth or at the fix'},
-    )
     vehicles_at_their_fix: tuple[str, ...] = field(
         default=(),
         metadata={'doc': 'vehicles whose true place nobody publishes: real ones'},
@@ -90,7 +82,6 @@ class FieldOptions:
     def __post_init__(self) -> None:
         _require_choice('model', self.model, MODELS)
         _require_choice('detector', self.detector, DETECTOR_NAMES)
-        _require_choice('position_source', self.position_source, POSITION_SOURCES)
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
@@ -98,11 +89,6 @@ class FieldOptions:
     def start_time_ns(self) -> int:
         """Start of the mission, nanoseconds since 1970."""
         return round(self.start_time_s * 1e9)
-
-    def uses_truth(self, vehicle: str) -> bool:
-        """Return whether the dose rates of `vehicle` are those at its true place."""
-        is_real = vehicle in self.vehicles_at_their_fix
-        return self.position_source == GROUND_TRUTH and not is_real
 
 
 def _require_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
