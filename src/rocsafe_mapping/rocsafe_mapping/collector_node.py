@@ -22,6 +22,7 @@ from rocsafe_mapping.store.listings import write_listings
 from rocsafe_mapping.store.store import Answer, ImageStore, Status
 from rocsafe_mapping.store.store_index import write_index
 from rocsafe_ros import topics
+from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -57,6 +58,7 @@ class CollectorNode(Node):
             )
         self._failing = False
         self._is_listed, self._is_quiet = False, True
+        self._listing: BackgroundJob[None, None] | None = None
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(QUIET_S, self._on_quiet, clock=steady)
         self._receipts = topics.create_publisher(self, topics.RECEIPTS)
@@ -68,7 +70,10 @@ class CollectorNode(Node):
 
     def destroy_node(self) -> None:
         """Release the store with the node."""
-        self._list()
+        if self._listing is not None:
+            self._listing.result()
+        if not self._is_listed:
+            self._list()
         if self._copier is not None:
             self._copier.close()
         self._store.close()
@@ -103,15 +108,15 @@ class CollectorNode(Node):
             self.get_logger().warning(str(error), once=True)
 
     def _on_quiet(self) -> None:
-        if self._is_quiet:
-            self._list()
+        is_listing = self._listing is not None and not self._listing.is_done
+        if self._is_quiet and not self._is_listed and not is_listing:
+            # A photograph that comes while the lists are written makes them out of date again.
+            self._is_listed = True
+            self._listing = BackgroundJob(lambda _: self._list(), 'listing', None)
         self._is_quiet = True
 
     def _list(self) -> None:
-        """Bring the lists of the folder up to date, if they are not."""
-        if self._is_listed:
-            return
-        self._is_listed = True
+        """Bring the lists of the folder up to date."""
         try:
             shots = read_store(self._folder, self.get_logger().warning)
             write_listings(self._folder, shots)
