@@ -88,9 +88,9 @@ def fix_message(
     return message
 
 
-def velocity_message(velocity_enu: Enu, stamp: Time, frame_id: str = MAP_FRAME) -> TwistStamped:
+def velocity_message(velocity_enu: Enu, stamp: Time) -> TwistStamped:
     """Return the velocity over ground: east, north, up, m/s."""
-    message = TwistStamped(header=Header(stamp=stamp, frame_id=frame_id))
+    message = TwistStamped(header=Header(stamp=stamp, frame_id=MAP_FRAME))
     linear = message.twist.linear
     linear.x, linear.y, linear.z = velocity_enu
     return message

@@ -118,12 +118,12 @@ class Scenario(Block):
         """Path of the scene file that the game engine shows, '' if the ground is flat."""
         return self.camera.scene_file if self.camera.backend == 'engine' else ''
 
-    def ground_position(self, place: LatLon, height_m: float = 0.0) -> GeoPosition:
-        """Return `place`, `height_m` above the flat ground."""
+    def ground_position(self, place: LatLon) -> GeoPosition:
+        """Return `place` on the flat ground."""
         return GeoPosition(
             latitude_deg=place[0],
             longitude_deg=place[1],
-            altitude_m=self.origin.ground_altitude_m + height_m,
+            altitude_m=self.origin.ground_altitude_m,
         )
 
     def to_yaml(self) -> str:

@@ -16,7 +16,7 @@ from rocsafe_orchestrator.products.separation import airborne_spans_ns, nearest_
 
 NS = 1_000_000_000
 FRAME = LocalFrame(GeoPosition(53.28, -9.06, 66.0))
-FACTS = RecordingFacts(message_count=0, topic_count=0, start_ns=0, end_ns=0)
+FACTS = RecordingFacts(message_count=0, start_ns=0)
 WAITING, FLYING, LANDED = 11, 4, 8
 
 

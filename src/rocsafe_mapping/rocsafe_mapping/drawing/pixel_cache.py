@@ -20,16 +20,9 @@ ReadImage = Callable[[], bytes]
 
 
 class PixelCache:
-    """Decodes photographs when they are needed and keeps those used last.
+    """Decodes photographs when they are needed and keeps those used last."""
 
-    Parameters
-    ----------
-    most_bytes
-        Of pixels that are kept.
-    """
-
-    def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
-        self._most_bytes = most_bytes
+    def __init__(self) -> None:
         self._bytes = 0
         self._sources: dict[str, tuple[Photo, ReadImage]] = {}
         self._kept: OrderedDict[str, NDArray[Any]] = OrderedDict()
@@ -65,7 +58,7 @@ class PixelCache:
         picture = make(key)
         self._kept[key] = picture
         self._bytes += picture.nbytes
-        while self._bytes > self._most_bytes and len(self._kept) > 1:
+        while self._bytes > CACHE_BYTES and len(self._kept) > 1:
             _, oldest = self._kept.popitem(last=False)
             self._bytes -= oldest.nbytes
         return picture

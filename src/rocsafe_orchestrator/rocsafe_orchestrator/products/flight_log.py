@@ -95,13 +95,9 @@ class _Log:
             yield decoded.schema.name, decoded.channel.topic, decoded.decoded_message
 
     def _facts(self) -> RecordingFacts:
-        summary = self._reader.get_summary()
-        counts = summary.statistics
+        counts = self._reader.get_summary().statistics
         return RecordingFacts(
-            message_count=counts.message_count,
-            topic_count=len(summary.channels),
-            start_ns=counts.message_start_time,
-            end_ns=counts.message_end_time,
+            message_count=counts.message_count, start_ns=counts.message_start_time
         )
 
     def _on_reading(self, topic: str, message: Any) -> None:

@@ -178,12 +178,10 @@ class Photograph:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingFacts:
-    """What the recording consists of, see `FinalisedRecording`."""
+    """Number of messages of the recording, and its start."""
 
     message_count: int
-    topic_count: int
     start_ns: int
-    end_ns: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -58,14 +58,14 @@ class Nuclide:
         kept = self.energies_kev >= cutoff_kev
         return np.asarray(per_becquerel_gy * BECQUEREL_PER_GBQ * SECONDS_PER_HOUR * MICRO * kept)
 
-    def line_dose_constants_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> FloatArray:
+    def line_dose_constants_usvh(self) -> FloatArray:
         """Return the ambient dose equivalent rate of each line, uSv m^2/(h GBq), shape (n,)."""
-        doses = self.kerma_constants_ugy(cutoff_kev) * dose_per_kerma_sv_gy(self.energies_kev)
+        doses = self.kerma_constants_ugy() * dose_per_kerma_sv_gy(self.energies_kev)
         return np.asarray(doses)
 
-    def dose_constant_usvh(self, cutoff_kev: float = LOWEST_ENERGY_KEV) -> float:
+    def dose_constant_usvh(self) -> float:
         """Return the ambient dose equivalent rate H*(10), microsievert m^2/(h GBq)."""
-        return float(self.line_dose_constants_usvh(cutoff_kev).sum())
+        return float(self.line_dose_constants_usvh().sum())
 
     def sigma_usvps(self, activity_gbq: float, age_s: float = 0.0) -> float:
         """Return the lossless dose rate at 1 m of a source, microsievert per second.

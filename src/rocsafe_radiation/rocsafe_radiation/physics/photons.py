@@ -51,14 +51,10 @@ class Material:
     buildup_log_energies: FloatArray
     buildup_coefficients: FloatArray
 
-    def attenuation_per_m(self, energies_kev: ArrayLike, density_kg_m3: float = 0.0) -> FloatArray:
-        """Return the linear attenuation coefficient at each energy, narrow beam, 1/m.
-
-        With `density_kg_m3` = 0 the density is that of the tables.
-        """
-        density = density_kg_m3 or self.density_kg_m3
+    def attenuation_per_m(self, energies_kev: ArrayLike) -> FloatArray:
+        """Return the linear attenuation coefficient at each energy, narrow beam, 1/m."""
         logs = np.interp(_log_energies(energies_kev), self.log_energies, self.log_mass_attenuation)
-        return np.asarray(np.exp(logs) * density)
+        return np.asarray(np.exp(logs) * self.density_kg_m3)
 
     def buildup(self, energy_kev: float, mean_free_paths: ArrayLike) -> FloatArray:
         """Return dose of all photons over dose of the unscattered ones, at least 1.

@@ -52,13 +52,12 @@ def dose_map(
     survey: RadiationSurvey,
     kernel: Kernel,
     lowest_level_usvh: float,
-    seed: int = 0,
     largest_cells: int = LARGEST_CELLS,
 ) -> DoseMap:
     """Return the map of the surveyed ground and of all ground that sources raise to a level.
 
     The map is that of sources and a constant background, times the kriged residual of the readings
-    where this is more than noise. The uncertainty comes from 40 draws, with `seed`, of the places
+    where this is more than noise. The uncertainty comes from 40 draws of the places
     and strengths of the sources from their covariances, and of the residual. Cells are at least
     half a metre wide and not many more than `largest_cells`.
     """
@@ -68,7 +67,7 @@ def dose_map(
     north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
     ups = _ups(survey, east, north)
     mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north, ups)
-    generator = np.random.default_rng([seed, 0xD05E])
+    generator = np.random.default_rng([0, 0xD05E])
     draws = np.stack([_drawn(found, kernel, east, north, ups, generator) for _ in range(SAMPLES)])
     rest = residual(found, survey, kernel, east, north)
     if rest is not None:

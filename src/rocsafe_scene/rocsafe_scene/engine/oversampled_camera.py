@@ -43,10 +43,7 @@ def open_renderer(
 
 
 def open_scene(
-    description: SceneDescription,
-    seed: int | None = None,
-    origin: GeoPosition | None = None,
-    cache: Path | None = None,
+    description: SceneDescription, origin: GeoPosition | None, cache: Path | None
 ) -> AnyRenderer:
     """Return a renderer of a scene, see `build`.
 
@@ -55,7 +52,7 @@ def open_scene(
     SceneError, EngineError
         If the scene cannot be built or drawn; one line.
     """
-    return open_renderer(build(description, seed, origin, cache), description)
+    return open_renderer(build(description, origin=origin, cache=cache), description)
 
 
 class OversampledCamera:

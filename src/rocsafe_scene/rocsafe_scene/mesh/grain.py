@@ -17,12 +17,12 @@ _SPRAY_M, _CLUMP_M, _GAP_M, _BOUGH_M = 0.13, 0.32, 0.45, 1.1
 
 
 @lru_cache(maxsize=1)
-def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
+def grain_tile() -> NDArray[np.uint8]:
     """Return noise that tiles without seams, (1024, 1024, 4): fine, coarse, streaks, spots.
 
     Each channel is white noise filtered to a spectrum, with values evenly over 0 to 255.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(5)
     across, along = (f(TILE_PX, 1.0 / TILE_PX) for f in (np.fft.rfftfreq, np.fft.fftfreq))
     fx, fy = np.meshgrid(across, along)
     radius = np.hypot(fx, fy) + 1e-9
@@ -36,14 +36,14 @@ def grain_tile(seed: int = 5) -> NDArray[np.uint8]:
 
 
 @lru_cache(maxsize=1)
-def leaf_tile(seed: int = 8) -> NDArray[np.uint8]:
+def leaf_tile() -> NDArray[np.uint8]:
     """Return how bright the leaves of a dense crown are, (1024, 1024).
 
     Sprays and clumps of leaves have a tone of their own and a dark rim, with dark gaps between
     them. The texture is 31 m wide and is mirrored beyond. The gaps help to match photographs: with
     plain noise of the same contrast half as many points match.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(8)
     spray, spray_tone, _ = _cells(rng, _SPRAY_M)
     clump, clump_tone, _ = _cells(rng, _CLUMP_M)
     gap, _, chance = _cells(rng, _GAP_M)

@@ -44,10 +44,10 @@ def blob(
     return turned + np.asarray(centre, float)
 
 
-def faded(outline: Points, paint: Paint, rings: int = 9, spread: float = 0.45) -> Shape:
+def faded(outline: Points, paint: Paint, spread: float = 0.45) -> Shape:
     """Return a patch that fades out: nested outlines, from `1 + spread` to `1 - spread` of it."""
     centre = outline.mean(axis=0)
-    scales = np.linspace(1.0 + spread, 1.0 - spread, rings)
+    scales = np.linspace(1.0 + spread, 1.0 - spread, 9)
     return Shape(
         tuple(centre + (outline - centre) * scale for scale in scales), paint, is_faded=True
     )
