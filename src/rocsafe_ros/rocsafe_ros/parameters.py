@@ -49,8 +49,9 @@ def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
         If a field's type has no parameter type.
     """
     _refuse_moved(node, getattr(options_type, 'MOVED_PARAMETERS', {}))
+    types = typing.get_type_hints(options_type)
     values = {
-        field.name: _declare(node, field, _field_types(options_type)[field.name])
+        field.name: _declare(node, field, types[field.name])
         for field in dataclasses.fields(options_type)  # type: ignore[arg-type]
     }
     try:
@@ -67,10 +68,6 @@ def _refuse_moved(node: Node, moved: Mapping[str, str]) -> None:
         node.undeclare_parameter(name)
         if is_given:
             raise ParameterError(f'{node.get_name()}: parameter {name} is now {new}')
-
-
-def _field_types(options_type: type) -> dict[str, Any]:
-    return typing.get_type_hints(options_type)
 
 
 def _declare(node: Node, field: 'dataclasses.Field[Any]', field_type: Any) -> Any:

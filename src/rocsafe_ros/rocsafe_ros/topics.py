@@ -97,11 +97,7 @@ def _pictures() -> QoSProfile:
 
 
 def _latched() -> QoSProfile:
-    return QoSProfile(
-        depth=1,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    )
+    return _kept(1)
 
 
 def _heartbeat() -> QoSProfile:

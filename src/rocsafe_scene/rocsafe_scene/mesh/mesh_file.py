@@ -3,6 +3,7 @@
 
 import json
 import struct
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -140,10 +141,7 @@ def _primitive(
         return mesh
     normals = _accessor(document, binary, primitive['attributes']['NORMAL'])
     smooth = unit(normals @ np.linalg.inv(matrix[:3, :3]))[corners]
-    return Mesh(
-        points=mesh.points, normals=smooth, places=mesh.places, colours=mesh.colours,
-        triangles=mesh.triangles,
-    )  # fmt: skip
+    return replace(mesh, normals=smooth)
 
 
 def _colour(document: dict[str, Any], primitive: dict[str, Any]) -> tuple[int, int, int]:

@@ -7,6 +7,7 @@ surface coordinates are metres.
 
 import itertools
 import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -260,7 +261,4 @@ def _facing(mesh: Mesh) -> Mesh:
     is_wrong = np.einsum('ij,ij->i', across, mesh.normals[mesh.triangles[:, 0]]) < 0.0
     triangles = mesh.triangles.copy()
     triangles[is_wrong] = triangles[is_wrong][:, ::-1]
-    return Mesh(
-        points=mesh.points, normals=mesh.normals, places=mesh.places, colours=mesh.colours,
-        triangles=triangles,
-    )  # fmt: skip
+    return replace(mesh, triangles=triangles)

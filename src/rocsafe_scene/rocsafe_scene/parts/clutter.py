@@ -2,6 +2,7 @@
 """Small objects: debris, drums, cones, evidence markers, tape, fences, rails and sleepers."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -77,10 +78,7 @@ def debris(rng: np.random.Generator, size: float = 0.6) -> Mesh:
     block = box(size, 0.6 * size, 0.4 * size, 0.05 * size)
     points = block.points * (1.0 + rng.normal(0.0, 0.12, (len(block.points), 3)))
     tone: Colour = tuple(int(v) for v in rng.choice([(120, 116, 110), (96, 62, 46), (66, 64, 62)]))  # type: ignore[assignment]
-    return Mesh(
-        points=points, normals=block.normals, places=block.places, colours=block.colours,
-        triangles=block.triangles,
-    ).painted(tone, Surface.RUSTY)  # fmt: skip
+    return replace(block, points=points).painted(tone, Surface.RUSTY)
 
 
 def _bent_sheet(rng: np.random.Generator, size: float) -> Mesh:
@@ -149,10 +147,7 @@ def rails(course: Floats) -> Mesh:
         is_top = rail.normals[:, 2] > 0.9
         colours[:, :3] = np.where(is_top[:, None], (176, 176, 178), (92, 64, 50))
         colours[:, 3] = np.where(is_top, Surface.STEEL, Surface.RUSTY)
-        parts.append(
-            Mesh(points=rail.points, normals=rail.normals, places=rail.places, colours=colours,
-                 triangles=rail.triangles)
-        )  # fmt: skip
+        parts.append(replace(rail, colours=colours))
     return joined(parts)
 
 

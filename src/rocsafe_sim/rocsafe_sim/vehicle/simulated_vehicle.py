@@ -120,7 +120,7 @@ class SimulatedVehicle:
         visited = 0 if flight is None else flight.visited
         return VehicleSnapshot(
             time_ns=time_ns,
-            pose=self._pose(time_ns),
+            pose=self.pose_at(time_ns),
             mode=self.mode,
             viewpoints_visited=visited,
             shots_taken=self._record.shots_taken,
@@ -133,7 +133,9 @@ class SimulatedVehicle:
 
     def pose_at(self, time_ns: int) -> FlightPose:
         """Return the pose at a time without further commands; constant before the last one."""
-        return self._pose(time_ns)
+        if self._course is None:
+            return standing(self._record.home_enu, 0.0)
+        return self._course.pose(time_ns)
 
     def fly_route(self, route: FlightRoute, *, replaces: bool = False) -> None:
         """Fly `route`. The route of the running or the last flight is not begun again.
@@ -160,7 +162,7 @@ class SimulatedVehicle:
             stand = (
                 flight.route.home_enu
                 if mode.is_airborne
-                else self._pose(self.time_ns).position_enu
+                else self.pose_at(self.time_ns).position_enu
             )
         require_ready(route, flight, mode, stand, replaces=replaces)
         command = self._beginning(route)
@@ -302,7 +304,7 @@ class SimulatedVehicle:
         self._follow(replace(flight, command=command))
 
     def _command(self, kind: CommandKind, time_ns: int, first_index: int) -> Command:
-        course, start = self._course, self._pose(time_ns)
+        course, start = self._course, self.pose_at(time_ns)
         return Command(
             kind=kind,
             start_ns=time_ns,
@@ -390,11 +392,6 @@ class SimulatedVehicle:
             self._follow(
                 with_new_battery(flight, self._command(CommandKind.FLY, down_ns, flight.visited))
             )
-
-    def _pose(self, time_ns: int) -> FlightPose:
-        if self._course is None:
-            return standing(self._record.home_enu, 0.0)
-        return self._course.pose(time_ns)
 
     def _distance_m(self, time_ns: int) -> float:
         return 0.0 if self._course is None else self._course.distance_m(time_ns)
