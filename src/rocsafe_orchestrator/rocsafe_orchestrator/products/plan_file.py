@@ -4,7 +4,7 @@
 import math
 from pathlib import Path
 
-from rocsafe_orchestrator.products.run_record import Plan, PlannedRoute, PlannedViewpoint
+from rocsafe_orchestrator.products.run_record import Plan, PlannedRoute
 from rocsafe_planner.plan import plan_reading
 from rocsafe_planner.plan.flight_path import flight_path
 from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
@@ -56,15 +56,7 @@ def _route(route: Route) -> PlannedRoute:
     return PlannedRoute(
         vehicle=route.vehicle.name,
         home=route.vehicle.home,
-        viewpoints=tuple(
-            PlannedViewpoint(
-                id=view.id,
-                position=view.position,
-                height_agl_m=view.height_agl_m,
-                yaw_rad=view.yaw_rad,
-            )
-            for view in route.viewpoints
-        ),
+        viewpoints=tuple(route.viewpoints),
         length_m=route.length_m,
         duration_s=route.duration_s,
         way=tuple(

@@ -15,6 +15,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_scenario.scenario import Scenario
 
 IntArray = NDArray[np.int64]
@@ -27,22 +28,12 @@ STATE_NAMES = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlannedViewpoint:
-    """A place to photograph from; `position` is the camera's, `yaw_rad` 0 for a nose to east."""
-
-    id: int
-    position: GeoPosition
-    height_agl_m: float = math.nan
-    yaw_rad: float = 0.5 * math.pi
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PlannedRoute:
     """What one vehicle is to fly; `way` are the places of its flights, bends included."""
 
     vehicle: str
     home: GeoPosition
-    viewpoints: tuple[PlannedViewpoint, ...]
+    viewpoints: tuple[Viewpoint, ...]
     length_m: float
     duration_s: float
     way: tuple[GeoPosition, ...] = ()

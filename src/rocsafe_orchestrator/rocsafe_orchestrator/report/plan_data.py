@@ -10,7 +10,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_orchestrator.products.run_record import Plan, PlannedViewpoint, RunRecord
+from rocsafe_orchestrator.products.run_record import Plan, RunRecord
+from rocsafe_planner.plan.viewpoint import Viewpoint
 
 Point = tuple[float, float]
 Rings = tuple[tuple[Point, ...], ...]
@@ -62,7 +63,7 @@ def planned_footprints(record: RunRecord, frame: LocalFrame) -> dict[str, Rings]
     return footprints
 
 
-def _footprint(plan: Plan, viewpoint: PlannedViewpoint, place: Point) -> tuple[Point, ...]:
+def _footprint(plan: Plan, viewpoint: Viewpoint, place: Point) -> tuple[Point, ...]:
     camera = PinholeCamera(plan.horizontal_fov_rad, plan.image_width_px, plan.image_height_px)
     across, along = camera.footprint_m(viewpoint.height_agl_m)
     ahead = (math.cos(viewpoint.yaw_rad), math.sin(viewpoint.yaw_rad))
