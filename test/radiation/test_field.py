@@ -27,9 +27,10 @@ def source_at(position, sigma_usvps=2.57, name='wreck'):
 
 def rate_usvh(field, position):
     """Return the dose rate at one position."""
-    return field.dose_rates_usvh(
+    rates = field.source_dose_rates_usvh(
         position.latitude_deg, position.longitude_deg, position.altitude_m
-    )[0]
+    )
+    return rates[:, 0].sum()
 
 
 def test_one_microsievert_per_second_at_1_m_is_3600_per_hour():
@@ -114,8 +115,8 @@ def test_many_points_at_once_equal_each_alone():
     """Vectorised: shape (n,) in, shape (n,) out."""
     field = RadiationField(sources=(source_at(WRECK),))
     latitudes = np.linspace(53.28, 53.29, 7)
-    together = field.dose_rates_usvh(latitudes, -9.06, 90.0)
-    alone = [field.dose_rates_usvh(latitude, -9.06, 90.0)[0] for latitude in latitudes]
+    (together,) = field.source_dose_rates_usvh(latitudes, -9.06, 90.0)
+    alone = [field.source_dose_rates_usvh(latitude, -9.06, 90.0)[0, 0] for latitude in latitudes]
     assert together.shape == (7,)
     np.testing.assert_array_equal(together, alone)
 
@@ -133,7 +134,7 @@ def test_many_points_at_once_equal_each_alone():
 def test_what_is_no_place_is_refused(latitude, longitude, altitude, message):
     """The error names the point, the coordinate and its limit."""
     with pytest.raises(UnknownPointError, match=message):
-        RadiationField(sources=()).dose_rates_usvh(latitude, longitude, altitude)
+        RadiationField(sources=()).source_dose_rates_usvh(latitude, longitude, altitude)
 
 
 @pytest.mark.parametrize('sigma', [0.0, -1.0, math.nan, math.inf, 1e13])

@@ -184,8 +184,8 @@ def test_a_wagon_shields_a_drone():
     air = RadiationField(sources=(source,), model='air')
     shielding = BoxShielding(frame=frame, boxes=(plate,))
     wrecked = RadiationField(sources=(source,), model='shielded', shielding=shielding)
-    assert bare.dose_rates_usvh(*place) == pytest.approx(air.dose_rates_usvh(*place))
-    share = wrecked.dose_rates_usvh(*place) / air.dose_rates_usvh(*place)
+    assert bare.source_dose_rates_usvh(*place) == pytest.approx(air.source_dose_rates_usvh(*place))
+    share = wrecked.source_dose_rates_usvh(*place) / air.source_dose_rates_usvh(*place)
     assert 0.5 < share < 0.75
 
 

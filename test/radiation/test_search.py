@@ -153,7 +153,6 @@ def test_a_cell_is_believed_by_bayes_rule():
     grid.observe(SENSOR, (0, 1), True)
     assert grid.probabilities()[0, 1] == pytest.approx(0.09 / 0.135)
     assert grid.probabilities()[1, 1] == pytest.approx(0.1)
-    assert not grid.decided(0.95)[0, 1]
 
 
 @given(

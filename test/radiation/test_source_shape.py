@@ -26,10 +26,10 @@ def field_of(shape, sigma_usvps=1.0):
 def rate_usvh(field, east_m, north_m, up_m, time_s=0.0):
     """Return the dose rate at a place relative to the wreck."""
     place = offset(WRECK, east_m, north_m, up_m)
-    (rate,) = field.dose_rates_usvh(
+    rates = field.source_dose_rates_usvh(
         place.latitude_deg, place.longitude_deg, place.altitude_m, time_s
     )
-    return rate
+    return rates[:, 0].sum()
 
 
 def test_a_line_gives_what_its_integral_says():

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_geo.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,11 +97,6 @@ class BeliefGrid:
             raise ValueError('grids of different shape cannot be merged')
         for sighting in other.sightings:
             self._take(sighting)
-
-    def decided(self, probability: float) -> BoolArray:
-        """Return which cells are decided either way with at least `probability`."""
-        believed = self.probabilities()
-        return np.asarray((believed >= probability) | (believed <= 1.0 - probability))
 
     def _take(self, sighting: Sighting) -> None:
         key = (sighting.agent, sighting.number)

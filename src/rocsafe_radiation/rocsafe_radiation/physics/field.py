@@ -85,14 +85,14 @@ class RadiationField:
         """Whether no source moves."""
         return not self._moving
 
-    def dose_rates_usvh(
+    def source_dose_rates_usvh(
         self,
         latitudes_deg: ArrayLike,
         longitudes_deg: ArrayLike,
         altitudes_m: ArrayLike,
         time_s: float = 0.0,
     ) -> FloatArray:
-        """Return the dose rate at each of n points in microsievert per hour, shape (n,).
+        """Return the dose rate of each source alone at n points, uSv/h, shape (sources, n).
 
         Latitudes and longitudes are WGS84, altitudes above the ellipsoid; each is an array of
         shape (n,) or a scalar. `time_s` counts from the start of the mission. Distances are good
@@ -103,18 +103,6 @@ class RadiationField:
         UnknownPointError
             If a point is not finite or out of range, naming it.
         """
-        return self.source_dose_rates_usvh(latitudes_deg, longitudes_deg, altitudes_m, time_s).sum(
-            axis=0
-        )
-
-    def source_dose_rates_usvh(
-        self,
-        latitudes_deg: ArrayLike,
-        longitudes_deg: ArrayLike,
-        altitudes_m: ArrayLike,
-        time_s: float = 0.0,
-    ) -> FloatArray:
-        """Return the dose rate of each source alone at n points, uSv/h, shape (sources, n)."""
         points = _arrays(latitudes_deg, longitudes_deg, altitudes_m)
         _check_points(points)
         positions = ecef_m(*points)
