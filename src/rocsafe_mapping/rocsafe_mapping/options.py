@@ -4,6 +4,7 @@
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 # Room for any one photograph, however its edges fall on the map's grid.
 SMALLEST_MAX_PIXELS = 512 * 512
@@ -56,6 +57,8 @@ class CollectorOptions:
 class MosaicOptions:
     """Options of the mosaic node."""
 
+    MOVED_PARAMETERS: ClassVar = {'live_tiles': 'always true'}
+
     store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
     output_path: str = field(
         default='mosaic.tif', metadata={'doc': 'GeoTIFF that the service mosaic/save writes'}
@@ -65,9 +68,6 @@ class MosaicOptions:
         metadata={
             'doc': 'where quality, overlays and live tiles go; empty: map, beside the GeoTIFF'
         },
-    )
-    live_tiles: bool = field(
-        default=True, metadata={'doc': 'keep tiles for web maps up to date while images come'}
     )
     ground_resolution_m: float = field(
         default=0.1,

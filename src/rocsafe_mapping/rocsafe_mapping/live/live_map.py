@@ -37,17 +37,15 @@ class LiveMap:
     options
         What map is wanted.
     tiles_directory
-        Where its tiles for web maps are kept up to date, None: nowhere.
+        Where its tiles for web maps are kept up to date.
     notice
         Is told, in one line each, of photographs that cannot be on the map.
     """
 
-    def __init__(self, options: MapOptions, tiles_directory: Path | None, notice: Notice) -> None:
+    def __init__(self, options: MapOptions, tiles_directory: Path, notice: Notice) -> None:
         self.maker = Mapmaker(options, notice)
         self.preview = Preview(self.maker)
-        self._tiles = None
-        if tiles_directory is not None:
-            self._tiles = WebTiles(self.maker, tiles_directory, options.ground_resolution_m)
+        self._tiles = WebTiles(self.maker, tiles_directory, options.ground_resolution_m)
         self._resolution_m = options.ground_resolution_m
         self._notice = notice
         self._to_tie: deque[str] = deque()
@@ -93,7 +91,7 @@ class LiveMap:
         pieces: tuple[Callable[[], bool], ...] = (
             self._adopt,
             self._tie,
-            self._redraw,
+            self._tiles.draw_next,
             self._solve,
         )
         return any(piece() for piece in pieces)
@@ -126,12 +124,11 @@ class LiveMap:
     @property
     def has_stale_tiles(self) -> bool:
         """Whether tiles are out of date and not released."""
-        return self._tiles is not None and self._tiles.is_stale
+        return self._tiles.is_stale
 
     def release_tiles(self) -> None:
         """Let `work` draw the tiles that are out of date now."""
-        if self._tiles is not None:
-            self._tiles.release()
+        self._tiles.release()
 
     def _tie(self) -> bool:
         if not self._to_tie:
@@ -171,9 +168,5 @@ class LiveMap:
             if before is not None and abs(before - placed.corners_m).max() < least_m:
                 continue
             self.preview.show(placed)
-            if self._tiles is not None:
-                self._tiles.move(placed, before)
+            self._tiles.move(placed, before)
             self._drawn_m[name] = placed.corners_m
-
-    def _redraw(self) -> bool:
-        return self._tiles is not None and self._tiles.draw_next()

@@ -53,7 +53,7 @@ class MapWorker:
             MapOptions(
                 ground_resolution_m=options.ground_resolution_m, max_pixels=options.max_pixels
             ),
-            options.products / TILES if options.live_tiles else None,
+            options.products / TILES,
             notice,
         )
         self._refused: set[str] = set()

@@ -48,7 +48,7 @@ def files_before(options: MosaicOptions) -> MapFiles:
     geotiff = Path(options.output_path).absolute()
     return MapFiles(
         geotiff=str(geotiff) if geotiff.exists() else '',
-        tiles=str(options.products / TILES) if options.live_tiles else '',
+        tiles=str(options.products / TILES),
         ground_resolution_m=options.ground_resolution_m,
     )
 
