@@ -126,8 +126,9 @@ def _start(scene: Path, console: Console) -> AnyRenderer:
     renderer = open_renderer(environment, description)
     renderer.camera(PinholeCamera(1.0, 64, 48)).expose(*POSES['nadir'])
     ready_s = time.perf_counter() - wall
+    triangles = sum(thing.triangle_count for thing in environment.objects)
     console.print(
-        f'{description.name}: {len(environment.objects)} objects, {environment.triangle_count} '
+        f'{description.name}: {len(environment.objects)} objects, {triangles} '
         f'triangles; ready in {ready_s:.1f} s wall, {time.process_time() - cpu:.1f} s CPU '
         f'(from a warm cache <= {WARM_START_S:g} s: {verdict(ready_s <= WARM_START_S)}; '
         f'cold <= {COLD_START_S:g} s: {verdict(ready_s <= COLD_START_S)})'

@@ -10,7 +10,7 @@ import time
 import pytest
 
 from rocsafe_mapping.errors import StoreError
-from rocsafe_mapping.repository.copying import Copier
+from rocsafe_mapping.repository.copying import LEDGER, Copier
 from rocsafe_mapping.repository.http_sink import HttpSink
 from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.repository.sink import FolderSink, open_sink
@@ -152,13 +152,14 @@ def test_copies_survive_an_absent_repository(tmp_path, shot):
 
     copier = Copier(tmp_path / 'near', unreliable, lambda _text: None)
     end = time.monotonic() + DEADLINE_S
-    while len(copier.copied) < 3:
+    ledger = tmp_path / 'near' / LEDGER
+    while len(ledger.read_text().splitlines()) < 3:
         assert time.monotonic() < end
         time.sleep(0.01)
     copier.close()
     again = Copier(tmp_path / 'near', pytest.fail, pytest.fail)
-    assert len(again.copied) == 3
     again.close()
+    assert len(ledger.read_text().splitlines()) == 3
     near.close()
     near_images = {s.record.shot_id: s.read_image() for s in read_store(tmp_path / 'near', print)}
     far_images = {s.record.shot_id: s.read_image() for s in read_store(tmp_path / 'far', print)}

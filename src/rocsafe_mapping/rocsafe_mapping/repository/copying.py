@@ -40,11 +40,6 @@ class Copier:
         self._thread = Thread(target=self._run, name='copier', daemon=True)
         self._thread.start()
 
-    @property
-    def copied(self) -> frozenset[str]:
-        """Names of the photographs that are safe in the other place, or refused there."""
-        return frozenset(self._copied)
-
     def wake(self) -> None:
         """Say that there is a new photograph."""
         self._wake.set()

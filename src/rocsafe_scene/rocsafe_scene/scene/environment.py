@@ -136,8 +136,3 @@ class Environment:
     outer: GroundMap
     objects: tuple[SceneObject, ...]
     tufts: Sequence[Mesh] = ()
-
-    @property
-    def triangle_count(self) -> int:
-        """Number of triangles of all objects."""
-        return sum(thing.triangle_count for thing in self.objects)
