@@ -16,7 +16,11 @@ from rocsafe_planner.plan.survey_options import (
     AirspaceOptions,
     CoverageOptions,
     Effort,
+    Grid,
+    Objective,
+    Separation,
     SeparationOptions,
+    SpacingRule,
 )
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
@@ -132,7 +136,7 @@ class SeparationBlock(Block):
     """How far apart vehicles stay in the air: see `SeparationOptions`."""
 
     distance_m: float = Field(default=_SEPARATION['distance_m'], ge=0.0, le=10_000.0)
-    by: Literal['delay', 'layers'] = _SEPARATION['by']
+    by: Separation = _SEPARATION['by']
 
 
 class EffortBlock(Block):
@@ -142,9 +146,7 @@ class EffortBlock(Block):
     """
 
     method: str = ''
-    objective: Literal[
-        'longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy'
-    ] = _EFFORT['objective']
+    objective: Objective = _EFFORT['objective']
     budget_s: float = Field(default=_EFFORT['budget_s'], ge=0.0, le=LARGEST_BUDGET_S)
 
 
@@ -152,12 +154,12 @@ class SurveyBlock(Block):
     """How the region is photographed (see `CoverageOptions`), and how the plan is made."""
 
     height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
-    spacing_rule: Literal['iou', 'linear'] = _COVERAGE['spacing_rule']
+    spacing_rule: SpacingRule = _COVERAGE['spacing_rule']
     overlap_fraction: float = Field(default=_COVERAGE['overlap_fraction'], ge=0.0, le=0.95)
     front_overlap_fraction: float | None = Field(
         default=_COVERAGE['front_overlap_fraction'], ge=0.0, le=0.95
     )
-    grid: Literal['axis_aligned', 'rotated', 'best'] = _COVERAGE['grid']
+    grid: Grid = _COVERAGE['grid']
     max_viewpoints: int = Field(default=_COVERAGE['max_viewpoints'], ge=1, le=100_000)
     terrain_file: str = ''
     airspace: AirspaceBlock = AirspaceBlock()

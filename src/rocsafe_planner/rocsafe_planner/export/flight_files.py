@@ -35,7 +35,7 @@ _FRAME_RELATIVE_ALTITUDE = 3
 
 _KML = 'http://www.opengis.net/kml/2.2'
 _WPML = 'http://www.dji.com/wpmz/1.0.2'
-# Of every entry, so that equal plans give equal archives: the oldest that ZIP can say.
+# Time of every entry, fixed so that equal plans give equal archives: the earliest of ZIP.
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 

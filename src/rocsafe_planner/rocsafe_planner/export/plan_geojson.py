@@ -83,7 +83,7 @@ def _flight(route: Route, number: int, color: str) -> Document:
         'stroke': color,
         'stroke-width': 2,
     }
-    # A line is flat on a map; a home's altitude is ground, a viewpoint's is not.
+    # Without heights: that of a home is on the ground, that of a viewpoint in the air.
     places = [_coordinates(stop.position)[:2] for stop in flight_path(route, number)]
     return _feature('LineString', places, properties)
 

@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from rocsafe_planner.export.plan_drawing import Dot, Drawing, Label, Shape
 
-# Painted larger and scaled down: Pillow draws lines without smoothing.
+# Drawn larger and scaled down, because Pillow draws lines without anti-aliasing.
 _OVERSAMPLING = 2
 
 

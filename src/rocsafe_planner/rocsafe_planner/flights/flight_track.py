@@ -6,7 +6,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 
-# While two legs are flown at once, their speeds add up to a little more than either may have.
+# In a corner two legs overlap: their speeds add up to a little more than the limit of each.
 _CORNER_HASTE = 1.5
 
 

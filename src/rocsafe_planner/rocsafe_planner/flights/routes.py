@@ -50,7 +50,7 @@ def _sorties(site: SurveySite, vehicle: int, order: Order) -> tuple[Sortie, ...]
 
 def _sortie(site: SurveySite, vehicle: int, flight: Order, stops: list[int]) -> Sortie:
     problem, spec = site.problem, site.problem.vehicles[vehicle]
-    # Integers even where there is no leg: whoever lands where it is has a stop only.
+    # The type is stated, because a vehicle that lands where it is has a stop and no leg.
     sites = np.array(stops, dtype=np.intp)
     origins, targets = sites[:-1], sites[1:]
     hovering = len(flight) * spec.hover_s

@@ -6,6 +6,7 @@ Scenarios, messages and commands take their defaults from these values.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from rocsafe_geo.limits import (
     require_between,
@@ -19,13 +20,17 @@ from rocsafe_planner.plan.viewpoint import Viewpoint
 
 MAX_HEIGHT_AGL_M = 20_000.0
 MAX_CLEARANCE_M = 1000.0
-GRIDS = ('axis_aligned', 'rotated', 'best')
+Grid = Literal['axis_aligned', 'rotated', 'best']
+Objective = Literal['longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy']
+Separation = Literal['delay', 'layers']
+SpacingRule = Literal['iou', 'linear']
+GRIDS: tuple[Grid, ...] = get_args(Grid)
+OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+SEPARATIONS: tuple[Separation, ...] = get_args(Separation)
 METHODS = (
     'solver', 'boustrophedon_minmax', 'boustrophedon_equal', 'strips', 'christofides',
     'nearest_to_shortest', 'paper_greedy',
 )  # fmt: skip
-OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
-SEPARATIONS = ('delay', 'layers')
 
 SPACING_RULES: dict[str, Callable[[float], float]] = {
     'iou': lambda overlap: (1.0 - overlap) / (1.0 + overlap),

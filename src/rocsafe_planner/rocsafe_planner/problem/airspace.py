@@ -21,16 +21,16 @@ Flight = Callable[[FloatArray, FloatArray], FloatArray]
 """Time of flights from places to places (east, north, up), in seconds."""
 
 MAX_SITES = 5000
-"""Lengths of detours are kept for all pairs: 5000 sites take 300 MB."""
+"""Most sites: the lengths of detours of all pairs of 5000 sites take 300 MB."""
 
-# How much further out than the clearance paths bend.
+# Distance of the corners of paths from the zones beyond the clearance.
 _MARGIN_M = 1e-3
 _BLOCK = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Air:
-    """How long a vehicle's flights take, and where it passes sites and corners, (k, 3) each."""
+    """Times of a vehicle's flights, and its places at sites and corners, (k, 3) each."""
 
     flight: Flight
     sites: FloatArray
@@ -38,7 +38,7 @@ class Air:
 
 
 class Airspace:
-    """The plane without its zones.
+    """The plane without the zones that must not be entered.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ class Airspace:
         self._edges = _edges(self.closed)
 
     def holds(self, places: FloatArray) -> BoolArray:
-        """Return which of the places (n, 2) may be flown to, shape (n,)."""
+        """Return which of the places (n, 2) lie outside all zones, shape (n,)."""
         inside: BoolArray = shapely.intersects_xy(self.closed, places[:, 0], places[:, 1])
         return ~inside
 
     def exit(self, place: FloatArray) -> FloatArray:
-        """Return the nearest place (2,) that may be flown to from one that may not."""
+        """Return the place (2,) outside all zones that is nearest to one inside."""
         line = shapely.shortest_line(shapely.Point(place), self._outline)
         nearest: FloatArray = shapely.get_coordinates(line)[-1]
         return nearest
@@ -123,7 +123,7 @@ class Detours:
             self.first[i, others], self.last[i, others] = out[last], last
 
     def corners_between(self, origin: int, target: int) -> IndexArray:
-        """Return the numbers of the corners at which a path bends, in its order."""
+        """Return the indices of the corners at which a path bends, in flying order."""
         corner, last = int(self.first[origin, target]), int(self.last[origin, target])
         if corner < 0:
             return np.zeros(0, dtype=np.intp)
@@ -170,7 +170,7 @@ class Detours:
 
     @cached_property
     def is_straight(self) -> bool:
-        """Whether no path bends."""
+        """Whether all paths are straight."""
         return bool((self.first < 0).all())
 
 

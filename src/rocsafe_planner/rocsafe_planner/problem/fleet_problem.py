@@ -97,7 +97,7 @@ class FleetProblem:
 
     @cached_property
     def ups_m(self) -> FloatArray:
-        """Height at which sites are flown over, above the frame's origin, shape (n + 3 m,)."""
+        """Flying height over the sites, above the frame's origin, shape (n + 3 m,)."""
         ups = self._over(self.sites)
         if self.start_ups_m is not None:
             starts = slice(len(self.points), len(self.points) + len(self.vehicles))
@@ -116,12 +116,12 @@ class FleetProblem:
 
     @property
     def legs_are_plain(self) -> bool:
-        """Whether a leg's time follows from its length alone."""
+        """Whether the time of a leg depends on its length only."""
         is_level = self.ground is None and self.start_ups_m is None
         return is_level and self.detours is None and self.wind_mps == (0.0, 0.0)
 
     def layer_m(self, vehicle: int) -> float:
-        """Return how much higher than the others a vehicle flies."""
+        """Return the height of a vehicle's layer above the lowest one, metres."""
         return self.layers_m[vehicle] if self.layers_m else 0.0
 
     def flight_height_m(self, vehicle: int) -> float:
@@ -178,7 +178,7 @@ class FleetProblem:
         return vertical_s + self._exit_s(vehicle)
 
     def inside(self, vehicle: int) -> Enu | None:
-        """Return where a vehicle is that begins in an exclusion; None: it does not."""
+        """Return the place of a vehicle that begins inside an exclusion; None if it does not."""
         if self.insides is None or np.isnan(self.insides[vehicle, 0]):
             return None
         east, north, up = self.insides[vehicle].tolist()
@@ -220,13 +220,13 @@ class FleetProblem:
         return self.reckoned_s(vehicle, order)
 
     def reckoned_s(self, vehicle: int, order: Sequence[int]) -> float:
-        """Return the sum of a flight's parts: of one that passes its viewpoints an estimate."""
+        """Return the sum of a flight's parts: an estimate if it passes its viewpoints."""
         stops = self.stops(vehicle, order)
         flying = float(self.legs_s(vehicle, stops[:-1], stops[1:]).sum())
         return self.first_fixed_s(vehicle) + flying + len(order) * self.vehicles[vehicle].hover_s
 
     def flies(self, vehicle: int, order: Sequence[int]) -> bool:
-        """Return whether a vehicle with such an order is, or will be, in the air."""
+        """Return whether a vehicle with this order flies or is in the air already."""
         return len(order) > 0 or self.vehicles[vehicle].aloft is not None
 
     def motion(
@@ -272,7 +272,7 @@ class FleetProblem:
         return np.array(way)
 
     def _air(self, vehicle: int) -> Air:
-        """Return where and how fast a vehicle flies, made once for those that fly alike."""
+        """Return the times and places of a vehicle's flights, shared by equal vehicles."""
         if vehicle in self._air_of:
             return self._air_of[vehicle]
         keys = [(self.flight(k), self.layer_m(k)) for k in range(len(self.vehicles))]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole flight as it will be flown: take-off, legs, stops, corners, descent."""
+"""Motion of a whole flight: take-off, legs, stops, corners, descent."""
 
 from itertools import pairwise
 
@@ -9,7 +9,7 @@ from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Enu
 
 Corner = tuple[Enu, bool]
-"""A place (east, north, up) that a flight leads to, and whether it is a viewpoint."""
+"""A place (east, north, up) of a flight, and whether it is a viewpoint."""
 
 
 def flight_motion(
@@ -52,6 +52,6 @@ def flight_motion(
 
 
 def enu(place: FloatArray) -> Enu:
-    """Return a place (3,) as numbers."""
+    """Return a place (3,) as a tuple of floats."""
     east, north, up = place.tolist()
     return east, north, up

@@ -23,7 +23,7 @@ from rocsafe_geo.terrain.relief import Relief
 
 _LONG_M = 1e4
 _AT_ONCE = 1e12
-"""Acceleration and jerk that cost no time."""
+"""Acceleration and jerk so large that ramps take no time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,13 +58,13 @@ class FlightTime:
         return self._shared(times)
 
     def straight(self, origins: FloatArray, targets: FloatArray) -> FloatArray:
-        """Return the times of straight lines from stop to stop, whatever lies below."""
+        """Return the times of straight lines from stop to stop, without regard to the terrain."""
         return self.performance.legs_s(targets - origins)
 
     def fastest(self) -> MotionLimits:
-        """Return motion that no flight of this vehicle outruns, in whatever direction.
+        """Return a motion at least as fast as any flight of this vehicle, in any direction.
 
-        Legs flown at once cost what is left of them at most: no less than their cruise.
+        Overlapping legs still take at least their length at cruise speed.
         """
         fastest = self.performance.fastest()
         if not self.passes:
@@ -72,7 +72,7 @@ class FlightTime:
         return MotionLimits(fastest.cruise_speed_mps, _AT_ONCE, _AT_ONCE**2, 0.0)
 
     def _shared(self, times: FloatArray) -> FloatArray:
-        """Return the times without what the legs share with those before and after."""
+        """Return the times of legs less the parts that overlap the legs before and after."""
         if not self.passes:
             return times
         shared: FloatArray = times - np.minimum(turn_s(self.performance), 0.5 * times)
@@ -81,7 +81,7 @@ class FlightTime:
 
 @lru_cache(maxsize=256)
 def turn_s(performance: Performance) -> float:
-    """Return for how long two long legs are flown at once where the second leads straight back."""
+    """Return the overlap in time of two long legs of which the second leads straight back."""
     out, back = (0.0, 0.0, 0.0), (_LONG_M, 0.0, 0.0)
     there = performance.way(out, back, is_passed=True)
     ways = [there, performance.way(back, out)]

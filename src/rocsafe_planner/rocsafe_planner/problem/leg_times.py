@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lengths of straight legs, and times of a vehicle's legs, all of them kept once that pays."""
+"""Lengths of straight legs, and times of a vehicle's legs with a table of all of them."""
 
 import numpy as np
 
@@ -7,29 +7,28 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_planner.problem.airspace import Air, Detours
 
 MOST_KEPT = 16_000_000
-"""Times that all vehicles of a problem keep together at most: 128 MB."""
-# A call for few legs takes as long as one for so many.
+"""Most times in the tables of all vehicles of a problem: 128 MB."""
+# A call for fewer legs than this takes as long as one for this number.
 _LEAST_LEGS = 300
-# Each leg on its way takes some hundred bytes.
+# Limits the memory: the computation takes some hundred bytes for each leg.
 _MOST_AT_ONCE = 200_000
-# Part of all legs that are reckoned one by one before all are.
+# Share of all legs that are computed singly before the whole table is computed.
 _SHARE = 0.25
 
 
 class LegTimes:
-    """How long a vehicle flies between sites, without hovering.
+    """Times of a vehicle between sites, without hovering.
 
-    A leg's time depends on that leg alone, so that it does not matter which are asked for
-    together, nor whether all are kept.
+    The time of a leg is the same whether it is computed singly or in the table.
 
     Parameters
     ----------
     air
-        Where it passes sites, and how long its flights take.
+        Places of the vehicle at the sites, and times of its flights.
     detours
         Shortest paths among the sites; None: legs are straight.
     most
-        How many times there is room for: those of all legs, or none are kept.
+        Most times in the table; if there are more legs, no table is computed.
     """
 
     def __init__(self, air: Air, detours: Detours | None, most: int) -> None:
@@ -49,7 +48,7 @@ class LegTimes:
         return times
 
     def _pays(self, legs: int) -> bool:
-        """Count legs that are asked for, and return whether all of them are to be kept."""
+        """Count the requested legs, and return whether to compute the table of all legs."""
         self._reckoned += max(legs, _LEAST_LEGS)
         return self._may_keep and self._reckoned >= _SHARE * len(self._air.sites) ** 2
 

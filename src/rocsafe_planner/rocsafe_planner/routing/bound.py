@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How short any plan's makespan can be, from each vehicle's own home to its own end.
+"""Lower bounds of the makespan of all plans, from each vehicle's own home to its own end.
 
 The ROCSAFE paper divides the optimal tour by the number of agents, which holds only for closed
 routes from one shared depot: two drones that stand on their own waypoints need no time at all.
@@ -21,16 +21,16 @@ from rocsafe_planner.solver import Vehicle as RoutedVehicle
 from rocsafe_planner.solver.bounds.flights import Batteries, flight_bounds
 from rocsafe_planner.solver.model.compiled import IS_COMPILED
 
-# The effort: looks at the bound, by count and not by clock: the bound is reproducible.
+# Number of computed bounds: a count and no time, so that the bound is reproducible.
 _LOOKS_TIMES_POINTS = 8_000
 _FEWEST_LOOKS, _MOST_LOOKS = 6, 40
-# Without compiled loops: those that need none.
+# The same without compiled loops: only the bounds that need none.
 _PLAIN_LOOKS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LowerBound:
-    """No plan for the problem has a makespan below `makespan_s`; `method` proved it."""
+    """Lower bound `makespan_s` of the makespan of all plans, and the name of its proof."""
 
     makespan_s: float
     method: str
@@ -39,7 +39,7 @@ class LowerBound:
 def lower_bound(
     problem: FleetProblem, known_makespan_s: float, keep_going: Callable[[float], bool]
 ) -> LowerBound:
-    """Return the best bound known here, by name: see docs/planning.md.
+    """Return the best of the bounds; docs/planning.md lists their names.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def _bounds(problem: FleetProblem, known_s: float) -> Iterator[tuple[float, str]
 
 
 def _looks(points: int) -> int:
-    """Return how often the bound is looked at: few points have few prices to find."""
+    """Return the number of bounds that are computed: small problems need fewer steps."""
     affordable = max(_LOOKS_TIMES_POINTS // points, _FEWEST_LOOKS)
     return min(_FEWEST_LOOKS + points, affordable, _MOST_LOOKS)
 

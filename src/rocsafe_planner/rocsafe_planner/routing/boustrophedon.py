@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What survey tools do: fly the rows of the grid up and down, and cut the track among vehicles."""
+"""Boustrophedon as in survey tools: rows of the grid up and down, split among the vehicles."""
 
 import math
 from collections.abc import Callable
@@ -25,7 +25,7 @@ def boustrophedon_minmax(problem: FleetProblem) -> list[Order]:
 
 
 def strips(problem: FleetProblem) -> list[Order]:
-    """Give each vehicle as many whole rows, or columns, as any other."""
+    """Give all vehicles equal numbers of whole rows, or columns."""
     return _better(problem, lambda rows: _strips(problem, rows))
 
 
@@ -35,14 +35,14 @@ def serpentine(rows: list[Order]) -> Order:
 
 
 def grid_rows(problem: FleetProblem, turn_rad: float = 0.0) -> list[Order]:
-    """Return the points of each row, from row to row, in the axes of the grid turned further."""
+    """Return the points of each row, from row to row, for the grid's axes turned by `turn_rad`."""
     angle = problem.grid_rad + turn_rad
     axes = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     along, across = (problem.points @ axes).T
     order = np.lexsort((along, across))
     breaks = np.flatnonzero(np.diff(across[order]) > _ROW_M) + 1
     rows = np.split(order, breaks)
-    # Within a row rounding must not decide.
+    # Rounded, so that rounding errors do not decide the order in a row.
     return [row[np.argsort(along[row], kind='stable')].tolist() for row in rows]
 
 
@@ -61,6 +61,6 @@ def _strips(problem: FleetProblem, rows: list[Order]) -> list[Order]:
 
 
 def _better(problem: FleetProblem, cut: Callable[[list[Order]], list[Order]]) -> list[Order]:
-    """Return the better of what comes of rows and of columns; the first if they are equal."""
+    """Return the better of the routes by rows and by columns; those by rows if they are equal."""
     found = [with_sensors(problem, cut(grid_rows(problem, turn))) for turn in (0.0, 0.5 * math.pi)]
     return min(found, key=lambda orders: round(makespan_s(problem, orders), 6))

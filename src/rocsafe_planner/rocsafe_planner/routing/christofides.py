@@ -31,7 +31,7 @@ def christofides(problem: FleetProblem) -> list[Order]:
 
 
 def spanning_tree(row: Callable[[int], FloatArray], n: int) -> IndexArray:
-    """Return the edges (n - 1, 2) of the shortest tree (Prim, 1957), one row of lengths a time."""
+    """Return the edges (n - 1, 2) of the shortest tree (Prim, 1957), computed row by row."""
     edges = np.empty((n - 1, 2), dtype=np.intp)
     is_outside = np.ones(n, dtype=bool)
     is_outside[0] = False
@@ -50,7 +50,7 @@ def spanning_tree(row: Callable[[int], FloatArray], n: int) -> IndexArray:
 
 
 def _matching(lengths: FloatArray) -> list[tuple[int, int]]:
-    """Return pairs of all rows of a symmetric table, of small length in all."""
+    """Return a matching of all rows of a symmetric table, of small total length."""
     count = len(lengths)
     rows, columns = np.triu_indices(count, k=1)
     free = np.ones(count, dtype=bool)
@@ -64,7 +64,7 @@ def _matching(lengths: FloatArray) -> list[tuple[int, int]]:
 
 
 def _exchanged(lengths: FloatArray, pairs: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Exchange partners between two pairs while that shortens the matching."""
+    """Exchange partners between two pairs as long as that shortens the matching."""
     ends = np.array(pairs, dtype=np.intp)
     for _ in range(_SWEEPS):
         improved = False

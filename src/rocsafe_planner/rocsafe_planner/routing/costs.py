@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What orders of points are worth once they are flown: battery changes and corners included."""
+"""Costs of routes as they are flown, with battery changes and corners."""
 
 import math
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from rocsafe_planner.routing.sorties import sorties
 
 
 def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
-    """Return when the last vehicle has landed, swaps included; infinite if that cannot be."""
+    """Return the time of the last landing, with battery swaps; infinite if not feasible."""
     return objective_value(problem, orders, 'longest_time')
 
 
@@ -31,7 +31,7 @@ def objective_value(problem: FleetProblem, orders: list[Order], objective: str) 
 
 
 def vehicle_value(problem: FleetProblem, vehicle: int, order: Order, objective: str) -> float:
-    """Return what a vehicle's flights cost."""
+    """Return the cost of the flights of one vehicle."""
     flights, spec = sorties(problem, vehicle, order), problem.vehicles[vehicle]
     if objective.endswith('distance'):
         return _length_m(problem, vehicle, flights)

@@ -20,7 +20,7 @@ from rocsafe_planner.solver import RoutingProblem, SearchOptions, solve
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 
 MOST_FLIGHTS = 400
-"""More flights of a fleet are not searched for at once."""
+"""Largest number of flights of a fleet in one search."""
 
 Caps = list[list[float]]
 """For each vehicle the longest time of each of its flights, in seconds."""
@@ -28,7 +28,7 @@ Caps = list[list[float]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flight:
-    """Points that a vehicle visits on one battery."""
+    """Points that a vehicle visits with one battery."""
 
     vehicle: int
     points: Order
@@ -36,7 +36,7 @@ class Flight:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slot:
-    """Flight `number` of those that a vehicle may make, and the longest that it may take."""
+    """Flight `number` of a vehicle, and the longest time that it may take."""
 
     vehicle: int
     number: int
@@ -45,7 +45,7 @@ class Slot:
 
 
 def may_search(problem: FleetProblem) -> bool:
-    """Return whether each vehicle's flights are alike but for where the last one ends."""
+    """Return whether the flights of each vehicle are equal, except for the end of the last one."""
     return all(
         v.aloft is None or not (v.is_open or v.end is not None or v.battery_swap_s is None)
         for v in problem.vehicles
@@ -53,7 +53,7 @@ def may_search(problem: FleetProblem) -> bool:
 
 
 def flights_of(problem: FleetProblem, orders: list[Order]) -> list[Flight]:
-    """Return the flights into which routes are cut."""
+    """Return the flights into which routes are split."""
     return [
         Flight(vehicle=k, points=points)
         for k, order in enumerate(orders)
@@ -99,7 +99,7 @@ def time_of_flights(problem: FleetProblem, count: int) -> float:
         times.extend(
             v.first_endurance_s + number * (v.endurance_s + swap_s) for number in range(more + 1)
         )
-    # Times add up in floating point: what just fits is to fit.
+    # A tolerance, because sums of times have rounding errors.
     return sorted(times)[count - 1] * (1.0 + 1e-9) if 0 < count <= len(times) else 0.0
 
 
@@ -142,7 +142,7 @@ def _task(problem: FleetProblem, caps: Caps, objective: str) -> RoutingProblem:
 
 
 def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) -> RoutedVehicle:
-    """Return a flight as a vehicle of its own."""
+    """Return a flight as a vehicle of the solver."""
     vehicle, place_of = slot.vehicle, table.place_of
     home, end = place_of[problem.home_site(vehicle)], problem.end_site(vehicle)
     is_first, is_last = slot.number == 0, slot.number == slot.of - 1

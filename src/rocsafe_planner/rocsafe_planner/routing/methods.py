@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Methods that share out points among vehicles and order them, by name."""
+"""Routing methods by name: they assign points to vehicles and order them."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ _DECIMALS = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Optimised:
-    """Routes, and a value that no routes undercut with the argument that proves it, or NaN."""
+    """Routes, a lower bound of their value (NaN: not known), and the name of its proof."""
 
     orders: list[Order]
     bound: float = math.nan
@@ -64,11 +64,11 @@ def nearest_to_shortest(problem: FleetProblem) -> list[Order]:
 
 
 def solver(problem: FleetProblem) -> list[Order]:
-    """Search for routes whose longest duration nobody undercuts; always the same ones.
+    """Search for the routes with the shortest makespan; equal problems give equal routes.
 
     `optimising.optimised` is the same with a time limit, other objectives and a bound.
     """
-    # Loaded when it is asked for: compiled code takes a moment that no other method needs.
+    # Imported here, because loading the compiled code takes time that no other method needs.
     from rocsafe_planner.routing.solver_method import optimised
 
     return optimised(problem, Effort()).orders
@@ -83,11 +83,11 @@ METHODS: dict[str, Callable[[FleetProblem], list[Order]]] = {
     'christofides': christofides,
     'solver': solver,
 }
-"""Routing methods by the name under which a request asks for them."""
+"""Routing methods by the name that a request states."""
 
 
 class _GrowingRoutes:
-    """Routes that grow at their ends; knows when each vehicle would be back on the ground."""
+    """Routes that grow at their ends, and the landing time of each vehicle."""
 
     def __init__(self, problem: FleetProblem) -> None:
         self.problem = problem
@@ -98,11 +98,11 @@ class _GrowingRoutes:
         self._is_open = np.ones(len(problem.points), dtype=bool)
 
     def can_extend(self, vehicle: int) -> bool:
-        """Return whether a point is open that `vehicle` has the sensors for."""
+        """Return whether an unvisited point is left that `vehicle` has the sensors for."""
         return bool((self._is_open & self.problem.allowed(vehicle)).any())
 
     def extend(self, vehicle: int) -> None:
-        """Send `vehicle` on to the nearest open point that it has the sensors for."""
+        """Append the nearest unvisited point that `vehicle` has the sensors for to its route."""
         problem, spec = self.problem, self.problem.vehicles[vehicle]
         here = self._at[vehicle]
         distances = np.round(problem.distances_m(here)[: len(problem.points)], _DECIMALS)

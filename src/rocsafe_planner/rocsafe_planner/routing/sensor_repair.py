@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orders made without regard to sensors, mended: points go to vehicles that can serve them."""
+"""Repair of routes that ignore sensors: points go to vehicles that have the sensors."""
 
 import numpy as np
 
@@ -26,7 +26,7 @@ def with_sensors(problem: FleetProblem, orders: list[Order]) -> list[Order]:
 def _cheapest_place(
     problem: FleetProblem, vehicle: int, order: Order, point: int
 ) -> tuple[float, int]:
-    """Return about how long the route takes with the point, and the place where it is least."""
+    """Return the estimated least duration of the route with the point, and its position there."""
     stops = problem.stops(vehicle, order)
     spot = np.array([point])
     into = problem.legs_s(vehicle, stops, spot)

@@ -21,16 +21,16 @@ from rocsafe_planner.solver import Vehicle as RoutedVehicle
 Legs = PointLegs | MatrixLegs
 
 MOST_EXACT_SITES = 4000
-"""Of more sites the times of all pairs would not fit: 4000 take 128 MB."""
+"""Most sites with a table of times of all pairs: 4000 sites take 128 MB."""
 MOST_TERRAIN_SITES = 1000
-"""The same over a terrain, where a million legs take a second or some."""
+"""The same over a terrain, where a million legs take some seconds."""
 MOST_CLOSED_SITES = 800
-"""Of more sites it is not looked at whether a detour is shorter, and fewer bounds hold."""
+"""Most sites whose legs are checked for shorter detours; above, fewer bounds hold."""
 LEAST_RAMP_S = 1e-6
-"""A shorter ramp is none."""
+"""Shorter ramps are ignored."""
 
 PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
-"""Those of the costliest route; the others add up all routes."""
+"""Objectives of the costliest route; the others are sums over all routes."""
 
 
 def routing_problem(
@@ -38,8 +38,8 @@ def routing_problem(
 ) -> RoutingProblem:
     """Return the problem that the solver is given for an objective of `request.OBJECTIVES`.
 
-    With `is_bounded` it is one that no flights undercut, for bounds of the time alone: legs that
-    are only estimates, or too many for a table under which detours cost more, become shorter.
+    With `is_bounded`, no flights cost less than its routes, for bounds of the time alone: legs
+    become shorter if they are estimates, or too many for a table with the triangle inequality.
     """
     table = LegTable(problem, is_bounded)
     vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
@@ -54,7 +54,7 @@ def routing_problem(
 
 
 class LegTable:
-    """The kinds of legs of a problem, each made once.
+    """Kinds of legs of a problem, each computed once.
 
     Parameters
     ----------
@@ -80,17 +80,17 @@ class LegTable:
         self._is_plain = problem.legs_are_plain
 
     def time(self, vehicle: int) -> int:
-        """Return the number of the legs that cost a vehicle's time."""
+        """Return the index of the legs whose cost is a vehicle's time."""
         spec = self._problem.vehicles[vehicle]
         flight = self._problem.flight(vehicle)
         return self._of((flight, spec.hover_s), lambda: self._time(vehicle))
 
     def length(self) -> int:
-        """Return the number of the legs that cost their length."""
+        """Return the index of the legs whose cost is their length."""
         return self._of(('length',), self._length)
 
     def energy(self, vehicle: int) -> int:
-        """Return the number of the legs that cost a vehicle's energy, in watt seconds."""
+        """Return the index of the legs whose cost is a vehicle's energy, watt seconds."""
         spec = self._problem.vehicles[vehicle]
         powers = (spec.cruise_power_w, spec.hover_power_w)
         flight = self._problem.flight(vehicle)
@@ -216,15 +216,16 @@ def priced(
 
 
 def rest_s(spec: Vehicle, legs: Legs) -> float:
-    """Return what a route's legs leave out of its stays.
+    """Return the part of the stays that the legs of a route do not contain.
 
-    The last leg of an open route is none: of a matrix, half of the last stay is left over.
+    In a matrix, each leg contains half of the stay at either end. An open route has no leg after
+    its last point, so that half of the last stay is missing.
     """
     return 0.5 * spec.hover_s if spec.is_open and isinstance(legs, MatrixLegs) else 0.0
 
 
 def idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:
-    """Return what a vehicle in the air costs that is to serve nobody: its way down."""
+    """Return the cost of a vehicle in the air that visits no point: its flight to the landing."""
     if objective.endswith('distance'):
         return problem.length_m(vehicle, [])
     power_w = problem.vehicles[vehicle].cruise_power_w if objective == 'energy' else 1.0
@@ -232,7 +233,7 @@ def idle_cost(problem: FleetProblem, vehicle: int, objective: str) -> float:
 
 
 def _limit_s(spec: Vehicle, fixed_s: float) -> float:
-    """Return the time that legs and stays may take; infinite if batteries are swapped."""
+    """Return the largest time of legs and stays; infinite if batteries are swapped."""
     if spec.battery_swap_s is not None:
         return math.inf
     return max(0.0, spec.first_endurance_s - fixed_s)

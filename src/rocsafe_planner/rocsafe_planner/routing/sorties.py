@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A route longer than a battery lasts, cut into flights with battery swaps at home."""
+"""Splits a route that one battery is too small for into flights, with swaps at home."""
 
 import numpy as np
 
@@ -50,7 +50,7 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
 
 
 def _battery(spec: Vehicle) -> str:
-    """Return what a vehicle's battery lasts for, in words."""
+    """Return the endurance of a vehicle's battery as text."""
     left_s = spec.first_endurance_s
     left = '' if left_s == spec.endurance_s else f', {left_s:.0f} s of it left'
     return f'its endurance_s is {spec.endurance_s:.0f} s{left}'
@@ -66,7 +66,7 @@ def _parts(problem: FleetProblem, vehicle: int, order: Order, slack_s: float = 0
 
 
 def _late_s(problem: FleetProblem, vehicle: int, parts: list[Order]) -> float:
-    """Return by how much the worst of the flights is longer than its battery lasts."""
+    """Return the largest time by which a flight exceeds its battery, seconds."""
     spec, last = problem.vehicles[vehicle], len(parts) - 1
     worst = -np.inf
     for number, part in enumerate(parts):
@@ -77,7 +77,7 @@ def _late_s(problem: FleetProblem, vehicle: int, parts: list[Order]) -> float:
 
 
 def _from_the_air(order: Order, flights: '_Flights', swap_s: float) -> list[Order]:
-    """Return the better of going on from where the vehicle is, and of a new battery first."""
+    """Return the better of two: go on from the vehicle's position, or swap the battery first."""
     if flights.home_s > flights.first_endurance_s:
         return _cut(order, flights, swap_s)[1]
     try:
@@ -119,7 +119,7 @@ class _Flights:
         self.endurance_s = self._spec.endurance_s - slack_s
 
     def land_first(self) -> None:
-        """Let also the first flight begin at home with a full battery."""
+        """Let the first flight, too, begin at home with a full battery."""
         self._first_out = self._fixed + self._out
         self.first_endurance_s = self.endurance_s
 

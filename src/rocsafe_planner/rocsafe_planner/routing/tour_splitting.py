@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One order of all points cut into consecutive parts, one a vehicle."""
+"""Splits an order of all points into consecutive parts, one for each vehicle."""
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 
-# Halvings of the interval that holds the best makespan: to a millionth of it.
+# Bisections of the interval that contains the best makespan: to a millionth of its width.
 _HALVINGS = 20
 
 
@@ -16,7 +16,7 @@ def makespan_s(problem: FleetProblem, orders: list[Order]) -> float:
 
 
 def equal_parts(problem: FleetProblem, tour: Order) -> list[Order]:
-    """Cut a tour into parts that differ by one point at most."""
+    """Split a tour into parts whose sizes differ by one point at most."""
     sequence = _vehicles_along(problem, tour)
     cuts = np.array_split(np.array(tour, dtype=np.intp), len(sequence))
     return _dealt(problem, [part.tolist() for part in cuts], sequence)

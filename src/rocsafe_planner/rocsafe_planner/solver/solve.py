@@ -25,25 +25,25 @@ POLL_S = 0.02
 UNKNOWN = Bound(value=0.0, name='none')
 PLAIN_ROUNDS = 4
 CHEAP_BOUNDS = 3
-"""Bounds that need no compiled loops."""
+"""Number of bounds that need no compiled loops."""
 SECTORS_UP_TO = 1.1
-"""Times the value of the best start, from which on sectors are no start."""
+"""A plan by sectors is used up to this multiple of the value of the best first plan."""
 SURE_BOUNDS = 12
-"""Looks at the bound after a search that counts proposals: always the same bound."""
+"""Bounds computed after a search by number of proposals, so that the bound is reproducible."""
 
 Report = Callable[[Progress], None]
 
 
 @dataclass(slots=True, kw_only=True)
 class Incumbent:
-    """The best plan of all lanes; guarded, since lanes publish while they run."""
+    """The best plan of all lanes; behind a lock, because lanes offer plans from their threads."""
 
     plan: Plan = field(default_factory=lambda: plan_of(()))
     value: float = np.inf
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def offer(self, value: float, plan: Plan) -> None:
-        """Take over a plan if it is better."""
+        """Keep a plan if it is better than the best so far."""
         with self.lock:
             if value < self.value:
                 self.value, self.plan = value, plan
@@ -71,7 +71,7 @@ class _Search:
         self.bound_spent_s = 0.0
 
     def run(self, starts: tuple[Routes, ...]) -> Solution:
-        """Search until the budget is spent, the gap is closed or a stop is asked for."""
+        """Search until the budget is used up, the gap is closed or a stop is requested."""
         options = self.options
         peak = 1.0 if self.problem.objective == 'max' else 0.0
         far = float(relax_far(self.problem)) if peak else 0.0
@@ -95,7 +95,7 @@ class _Search:
         return solution(self.problem, routes, self.bound, self.options.clock() - self.began, made)
 
     def _bound_surely(self) -> None:
-        """Bound what was found, always alike unless a stop is asked for."""
+        """Compute a fixed number of bounds, unless a stop is requested."""
         for _ in range(SURE_BOUNDS):
             if self.stop.is_set() or next(self._next_bounds(), None) is None:
                 return

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lower bounds: how good any plan whatever could be at most.
+"""Lower bounds of the objective over all plans.
 
-Every bound here ignores limits and holds for any starts, ends, speeds and directions, because it
-is taken from the cheapest legs of any vehicle (see `Relaxation`); where a bound needs more, its
-function says so and is not used without.
+All bounds ignore the limits of the vehicles. They use the cheapest legs of any vehicle (see
+`Relaxation`), so they hold for different starts, ends, speeds and directions. A function whose
+bound needs further conditions states them, and is only used where they hold.
 """
 
 from collections.abc import Iterator
@@ -18,34 +18,37 @@ from rocsafe_planner.solver.model.problem import PointLegs, RoutingProblem, Vehi
 from rocsafe_planner.solver.model.tables import Floats, Ints
 
 SAFETY = 1e-9
-"""Relative amount by which bounds are lowered against rounding."""
+"""Relative amount by which bounds are lowered, to cover rounding errors."""
 SHELLS = 10
 SPACING_SHELLS = 200
 STEPS = 12
-"""Ascent steps between two looks at the clock."""
+"""Steps of the ascent between two checks of the time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bound:
-    """A proven lower bound of the objective, and the argument that gave it."""
+    """A proven lower bound of the objective, and the name of its proof."""
 
     value: float
     name: str
 
 
 def farthest_bound(relaxed: Relaxation) -> float:
-    """Return the cost of the dearest customer's own route (legs closed under detours only)."""
+    """Return the largest cost of a route to one customer only; needs the triangle inequality."""
     return float(relaxed.around.max(initial=0.0))
 
 
 def homeward_bound(problem: RoutingProblem) -> float:
-    """Return what some vehicle pays whether it serves anybody or not: flying to its end."""
+    """Return the least cost of the vehicles, whether they serve customers or not."""
     least = [_homeward_cost(problem, vehicle) for vehicle in problem.vehicles]
     return max(least) if problem.objective == 'max' else sum(least)
 
 
 def _homeward_cost(problem: RoutingProblem, vehicle: Vehicle) -> float:
-    """Return the least that a vehicle pays; legs of a matrix may have detours that are cheaper."""
+    """Return the least cost of a vehicle.
+
+    The leg to its end counts only between points: in a matrix a detour may be cheaper.
+    """
     flown = 0.0
     if vehicle.end is not None and isinstance(problem.legs[vehicle.legs], PointLegs):
         flown = leg_cost(problem, vehicle.legs, vehicle.start, vehicle.end)
@@ -55,12 +58,11 @@ def _homeward_cost(problem: RoutingProblem, vehicle: Vehicle) -> float:
 def spacing_bound(
     relaxed: Relaxation, total: bool, shortest: float, members: Ints | None = None
 ) -> float:
-    """Return the bound from the shortest leg between any two customers: strong on grids.
+    """Return the bound from the shortest leg between any two customers; it is tight on grids.
 
     m routes over n customers fly at least n - m legs between them, each no shorter than the
     shortest. If q routes serve more than one customer, they have 2q different ends; the others
-    serve one each. It holds for some of the customers, `members`, too, if leaving customers out
-    makes no route costlier.
+    serve one each. With the triangle inequality it also holds for a subset, `members`.
     """
     start = relaxed.start if members is None else relaxed.start[members]
     end = relaxed.end if members is None else relaxed.end[members]
@@ -76,9 +78,9 @@ def spacing_bound(
 
 
 def shell_spacing_bound(relaxed: Relaxation, shortest: float) -> float:
-    """Return the best spacing bound of the customers outside of a shell about the depot.
+    """Return the best spacing bound of the customers outside a circle around the depot.
 
-    At most m routes reach there; on a grid this is as strong as the forest of a shell, at once.
+    At most m routes leave the circle. On a grid it is as tight as the forest bound of a shell.
     """
     away = relaxed.start + relaxed.end
     order = np.argsort(-away, kind='stable').astype(np.int32)
@@ -99,14 +101,14 @@ def shortest_leg(relaxed: Relaxation) -> float:
 
 
 def improving_bounds(problem: RoutingProblem, target: float) -> Iterator[Bound]:
-    """Yield ever better bounds, cheap ones first, until nothing more is to be gained.
+    """Yield better and better bounds, cheap ones first, until the ascents stall.
 
     Parameters
     ----------
     problem
-        What is to be bounded.
+        Problem whose objective is bounded.
     target
-        Cost of a known plan: steers the ascent, does not enter the bounds.
+        Cost of a known plan: sets the steps of the ascent, is no part of the bounds.
     """
     if problem.customers == 0:
         yield Bound(value=homeward_bound(problem) * (1 - SAFETY), name='homeward')
@@ -121,7 +123,7 @@ def improving_bounds(problem: RoutingProblem, target: float) -> Iterator[Bound]:
 
 
 def _all_bounds(problem: RoutingProblem, target: float) -> Iterator[tuple[float, str]]:
-    """Yield bounds in order of the work they take."""
+    """Yield bounds in the order of their computing time."""
     total = problem.objective == 'sum'
     crew = tuple(range(len(problem.vehicles)))
     yield homeward_bound(problem), 'homeward'
@@ -145,12 +147,12 @@ def _all_bounds(problem: RoutingProblem, target: float) -> Iterator[tuple[float,
 
 
 def idle_base(problem: RoutingProblem) -> float:
-    """Return what the vehicles pay besides legs, whoever flies."""
+    """Return the sum of the costs of the vehicles without legs, whichever vehicles fly."""
     return sum(min(v.idle_cost, v.fixed_cost) for v in problem.vehicles)
 
 
 def climb(ascent: Ascent, target: float, steps: int) -> Iterator[float]:
-    """Yield the proven level of an ascent every few steps, until it stalls."""
+    """Yield the proven bound of an ascent every `STEPS` steps, until it stalls."""
     proven = 0.0
     for step in range(steps):
         ascent.step(target)
@@ -165,9 +167,9 @@ def climb(ascent: Ascent, target: float, steps: int) -> Iterator[float]:
 def _shell_bounds(
     relaxed: Relaxation, whole: Ascent, target: float
 ) -> Iterator[tuple[float, str]]:
-    """Yield bounds from the customers outside of ever larger shells about the starts and ends.
+    """Yield bounds from the customers outside larger and larger shells around starts and ends.
 
-    At most m routes reach a shell, and leaving the customers inside out makes no route costlier.
+    At most m routes leave a shell. Needs the triangle inequality, to leave out those inside.
     """
     away = relaxed.start + relaxed.end
     levels = np.quantile(away, np.linspace(0, 1, SHELLS + 2)[1:-1])
@@ -200,10 +202,10 @@ def _ability_bounds(problem: RoutingProblem, target: float) -> Iterator[tuple[fl
 
 
 def held_karp_bound(problem: RoutingProblem, target: float, steps: int = 200) -> float | None:
-    """Return the Held-Karp bound of one tour, divided among the vehicles: the paper's bound.
+    """Return the Held-Karp bound of one tour, divided by the number of vehicles, as in the paper.
 
-    Valid only for routes that start and end at one depot with legs closed under detours; None
-    otherwise, and for the sum.
+    Valid for routes that start and end at one depot, with the triangle inequality and for the
+    objective `max`; None otherwise.
     """
     relaxed = relax(problem, tuple(range(len(problem.vehicles))))
     if not (relaxed.one_depot and relaxed.closed) or problem.objective == 'sum':

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cheapest that each leg can be for anybody: a problem stripped to what bounds need."""
+"""Relaxation of a routing problem: the cheapest cost of each leg over all vehicles."""
 
 from dataclasses import dataclass
 
@@ -9,51 +9,52 @@ from rocsafe_planner.solver.model.problem import PointLegs, RoutingProblem, Vehi
 from rocsafe_planner.solver.model.tables import Floats
 
 CLOSURE_SITES = 800
-"""Up to here given matrices are closed under detours, so that cutting corners never costs more."""
+"""Most sites of a given matrix that is changed to satisfy the triangle inequality."""
 DENSE_CUSTOMERS = 800
-"""Up to here legs between customers are kept as a table."""
+"""Most customers whose legs are kept as a table."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relaxation:
-    """Cheapest legs over a set of vehicles: no route costs any of them less than these say.
+    """Cheapest legs over a set of vehicles: lower bounds of the legs of each vehicle.
 
-    Different starts (and ends) are contracted into one: a route's first leg costs at least the
-    cheapest leg from any start to that customer. Directions are merged likewise.
+    All starts are merged into one: the first leg to a customer costs at least the cheapest leg
+    from any start. The same holds for the ends and for the two directions of a leg.
     """
 
     costs: Floats
-    """(n, n) cheapest leg between customers; empty when `points` stand for it."""
+    """(n, n) cheapest leg between customers; empty if `points` are used instead."""
     points: Floats
-    """(n, 3) customers, when there are too many for a table."""
+    """(n, 3) places of the customers, if there are too many for a table; empty otherwise."""
     pace: Floats
-    """(measures, 5) pace and whole stay of each measure, when `points` stand for the table."""
+    """(measures, 5) pace and whole stay of each measure, if `points` are used; empty otherwise."""
     start: Floats
-    """(n,) cheapest first leg to each customer; of the costliest route in units of `shares`."""
+    """(n,) cheapest first leg to each customer; in units of `shares` for the objective `max`."""
     end: Floats
-    """(n,) cheapest last leg from each customer, likewise."""
+    """(n,) cheapest last leg from each customer, in the same units."""
     own: Floats
-    """(2, m, n) the same of each vehicle alone; none of them where all start and end alike."""
+    """(2, m, n) `start` and `end` of each vehicle alone; (2, 0, n) if these are equal for all."""
     around: Floats
-    """(n,) cheapest route that serves a customer alone, fixed cost included; 0 if not known."""
+    """(n,) cheapest route that serves only this customer, with fixed cost; 0 if not known."""
     shares: Floats
-    """(m,) sum of the k + 1 largest 1/a, where a vehicle's legs cost >= `a` times these."""
+    """(m,) at k: sum of the k + 1 largest 1/a; legs of a vehicle cost at least a times `costs`."""
     fixed: Floats
-    """(m,) least that the costliest of k + 1 routes pays besides legs."""
+    """(m,) at k: lower bound of the fixed cost of the costliest of k + 1 routes."""
     closed: bool
-    """Whether leaving a customer out never makes a route costlier."""
+    """Whether leaving out a customer never makes a route costlier (triangle inequality)."""
     one_depot: bool
-    """Whether all routes start and end alike, legs being equal in both directions."""
+    """Whether all routes start and end at one site, to and from which legs cost the same."""
     longest: float = np.inf
-    """Most that the legs of a route may cost."""
+    """Largest allowed cost of the legs of a route."""
     fewest: int = 1
-    """Fewest routes that can serve everybody."""
+    """Smallest number of routes that can serve all customers."""
 
 
 def leg_tables(problem: RoutingProblem) -> tuple[list[Floats], bool]:
-    """Return directed cost tables, (sites, sites) each, closed under detours where possible.
+    """Return directed cost tables, (sites, sites) each, with the triangle inequality if possible.
 
-    The flag says whether they are: legs between points always are.
+    The flag tells whether all tables satisfy it. Legs between points always do; a given matrix
+    with at most `CLOSURE_SITES` sites is changed to its shortest paths.
     """
     tables, closed = [], True
     for legs in problem.legs:
@@ -79,14 +80,14 @@ def relax(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
 
 
 def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
-    """Relax with tables of legs."""
+    """Return the relaxation with tables of legs."""
     n = problem.customers
     tables, closed = leg_tables(problem)
     vehicles = [problem.vehicles[v] for v in crew]
     between = {v.legs: np.minimum(tables[v.legs], tables[v.legs].T)[:n, :n] for v in vehicles}
     costs = np.minimum.reduce(list(between.values()))
     factors = {kind: _least_ratio(table, costs) for kind, table in between.items()}
-    # Of a sum nothing is divided by what a vehicle is worth.
+    # For the objective `sum`, the legs are not divided by the factor of the vehicle.
     worth = [factors[v.legs] if problem.objective == 'max' else 1.0 for v in vehicles]
     halves = _end_stays(problem)
     starts = [tables[v.legs][v.start, :n] for v in vehicles]
@@ -115,7 +116,7 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
 
 
 def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
-    """Relax with legs computed from points when needed."""
+    """Return the relaxation whose legs are computed from points when needed."""
     n = problem.customers
     vehicles = [problem.vehicles[v] for v in crew]
     kinds = sorted({v.legs for v in vehicles})
@@ -142,7 +143,10 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
 
 
 def _point_leg(problem: RoutingProblem, kind: int, site: int | None) -> Floats:
-    """Return the cost of the legs between a site and each customer; to `None`, of staying only."""
+    """Return the costs of the legs between a site and each customer, half a stay included.
+
+    For the site None (an open route) they are half a stay only.
+    """
     legs = problem.legs[kind]
     if not isinstance(legs, PointLegs):
         raise TypeError(f'legs {kind} are no PointLegs')
@@ -156,7 +160,7 @@ def _point_leg(problem: RoutingProblem, kind: int, site: int | None) -> Floats:
 
 
 def _end_stays(problem: RoutingProblem) -> list[Floats]:
-    """Return, for each kind of legs, what an open route still pays at its last customer."""
+    """Return, for each kind of legs, the stay left at the last customer of an open route."""
     stays = [legs.stay / 2 if isinstance(legs, PointLegs) else 0.0 for legs in problem.legs]
     return [np.full(problem.customers, stay) for stay in stays]
 
@@ -164,7 +168,7 @@ def _end_stays(problem: RoutingProblem) -> list[Floats]:
 def _allowed_around(
     problem: RoutingProblem, crew: tuple[int, ...], around: list[Floats]
 ) -> Floats:
-    """Return the cheapest lone route to each customer by a vehicle that may serve it."""
+    """Return the cheapest route that serves one customer only, by a vehicle that may serve it."""
     table = np.array(around)
     if problem.allowed is not None:
         table = np.where(problem.allowed[list(crew)], table, np.inf)
@@ -173,18 +177,18 @@ def _allowed_around(
 
 
 def _least_ratio(table: Floats, least: Floats) -> float:
-    """Return the largest a with table >= a*least."""
+    """Return the largest a with table >= a * least."""
     rated = least > 0
     return float((table[rated] / least[rated]).min()) if rated.any() else 1.0
 
 
 def _own(vehicles: list[Vehicle], starts: list[Floats], ends: list[Floats]) -> Floats:
-    """Return first and last legs of each vehicle, if they differ in where they start or end."""
+    """Return first and last legs of each vehicle, if their starts or ends differ."""
     if len({(v.start, v.end) for v in vehicles}) == 1:
         return np.zeros((2, 0, len(starts[0])))
     return np.array([starts, ends])
 
 
 def _shares(factors: list[float]) -> Floats:
-    """Return how many unit vehicles the best k + 1 vehicles are worth."""
+    """Return at k the sum of the k + 1 largest reciprocals of the factors."""
     return np.cumsum(np.sort(1 / np.array(factors))[::-1])

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each cycle of each lane starts from, and how hot and how long it anneals.
+"""Schedule of the annealing: first plan, temperatures and length of each cycle of each lane.
 
-First a few cycles from a construction, from hot to cold; then, if there is time, crosses of the
-best plans, annealed from warm to cold: a genetic search whose mutation is annealing. Small
-problems live on the crosses, large ones on one long cycle.
+The first cycles anneal a constructed plan from a high temperature. Later cycles anneal crosses of
+the best plans from a lower one: a genetic search whose mutation is annealing. Small problems gain
+most by the crosses, large ones by one long cycle.
 """
 
 from collections.abc import Callable
@@ -21,20 +21,20 @@ from rocsafe_planner.solver.search.tuning import USUAL, CycleTuning
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """What a lane is to do next."""
+    """Next annealing run of a lane."""
 
     plan: Plan
     manner: Manner
     proposals: int
     other: Plan | None = None
-    """Plan to cross with; none: annealed as it is."""
+    """Plan to cross `plan` with; None: `plan` is annealed without a cross."""
     chosen: tuple[int, ...] = ()
-    """Routes of `plan` that a cross keeps whole."""
+    """Routes of `plan` that a cross keeps unchanged."""
     tour: Ints | None = None
-    """All customers in an order that is to be cut among the vehicles."""
+    """Sequence of all customers that is split among the vehicles, instead of a cross."""
 
     def begin(self, lane: Lane) -> None:
-        """Set the routes of a lane to what this cycle starts from."""
+        """Set the routes of a lane to the first plan of this cycle."""
         if self.tour is not None:
             lane.begin(cut(lane.tables, self.tour))
         elif self.other is None:
@@ -44,19 +44,19 @@ class Cycle:
 
 
 class Schedule:
-    """Hands out cycles until proposals or time are spent.
+    """Cycles of the lanes, round by round, until proposals or time are used up.
 
     Parameters
     ----------
     options
-        How long to search.
+        Length of the search.
     customers
-        How many there are.
+        Number of customers.
     first
-        What cycles from hot to cold begin with.
-    away
-        (n, 2) where customers are, seen from the home of all vehicles, if these are alike: then
-        plans are also crossed as tours.
+        Plan from which the first cycles start.
+    away : (n, 2)
+        Places of the customers relative to the common home of equal vehicles: plans are also
+        crossed as tours. None: they are not.
     tuning
         Numbers of the schedule.
     """
@@ -92,7 +92,7 @@ class Schedule:
         self.full = total if self.is_single else customers * cycle
 
     def _most_cycle(self) -> int:
-        """Return the most proposals a customer of a cycle."""
+        """Return the largest number of proposals of a cycle, per customer."""
         tuning = self.tuning
         if self.is_large:
             return tuning.large_most_cycle
@@ -100,28 +100,28 @@ class Schedule:
         return min(tuning.middle_cycle, longest)
 
     def more(self) -> bool:
-        """Answer whether another round is due."""
+        """Return whether proposals or time are left for another round."""
         if self.options.proposals is not None:
             return self.made < self.options.proposals
         return self._left_s() > 0.01 * self.options.budget_s
 
     def _left_s(self) -> float:
-        """Return how much of the budget is left."""
+        """Return the rest of the time budget, seconds."""
         return self.options.budget_s - (self.options.clock() - self.began)
 
     def _left(self) -> float:
-        """Return how many proposals a lane can still make."""
+        """Return the number of proposals that each lane can still make."""
         if self.options.proposals is not None:
             return self.options.proposals - self.made
         return self._left_s() * self._rate()
 
     def _rate(self) -> float:
-        """Return proposals a second and lane."""
+        """Return the number of proposals per second and lane."""
         elapsed = self.options.clock() - self.began
         return self.made / elapsed if self.made and elapsed > 0 else self.usual_rate
 
     def next_round(self) -> list[Cycle]:
-        """Return a cycle for each lane, equally long."""
+        """Return one cycle for each lane, all of the same length."""
         crosses = self.done >= self.tuning.founders and len(self.members) >= 2
         wanted = self.full / 2 if crosses else self.full
         left = self._left()
@@ -129,7 +129,7 @@ class Schedule:
         return [self._cycle(int(proposals), crosses) for _ in range(self.options.lanes)]
 
     def _cycle(self, proposals: int, crosses: bool) -> Cycle:
-        """Return one cycle."""
+        """Return one cycle, with or without a cross of two plans."""
         self.done += 1
         tuning = self.tuning
         hot = tuning.first_hot if self.share > tuning.hot_share else tuning.later_hot
@@ -161,7 +161,7 @@ class Schedule:
         return self.members[ranks[0]][1], self.members[ranks[1]][1]
 
     def _manner(self, hot: float) -> Manner:
-        """Return how to anneal from a temperature on."""
+        """Return the parameters of an annealing that starts at the temperature `hot`."""
         tuning = self.tuning
         is_long = self.share > tuning.long_share
         return Manner(
@@ -175,10 +175,10 @@ class Schedule:
         )
 
     def _ruins(self) -> int:
-        """Return how many of 4096 proposals are ruin and recreate.
+        """Return the number of ruin-and-recreate moves in 4096 proposals.
 
-        They lead out of the local optima of small and clustered problems; large ones need the
-        other moves first.
+        These moves leave the local optima of small and clustered problems; in large problems the
+        other moves gain more at first.
         """
         tuning = self.tuning
         if self.customers > DENSE_SITES:
@@ -190,7 +190,7 @@ class Schedule:
         return tuning.hasty_ruins
 
     def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:
-        """Return the pacer of a cycle of the present round."""
+        """Return the pacer of a cycle of the current round."""
         counted = self.options.proposals is not None
         return Pacer(
             chunk=min(self.tuning.chunk, cycle.proposals),
@@ -201,7 +201,7 @@ class Schedule:
         )
 
     def finished(self, value: float, plan: Plan) -> None:
-        """Take note of the best plan of a cycle."""
+        """Add the best plan of a cycle to the members, unless one has the same value."""
         if not np.isfinite(value) or any(abs(value - v) <= 1e-9 * v for v, _ in self.members):
             return
         self.members.append((value, plan))
@@ -209,5 +209,5 @@ class Schedule:
         del self.members[self.tuning.members :]
 
     def advance(self, proposals: int) -> None:
-        """Take note of how many proposals each lane has made so far."""
+        """Set the number of proposals that each lane has made so far."""
         self.made = proposals

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the search starts: orders of the customers, cut among the vehicles."""
+"""First plans of the search: sequences of all customers, split among the vehicles."""
 
 from collections.abc import Iterator
 
@@ -15,7 +15,7 @@ HILBERT_BITS = 16
 
 
 def hilbert_order(points: Floats) -> Ints:
-    """Return the (n, 2 or more) points along a Hilbert curve over their extent."""
+    """Return the indices of points, (n, 2 or more), in their order along a Hilbert curve."""
     low = points[:, :2].min(axis=0)
     extent = max(float((points[:, :2].max(axis=0) - low).max()), 1e-9)
     cells = ((points[:, :2] - low) / extent * (2**HILBERT_BITS - 1)).astype(np.int64)
@@ -43,7 +43,10 @@ def grid_angle(points: Floats, near: Ints) -> float:
 
 
 def serpentine_orders(points: Floats, near: Ints) -> Iterator[Ints]:
-    """Yield the points row by row, forth and back, both row directions, all four corners."""
+    """Yield orders that follow the rows of a grid, in alternating direction.
+
+    There is one for each of the two directions of rows and each of the four corners.
+    """
     spacing = _spacing(points, near)
     base = round(grid_angle(points, near), 9)
     for angle in (base, base + np.pi / 2):
@@ -69,7 +72,7 @@ def _spacing(points: Floats, near: Ints) -> float:
 
 @kernel
 def chain(tables: Tables, order: Ints) -> None:
-    """Reorder customers greedily: each time the nearest one left, from the first start."""
+    """Reorder customers from the first start by nearest neighbour."""
     here = Long(tables.first[0])
     for k in range(len(order)):
         best = k
@@ -85,7 +88,21 @@ def chain(tables: Tables, order: Ints) -> None:
 
 @kernel
 def append_cheapest(tables: Tables, order: Ints, owner: Ints, paths: Floats, here: Ints) -> None:
-    """Give each customer in turn to the able vehicle whose route stays cheapest at its end."""
+    """Append each customer to the route of an allowed vehicle that is cheapest with it.
+
+    Parameters
+    ----------
+    tables
+        The problem.
+    order : (n,)
+        Customers in the order in which they are assigned.
+    owner : (n,)
+        Receives the vehicle of each customer.
+    paths : (m,)
+        Receives the cost of each route up to its last customer.
+    here : (m,)
+        Receives the last site of each route.
+    """
     for r in range(len(here)):
         here[r] = Long(tables.first[r])
         paths[r] = 0.0
@@ -109,7 +126,7 @@ def append_cheapest(tables: Tables, order: Ints, owner: Ints, paths: Floats, her
 
 
 def orders(problem: RoutingProblem, tables: Tables) -> Iterator[Ints]:
-    """Yield orders of all customers that make good routes when cut."""
+    """Yield sequences of all customers that give good routes when they are split."""
     n = problem.customers
     if problem.points is not None:
         points = problem.points[:n]
@@ -122,7 +139,7 @@ def orders(problem: RoutingProblem, tables: Tables) -> Iterator[Ints]:
 
 
 def turns(problem: RoutingProblem, order: Ints) -> Ints:
-    """Return the vehicles in the order in which a sequence of customers passes their starts."""
+    """Return the vehicles in the order in which the sequence passes their starts."""
     m = len(problem.vehicles)
     starts = [v.start for v in problem.vehicles]
     if len(set(starts)) == 1 or problem.points is None:
@@ -133,7 +150,7 @@ def turns(problem: RoutingProblem, order: Ints) -> Ints:
 
 
 def first_plans(problem: RoutingProblem, tables: Tables) -> Iterator[tuple[Ints, Ints]]:
-    """Yield plans as `State.load` reads them: customers route after route, and route lengths."""
+    """Yield plans for `State.load`: customers route after route, and the lengths of the routes."""
     n, m = problem.customers, len(problem.vehicles)
     served = False
     order: Ints = np.arange(n, dtype=np.int32)
@@ -148,9 +165,9 @@ def first_plans(problem: RoutingProblem, tables: Tables) -> Iterator[tuple[Ints,
 
 
 def seen_from_home(problem: RoutingProblem) -> Floats | None:
-    """Return where customers are, (n, 2), seen from where all vehicles begin and end.
+    """Return the places of the customers, (n, 2), relative to the common home of all vehicles.
 
-    None where they do not, or places are not known.
+    None if starts and ends differ, or if places are not known.
     """
     homes = {site for vehicle in problem.vehicles for site in (vehicle.start, vehicle.end)}
     home = homes.pop()
@@ -163,11 +180,17 @@ def seen_from_home(problem: RoutingProblem) -> Floats | None:
 def sector_plan(away: Floats, vehicles: int) -> tuple[Ints, Ints]:
     """Return a plan in which each vehicle flies out along one side of a sector and back the other.
 
-    Sectors about the home hold equal numbers of customers, whose places seen from there are
-    `away`, (n, 2). Every vehicle has its share of what lies near the home and of what lies far:
-    a search that begins with strips of rows gets there late, or never.
+    Every sector around the home holds the same number of customers, so that each vehicle serves
+    near and far ones. A search that begins with strips of rows finds such plans late or never.
+
+    Parameters
+    ----------
+    away : (n, 2)
+        Places of the customers relative to the home.
+    vehicles
+        Number of vehicles.
     """
-    # Rounded: rounding must not decide the order of customers in one direction.
+    # Rounded, so that rounding errors do not decide the order of customers in one direction.
     angle = np.round(np.arctan2(away[:, 1], away[:, 0]), 9)
     order = np.argsort(angle, kind='stable')
     gaps = np.diff(angle[order], append=angle[order[0]] + 2 * np.pi)
@@ -182,9 +205,10 @@ def sector_plan(away: Floats, vehicles: int) -> tuple[Ints, Ints]:
 
 
 def _in_rings(away: Floats, members: Ints) -> Ints:
-    """Return customers ring by ring outwards, to and fro, in rings of the width that is shortest.
+    """Return customers ring by ring outwards, each ring in the opposite direction of the last.
 
-    `members` come in the order of their angles.
+    Of several widths of the rings, the one with the shortest path is taken. `members` must be
+    sorted by angle.
     """
     far = np.sqrt((away[members] ** 2).sum(axis=1))
     spacing = max(float(far.max(initial=0.0)) / max(len(members), 1), 1e-9)
@@ -200,7 +224,7 @@ def _in_rings(away: Floats, members: Ints) -> Ints:
 
 
 def by_vehicle(order: Ints, turn: Ints, lengths: Ints) -> Ints:
-    """Bring consecutive routes, cut in the order of `turn`, into the order of the vehicles."""
+    """Return routes that were split in the order of `turn` in the order of the vehicles."""
     ends = np.cumsum(lengths[turn])
     parts: dict[int, Ints] = {
         int(r): order[end - lengths[r] : end] for r, end in zip(turn, ends, strict=True)
@@ -209,7 +233,7 @@ def by_vehicle(order: Ints, turn: Ints, lengths: Ints) -> Ints:
 
 
 def assigned(tables: Tables, order: Ints) -> tuple[Ints, Ints]:
-    """Return a plan in which every vehicle serves only whom it may."""
+    """Return a plan in which every vehicle serves only customers that it is allowed to."""
     m = len(tables.first)
     owner = np.zeros(len(order), np.int32)
     append_cheapest(tables, order, owner, np.zeros(m), np.zeros(m, np.int32))
