@@ -57,9 +57,9 @@ bench: ## set up and measure a mission: speed, start-up, memory, size of the fle
 	@. ./env.sh && python benchmarks/mission.py $(ARGS)
 
 .PHONY: docs
-docs: ## write the tables of the README that are made from the code
+docs: ## write the tables of docs/interfaces.md from the code
 	@sh tools/setup.sh
-	@. ./env.sh && python tools/readme_tables.py
+	@. ./env.sh && python tools/interface_tables.py
 
 .PHONY: clean
 clean: ## remove all that set-up, checks and tests made; runs/ stays

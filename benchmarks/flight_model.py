@@ -3,11 +3,11 @@
 
     python benchmarks/flight_model.py
 
-Each row is a survey that ArduCopter flew in its own simulator (see test/geo/recorded_surveys.py):
-the time from its first waypoint to its last. Model: `rocsafe_geo.motion`. Simulated: a vehicle of
-`rocsafe_sim` flies the route, from photograph to photograph. Plan: the planner's motion of the
-same order; and the whole flight by both, from the command to standing motors. Charge: mean current
-in the survey. Ends with 1 if a target is missed.
+Each row is a survey that ArduCopter flew in its own simulator (see test/geo/recorded_surveys.py).
+The columns are the time from its first waypoint to its last, recorded, by the model
+(`rocsafe_geo.motion`), by a simulated vehicle of `rocsafe_sim`, and by the plan; the time of the
+whole flight, from the command to standing motors, by vehicle and plan; and the mean current in the
+survey. The exit code is 1 if a target is missed.
 """
 
 import math
@@ -22,8 +22,8 @@ from rich.table import Table
 from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_planner.plan.vehicle import Vehicle as PlannedVehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.vehicle import Vehicle as PlannedVehicle
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.route import FlightRoute, RouteWaypoint
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
@@ -42,7 +42,7 @@ RECORDED_HOVER_POWER_W = 350.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One survey, by everybody; times in seconds."""
+    """One survey: recorded, modelled, simulated and planned; times in seconds."""
 
     survey: Recorded
     model_s: float
@@ -54,7 +54,7 @@ class Row:
 
     @property
     def error(self) -> float:
-        """By which part the simulated flight is off the recorded one."""
+        """Relative error of the simulated flight."""
         return float(self.flown_s / self.survey.recorded_s - 1.0)
 
     @property

@@ -10,8 +10,6 @@ attenuation, but where the table says otherwise. One core is used.
 
 import os
 
-from rocsafe_geo.arrays import FloatArray
-
 # Threads of the linear algebra would only wait for each other on matrices this small.
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
@@ -40,6 +38,7 @@ from radiation_surveys import (
     trials,
 )
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.decision.sequential_decision import sequential_evidence
 from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints

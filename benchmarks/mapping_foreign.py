@@ -13,9 +13,10 @@ import time
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from rocsafe_geo.arrays import FloatArray
+
+Floats = FloatArray
 # Camera centre by image, metres.
 Centres = dict[str, list[float]]
 

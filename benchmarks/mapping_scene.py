@@ -13,16 +13,15 @@ import cv2
 import numpy as np
 import yaml
 from mapping_sets import HEIGHT_M, Flight, record_of
-from numpy.typing import NDArray
 from shapely.geometry import Point
 
-from rocsafe_geo.arrays import BoolArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_mapping.alignment.photo import rays_of_pixels
-from rocsafe_mapping.drawing.sheet import Sheet
+from rocsafe_mapping.alignment.model.photo import rays_of_pixels
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.photographs.label_images import LABELS, TABLE
 from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_scene.cameras.engine_camera import (
@@ -36,7 +35,7 @@ from rocsafe_scene.scene.map_cache import default_folder
 SCENARIO = Path(__file__).parents[1] / 'config' / 'scenarios' / 'derailment_engine.yaml'
 # Every so many pixels the truth is asked.
 CHECK_EVERY_PX = 20
-Floats = NDArray[np.float64]
+Floats = FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,26 +86,26 @@ def derailment_shots(folder: Path) -> tuple[LocalFrame, list[SceneShot]]:
     return frame, shots
 
 
-def errors_m(shot: SceneShot, sheet: Sheet, shift_m: Floats) -> Floats:
+def errors_m(shot: SceneShot, placed: PlacedPhoto, shift_m: Floats) -> Floats:
     """Return how far the map is off (n, 2) at what a photograph shows.
 
     `shift_m` is (east, north) of the map's frame in that of the truth.
     """
-    seen, _ = sheet.pixels_of(shot.true_m - shift_m)
-    return (seen - shot.pixels) * sheet.photo.ground_resolution_m
+    seen, _ = placed.pixels_of(shot.true_m - shift_m)
+    return (seen - shot.pixels) * placed.photo.ground_resolution_m
 
 
-def shown_m(shot: SceneShot, sheet: Sheet) -> Floats:
+def shown_m(shot: SceneShot, placed: PlacedPhoto) -> Floats:
     """Return where the map shows what a photograph's pixels show, (east, north), (n, 2).
 
     The camera has no distortion.
     """
-    rays = rays_of_pixels(sheet.photo.camera, shot.pixels) @ sheet.pose.rotation.T
+    rays = rays_of_pixels(placed.photo.camera, shot.pixels) @ placed.pose.rotation.T
     slopes = rays[:, :2] / -rays[:, 2:]
-    place: Floats = sheet.pose.centre[:2] + slopes * sheet.pose.centre[2]
+    place: Floats = placed.pose.centre[:2] + slopes * placed.pose.centre[2]
     for _ in range(3):
-        reach = sheet.pose.centre[2] - sheet.surface.at(place)
-        place = sheet.pose.centre[:2] + slopes * reach[:, np.newaxis]
+        reach = placed.pose.centre[2] - placed.surface.at(place)
+        place = placed.pose.centre[:2] + slopes * reach[:, np.newaxis]
     return place
 
 

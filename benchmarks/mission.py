@@ -43,9 +43,9 @@ HOME_SPACING_M = 15.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """What one mission took.
+    """Measured values of one mission.
 
-    `resident_mb` and `proportional_mb` are sums over all processes at their largest, in MiB.
+    `resident_mb` and `proportional_mb` are the largest sums over all processes, MiB.
     """
 
     real_time_factor: float

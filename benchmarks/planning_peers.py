@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from planning_instances import AbsentError, Floats
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.vehicle import Vehicle
 from rocsafe_planner.routing.methods import METHODS
 
 SCALE = 100.0

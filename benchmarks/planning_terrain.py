@@ -3,17 +3,18 @@
 
 import math
 import time
-from dataclasses import replace
 
 import numpy as np
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import CoverageOptions, Effort
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.region_plan import CAMERA, drone
-from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.region_plan import CAMERA
 
 _CENTRE = GeoPosition(53.28, -9.06, 0.0)
 _HIGH_M, _EAST_M, _NORTH_M = 20.0, 60.0, 40.0
@@ -51,12 +52,11 @@ def hilly_request(side_m: float, budget_s: float) -> SurveyRequest:
         regions=(SurveyRegion(area=SurveyArea(corners)),),
         camera=CAMERA,
         vehicles=tuple(
-            replace(drone(f'rav{k}', home), endurance_s=_ENDURANCE_S) for k in range(_VEHICLES)
+            Vehicle(name=f'rav{k}', home=home, endurance_s=_ENDURANCE_S) for k in range(_VEHICLES)
         ),
-        height_agl_m=_HEIGHT_M,
+        coverage=CoverageOptions(height_agl_m=_HEIGHT_M, max_viewpoints=20_000),
         terrain=hills(half + 100.0),
-        max_viewpoints=20_000,
-        budget_s=budget_s,
+        effort=Effort(budget_s=budget_s),
     )
 
 

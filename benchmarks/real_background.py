@@ -14,8 +14,6 @@ import argparse
 import csv
 import os
 
-from rocsafe_geo.arrays import FloatArray
-
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 from collections.abc import Iterator
@@ -25,6 +23,7 @@ from pathlib import Path
 import numpy as np
 from radiation_surveys import CAESIUM_USVH_PER_GBQ, OPTIONS, Row
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.localization.localize import localize

@@ -16,12 +16,12 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import CoverageOptions
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Aloft
-from rocsafe_planner.region_plan import drone
 from rocsafe_planner.replanning import Situation, remaining_request, replan
-from rocsafe_planner.site.request import SurveyRequest
 
 CORNER = GeoPosition(53.28, -9.06, 10.0)
 # A spacing of 20 m both ways.
@@ -49,9 +49,12 @@ def _request() -> SurveyRequest:
     side = 20.0 * SIDE
     corners = ((0, 0), (side, 0), (side, side), (0, side))
     area = SurveyArea(tuple(offset(CORNER, east - 10, north - 10) for east, north in corners))
-    fleet = tuple(replace(drone(f'rav{k}', CORNER), endurance_s=1e5) for k in range(DRONES))
+    fleet = tuple(Vehicle(name=f'rav{k}', home=CORNER, endurance_s=1e5) for k in range(DRONES))
     return SurveyRequest(
-        regions=(SurveyRegion(area=area),), camera=CAMERA, vehicles=fleet, height_agl_m=32.0
+        regions=(SurveyRegion(area=area),),
+        camera=CAMERA,
+        vehicles=fleet,
+        coverage=CoverageOptions(height_agl_m=32.0),
     )
 
 
@@ -64,7 +67,8 @@ def _row(plan: SurveyPlan, share: float) -> tuple[float, float, int]:
         begun = time.perf_counter()
         rest = replan(plan, situation)
         times.append(time.perf_counter() - begun)
-    best = plan_survey(replace(remaining_request(plan, situation), budget_s=10.0))
+    rest_request = remaining_request(plan, situation)
+    best = plan_survey(replace(rest_request, effort=replace(rest_request.effort, budget_s=10.0)))
     seconds, excess = sorted(times)[RUNS // 2], rest.makespan_s / best.makespan_s - 1.0
     left = {v.id for r in plan.routes for v in r.viewpoints} - situation.visited
     flown = [v.id for r in rest.routes for v in r.viewpoints]

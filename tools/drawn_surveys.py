@@ -17,13 +17,22 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
-from rocsafe_planner.coverage.viewpoint_grid import GRIDS, SPACING_RULES
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Aloft, Vehicle
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import (
+    GRIDS,
+    OBJECTIVES,
+    SEPARATIONS,
+    SPACING_RULES,
+    AirspaceOptions,
+    CoverageOptions,
+    Effort,
+    SeparationOptions,
+)
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.replanning import Situation
 from rocsafe_planner.routing.methods import METHODS
-from rocsafe_planner.site.request import OBJECTIVES, SEPARATIONS, SurveyRequest
 
 CENTRE = GeoPosition(53.28, -9.06)
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
@@ -70,26 +79,37 @@ def drawn_request(number: int) -> SurveyRequest:
     dice = Dice(1, number)
     ground = dice.within(0.0, 80.0) if dice.chance(0.7) else math.nan
     terrain = _terrain(dice) if dice.chance(0.25) else None
-    return SurveyRequest(
-        regions=_regions(dice),
-        camera=CAMERA,
-        vehicles=_fleet(dice, ground),
+    regions, fleet = _regions(dice), _fleet(dice, ground)
+    coverage = CoverageOptions(
         height_agl_m=dice.one(25.0, 40.0, 40.0, 60.0, 120.0),
         spacing_rule=dice.one(*SPACING_RULES),
         overlap_fraction=dice.one(0.0, 0.2, 0.2, 0.6),
         front_overlap_fraction=dice.one(None, None, 0.0, 0.7),
         grid=dice.one(*GRIDS),
-        method=dice.one('solver', 'solver', 'solver', *METHODS),
-        objective=dice.one(*OBJECTIVES),
-        exclusions=tuple(_exclusion(dice) for _ in range(dice.one(0, 0, 1, 2, 4))),
-        clearance_m=dice.one(0.0, 2.0, 10.0),
-        wind_mps=dice.one((0.0, 0.0), (dice.within(-5.0, 5.0), dice.within(-5.0, 5.0))),
-        separation_m=dice.one(0.0, 0.0, 5.0, 20.0),
-        separation_by=dice.one(*SEPARATIONS),
-        terrain=terrain,
-        terrain_clearance_m=dice.one(5.0, 10.0, 20.0),
-        seed=dice.count(0, 9),
         max_viewpoints=500,
+    )
+    method = dice.one('solver', 'solver', 'solver', *METHODS)
+    objective = dice.one(*OBJECTIVES)
+    exclusions = tuple(_exclusion(dice) for _ in range(dice.one(0, 0, 1, 2, 4)))
+    clearance_m = dice.one(0.0, 2.0, 10.0)
+    wind_mps = dice.one((0.0, 0.0), (dice.within(-5.0, 5.0), dice.within(-5.0, 5.0)))
+    separation = SeparationOptions(
+        distance_m=dice.one(0.0, 0.0, 5.0, 20.0), by=dice.one(*SEPARATIONS)
+    )
+    return SurveyRequest(
+        regions=regions,
+        camera=CAMERA,
+        vehicles=fleet,
+        coverage=coverage,
+        exclusions=exclusions,
+        terrain=terrain,
+        airspace=AirspaceOptions(
+            clearance_m=clearance_m,
+            wind_mps=wind_mps,
+            terrain_clearance_m=dice.one(5.0, 10.0, 20.0),
+        ),
+        separation=separation,
+        effort=Effort(method=method, objective=objective, seed=dice.count(0, 9)),
     )
 
 

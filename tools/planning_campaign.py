@@ -28,11 +28,11 @@ from drawn_surveys import Dice, drawn_request, drawn_situation
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, PlannerError
 from rocsafe_planner.export.plan_files import write_plan
-from rocsafe_planner.export.plan_reading import read_plan
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_planner.site.request import SurveyRequest
 
 LIMIT_S = 60
 # By the clock: for a search that waits and does nothing.
@@ -84,7 +84,8 @@ def _hurried(request: SurveyRequest, number: int) -> SurveyRequest:
     """Return a request with little time, or few proposals."""
     dice = Dice(3, number)
     budget_s, proposals = dice.one((0.05, 0), (0.2, 0), (0.0, 20_000), (0.0, 60_000))
-    return dataclasses.replace(request, budget_s=budget_s, proposals=proposals)
+    effort = dataclasses.replace(request.effort, budget_s=budget_s, proposals=proposals)
+    return dataclasses.replace(request, effort=effort)
 
 
 def _note_error(name: str, error: Exception, tally: Tally) -> None:
@@ -111,11 +112,13 @@ def _faults(plan: SurveyPlan, with_files: bool) -> Iterator[str]:
 def _worse_than_splits(plan: SurveyPlan) -> Iterator[str]:
     """Yield the survey tools' splits that the solver is worse than."""
     request = plan.request
-    if request.method != 'solver' or request.objective != 'longest_time' or request.separation_m:
+    effort = request.effort
+    if effort.method != 'solver' or not effort.minimises_makespan or request.separation.distance_m:
         return
     for method in SPLITS:
         try:
-            other = plan_survey(dataclasses.replace(request, method=method))
+            split = dataclasses.replace(effort, method=method)
+            other = plan_survey(dataclasses.replace(request, effort=split))
         except BeyondEnduranceError:
             continue
         if plan.makespan_s > other.makespan_s * (1.0 + 1e-6):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Take the pictures of docs/scenes: of each scene straight down, oblique, its truth, an overview.
+"""Render the images of docs/scenes: of each scene nadir, oblique, labels and overview.
 
     python tools/scene_pictures.py [--only derailment] [--run RUN_DIR]
 
-With the directory of a finished run in the derailment's scene, its overview shows the planned and
-flown routes. Each picture is drawn at four times its pixels; about a minute a scene.
+With the directory of a finished run in the derailment, its overview shows the planned and flown
+routes. Each image is drawn with four times the pixels; that takes about a minute a scene.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from rocsafe_scene.command_line import scene_command
 ROOT = Path(__file__).resolve().parents[1]
 LARGEST_BYTES = 200_000
 QUALITIES = (92, 88, 84, 80, 75, 70, 65, 60, 55)
-OPENINGS: dict[str, dict[str, list[str]]] = {
+VIEWS: dict[str, dict[str, list[str]]] = {
     'derailment': {
         'nadir': ['--nadir', '--eye=10,4,32'],
         'oblique': ['--eye=-28,-30,18', '--target=16,8,0'],
@@ -43,60 +43,60 @@ OPENINGS: dict[str, dict[str, list[str]]] = {
         'overview': ['--eye=-70,-120,60', '--target=0,0,0'],
     },
 }
-# With the truth of its pixels beside it.
-KNOWN = 'oblique'
+# This view also gets an image of its labels and depth.
+LABELLED = 'oblique'
 
 
 @dataclass(frozen=True, slots=True)
-class Take:
-    """A picture to be taken: of which scene, called what, and how."""
+class View:
+    """One image: its scene, its name and the options of the render command."""
 
     scene: str
-    view: str
+    name: str
     options: list[str]
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Take them; return the first exit code that is not 0."""
+    """Render the images; return the first exit code that is not 0."""
     parser = argparse.ArgumentParser(description=(__doc__ or '').splitlines()[0])
-    parser.add_argument('--only', choices=tuple(OPENINGS), action='append', help='of this scene')
+    parser.add_argument('--only', choices=tuple(VIEWS), action='append', help='of this scene')
     parser.add_argument('--run', type=Path, metavar='RUN_DIR', help='in the derailment')
     parser.add_argument('--out', type=Path, default=ROOT / 'docs' / 'scenes')
     arguments = parser.parse_args(argv)
-    for take in takes(arguments.only or tuple(OPENINGS), arguments.run):
-        code = taken(take, arguments.out, scene_command.main)
+    for view in views_of(arguments.only or tuple(VIEWS), arguments.run):
+        code = render_view(view, arguments.out, scene_command.main)
         if code:
             return code
     return 0
 
 
-def takes(scenes: Sequence[str], run: Path | None) -> list[Take]:
-    """Return what is to be taken of `scenes`."""
+def views_of(scenes: Sequence[str], run: Path | None) -> list[View]:
+    """Return the views of `scenes`."""
     found = []
     for scene in scenes:
-        for view, options in OPENINGS[scene].items():
+        for name, options in VIEWS[scene].items():
             chosen = list(options)
-            if scene == 'derailment' and view == 'overview' and run is not None:
+            if scene == 'derailment' and name == 'overview' and run is not None:
                 chosen = ['--overview', str(run)]
-            found.append(Take(scene, view, chosen + (['--truth'] if view == KNOWN else [])))
+            found.append(View(scene, name, chosen + (['--truth'] if name == LABELLED else [])))
     return found
 
 
-def taken(take: Take, folder: Path, render: Callable[[list[str]], int]) -> int:
-    """Take a picture and make it small; return the exit code."""
-    drawn = folder / f'{take.scene}_{take.view}.png'
-    scene = ROOT / 'config' / 'scenes' / f'{take.scene}.yaml'
-    code = render(['render', str(scene), '--out', str(drawn), '--size', '1280x720', *take.options])
+def render_view(view: View, folder: Path, run: Callable[[list[str]], int]) -> int:
+    """Render a view as a small JPEG; return the exit code."""
+    drawn = folder / f'{view.scene}_{view.name}.png'
+    scene = ROOT / 'config' / 'scenes' / f'{view.scene}.yaml'
+    code = run(['render', str(scene), '--out', str(drawn), '--size', '1280x720', *view.options])
     if code == 0:
         shrink(drawn, drawn.with_suffix('.jpg'))
         truth = drawn.with_name(f'{drawn.stem}-truth.png')
         if truth.exists():
-            shrink(truth, folder / f'{take.scene}_truth.jpg')
+            shrink(truth, folder / f'{view.scene}_truth.jpg')
     return code
 
 
 def shrink(drawn: Path, kept: Path) -> None:
-    """Write a picture as the best JPEG that is small enough, and remove it."""
+    """Write an image as the best JPEG that is small enough, and remove the original."""
     image = cv2.imread(str(drawn))
     for quality in QUALITIES:
         _, data = cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, quality])

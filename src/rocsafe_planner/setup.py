@@ -21,8 +21,6 @@ setup(
     entry_points={
         'console_scripts': [
             'planner = rocsafe_planner.planner_node:main',
-            'plan_file = rocsafe_planner.command_line.plan_command:main',
-            'replan_file = rocsafe_planner.command_line.replan_command:main',
         ],
     },
 )

@@ -7,9 +7,9 @@
 import sys
 from pathlib import Path
 
-from rocsafe_mapping.mosaic.live import LiveMap
+from rocsafe_mapping.live.live_map import LiveMap
 from rocsafe_mapping.mosaic.mapmaker import MapOptions
-from rocsafe_mapping.products.handover import Handover, hand_over
+from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.store.catalogue import read_store
 
 
@@ -26,7 +26,9 @@ def main() -> None:
             pass
     growing.finish()
     alignment = growing.maker.align()
-    hand_over(growing.maker, alignment, Handover(geotiff=folder / 'm.tif', folder=folder))
+    write_products(
+        growing.maker, alignment, ProductOptions(geotiff=folder / 'm.tif', folder=folder)
+    )
     growing.close()
 
 

@@ -9,9 +9,11 @@ import pathlib
 import numpy as np
 import pytest
 
-from rocsafe_mapping.alignment import initial, ties
-from rocsafe_mapping.alignment.photo import footprint, ground_frame_of, photo_of_record
-from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.adjustment import ties
+from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
+from rocsafe_mapping.alignment.model.photo import footprint, ground_frame_of, photo_of_record
+from rocsafe_mapping.alignment_options import InitialOptions, PriorOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.products.quality import violations
 
@@ -37,7 +39,7 @@ def corners(maker, shots, poses):
     """Return estimated and true corners in the true frame, complex, (n, 4) each."""
     found, true = [], []
     for shot in shots:
-        photo = maker.survey.photo(shot.record.shot_id)
+        photo = maker.block.photo(shot.record.shot_id)
         exact = dataclasses.replace(photo.prior, centre=shot.centre, rotation=shot.rotation)
         found.append(footprint(photo, poses[photo.name]) @ [1, 1j])
         true.append(footprint(photo, exact) @ [1, 1j])
@@ -109,7 +111,7 @@ def origin(maker) -> complex:
 
 def test_map_may_be_called_georeferenced(usual):
     """Nothing contradicts the measurements of an honest flight."""
-    assert violations(usual[2], usual[1].survey.state) == []
+    assert violations(usual[2], usual[1].block.state) == []
 
 
 def test_arrival_order_does_not_matter(usual):
@@ -117,8 +119,8 @@ def test_arrival_order_does_not_matter(usual):
     shots, _, alignment, _ = usual
     other = made([shots[0], *reversed(shots[1:])])
     for shot in reversed(shots):
-        other.survey.tie(shot.record.shot_id)
-        other.survey.place(shot.record.shot_id)
+        other.block.pair_table.match_new(shot.record.shot_id)
+        other.block.place(shot.record.shot_id)
     again = other.align()
     pixel_m = alignment.photos['rav1-00000'].ground_resolution_m
     for name, placement in alignment.placements.items():
@@ -167,18 +169,18 @@ def test_lonely_photograph_is_not_georeferenced():
     """A single photograph is shown, but the map is no better than its fix and says so."""
     shots = texture.flight(5)[:1]
     maker, alignment, _ = aligned(shots)
-    assert 'tied to others' in violations(alignment, maker.survey.state)[0]
+    assert 'tied to others' in violations(alignment, maker.block.state)[0]
 
 
 def test_pair_of_look_alikes_is_left_out(usual):
     """A pair that puts a photograph elsewhere than its other pairs do is not believed."""
     _, maker, _, _ = usual
-    true = maker.survey.pairs
+    true = list(maker.block.pair_table.found.values())
     first, second = 'rav1-00000', 'rav1-00005'
     others = [pair for pair in true if {pair.first, pair.second} != {first, second}]
     likeness = next(pair for pair in others if (pair.first, pair.second) == (first, 'rav1-00001'))
     false = dataclasses.replace(likeness, second=second)
-    found = initial.start(maker.survey.photos, [*others, false])
+    found = initial_poses(maker.block.photos, [*others, false], InitialOptions())
     assert false not in found.pairs
     assert set(map(id, found.pairs)) == set(map(id, others))
 
@@ -198,7 +200,7 @@ def test_a_camera_is_as_high_as_its_altitude_says(altitude_off_m, up_m, std_m):
         altitude_m=ground_m + 32.0 + altitude_off_m,
         position_covariance_m2=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.09),
     )
-    photo = photo_of_record(record, frame)
+    photo = photo_of_record(record, frame, PriorOptions())
     assert photo.prior.centre[2] == pytest.approx(up_m, abs=1e-6)
     assert photo.vertical_std_m == pytest.approx(std_m, rel=1e-6)
 
@@ -206,8 +208,8 @@ def test_a_camera_is_as_high_as_its_altitude_says(altitude_off_m, up_m, std_m):
 def test_many_ties_are_thinned_evenly(usual):
     """A limit bounds memory: each pair keeps its share of ties."""
     _, maker, alignment, _ = usual
-    pairs = maker.survey.used_pairs
-    whole = ties.ties_of(pairs, alignment.photos, held_out=False)
+    pairs = maker.block.used_pairs
+    whole = ties.ties_of(pairs, alignment.photos, held_out=False, most=10**6)
     most = len(whole) // 3
     thinned = ties.ties_of(pairs, alignment.photos, held_out=False, most=most)
     assert 0.2 * len(whole) < len(thinned) <= len(whole) / 3 + len(pairs)

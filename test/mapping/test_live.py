@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rocsafe_mapping.errors import MappingError, PlacementError
-from rocsafe_mapping.mosaic.live import LiveMap
+from rocsafe_mapping.live.live_map import LiveMap
 from rocsafe_mapping.mosaic.mapmaker import MapOptions
 
 _spec = importlib.util.spec_from_file_location(

@@ -15,8 +15,8 @@ import rasterio
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.live.preview import Preview
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
-from rocsafe_mapping.mosaic.preview import Preview
 from rocsafe_mapping.products.cog import write_cog
 
 _spec = importlib.util.spec_from_file_location(
@@ -152,7 +152,7 @@ def test_the_most_nadir_photograph_wins_and_the_seam_is_narrow():
     rgba, renderer = pixels_of(mosaic_of(shots))
     row = rgba[rgba.shape[0] // 2, :, 0].astype(int)
     assert np.abs(np.diff(row[row > 0])).max() < 10
-    labels = renderer.labels[renderer.labels.shape[0] // 2]
+    labels = renderer.owners[renderer.owners.shape[0] // 2]
     middle, left_edge = np.argmax(labels == 1), np.argmax(labels == 0)
     # The west edge of the first photograph is 18.5 m west; the seam is 10 m east of its centre,
     # free to move by the slack.
@@ -191,8 +191,8 @@ def test_the_preview_shows_the_whole_map():
     ]
     maker = mosaic_of(shots)
     preview = Preview(maker)
-    for sheet in maker.sheets().values():
-        preview.show(sheet)
+    for placed in maker.placed_photos().values():
+        preview.show(placed)
     picture = cv2.imdecode(np.frombuffer(preview.png(), np.uint8), cv2.IMREAD_UNCHANGED)
     assert max(picture.shape) <= 1024
     covered = picture[..., 3] > 0

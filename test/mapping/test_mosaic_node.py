@@ -18,7 +18,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import ShotReceipt
-from rocsafe_mapping.mosaic import map_worker
+from rocsafe_mapping.live import map_worker
 from rocsafe_mapping.mosaic_node import MosaicNode
 from rocsafe_mapping.store.store import ImageStore
 from rocsafe_ros import topics
@@ -233,8 +233,8 @@ def test_the_node_receives_while_the_map_is_written(bench, monkeypatch):
         assert may_go_on.wait(DEADLINE_S)
         return write_products(*arguments)
 
-    write_products = map_worker.hand_over
-    monkeypatch.setattr(map_worker, 'hand_over', slow)
+    write_products = map_worker.write_products
+    monkeypatch.setattr(map_worker, 'write_products', slow)
     bench.start()
     bench.put(0)
     regions = topics.create_publisher(bench.operator, topics.REGION)

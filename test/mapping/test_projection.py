@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
-from rocsafe_mapping.alignment.projection import Views, carried, transfer
-from rocsafe_mapping.alignment.rotation import turned
+from rocsafe_mapping.alignment.adjustment.projection import Views, tie_derivatives, tie_residuals
+from rocsafe_mapping.alignment.adjustment.rotation import turned
 
 STEP = 1e-6
 # Central differences of pixels of a few hundred: eight digits.
@@ -48,7 +48,7 @@ def residuals(change, index, which):
                 seed_offsets=offsets[side],
             )
         )
-    return transfer(*parts, np.full(5, 1.3))
+    return tie_derivatives(*parts, np.full(5, 1.3))
 
 
 @pytest.mark.parametrize('which', [0, 1])
@@ -56,7 +56,7 @@ def residuals(change, index, which):
 def test_derivative_to_each_parameter(which, index):
     """A change of pose, focal length or distortion moves the residual as the Jacobian says."""
     plus, minus = residuals(STEP, index, which), residuals(-STEP, index, which)
-    measured = (plus.carried.residuals_px - minus.carried.residuals_px) / (2.0 * STEP)
+    measured = (plus.residuals.residuals_px - minus.residuals.residuals_px) / (2.0 * STEP)
     at = residuals(0.0, index, which)
     pose, lens = (at.first_pose, at.first_lens) if which == 0 else (at.second_pose, at.second_lens)
     analytic = np.concatenate([pose, lens], axis=2)[:, :, index]
@@ -68,7 +68,7 @@ def test_derivative_to_the_height():
     offsets = np.random.default_rng(7).uniform(-150.0, 150.0, (2, 5, 2))
     first = views(np.random.default_rng(0), seed_offsets=offsets[0])
     second = views(np.random.default_rng(1), seed_offsets=offsets[1])
-    up = carried(first, second, np.full(5, 1.0 + STEP)).residuals_px
-    down = carried(first, second, np.full(5, 1.0 - STEP)).residuals_px
-    at = carried(first, second, np.full(5, 1.0))
+    up = tie_residuals(first, second, np.full(5, 1.0 + STEP)).residuals_px
+    down = tie_residuals(first, second, np.full(5, 1.0 - STEP)).residuals_px
+    at = tie_residuals(first, second, np.full(5, 1.0))
     assert at.height == pytest.approx((up - down) / (2.0 * STEP), abs=TOLERANCE)

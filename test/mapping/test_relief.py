@@ -12,6 +12,7 @@ import rasterio
 
 from rocsafe_geo.pinhole import ground_homography, rotation_enu_from_optical
 from rocsafe_mapping.drawing.renderer import Renderer
+from rocsafe_mapping.drawing_options import DrawingOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.products.error_map import ERROR_TIF, error_map, write_error_map
 
@@ -70,13 +71,15 @@ def drawn(roof_up_m: float) -> tuple[Mapmaker, Renderer]:
         jpeg = picture(centre, roof_up_m)
         record = texture.record_of(number, centre, level, 0.02, 1e-3, jpeg, 'rav1')
         maker.add(record, lambda jpeg=jpeg: jpeg)
-    sheets = maker.sheets()
-    return maker, Renderer(sheets, maker.pictures, maker.grid(sheets), sheets)
+    placed_photos = maker.placed_photos()
+    return maker, Renderer(
+        placed_photos, maker.pixels, maker.grid(placed_photos), DrawingOptions(), placed_photos
+    )
 
 
 def places_m(maker: Mapmaker, renderer: Renderer) -> np.ndarray:
     """Return (east, north) of the pixels of `labels` about the roof's origin, (h, w, 2)."""
-    window = renderer.label_window
+    window = renderer.owner_window
     rows, columns = np.mgrid[: window.height, : window.width] + 0.5
     ground = renderer.coarse.ground_of(
         (columns + window.column).ravel(), (rows + window.row).ravel()
@@ -87,7 +90,7 @@ def places_m(maker: Mapmaker, renderer: Renderer) -> np.ndarray:
 
 def true_m(maker: Mapmaker, renderer: Renderer, shown_m: np.ndarray) -> np.ndarray:
     """Return where what the map shows would truly be if it were on the roof's level."""
-    norths = np.where(renderer.labels == 0, *NORTHS_M)
+    norths = np.where(renderer.owners == 0, *NORTHS_M)
     below = np.stack([np.zeros(norths.shape), norths], axis=-1)
     return shown_m + (below - shown_m) * ROOF_UP_M / texture.HEIGHT_M
 
@@ -102,7 +105,7 @@ def test_a_roof_has_its_height(roofed):
     """Within a quarter of a metre on the roof, none on the ground, nothing where one sees."""
     maker, renderer = roofed
     shown = places_m(maker, renderer)
-    roof = on_roof(true_m(maker, renderer, shown), 1.0) & (renderer.labels >= 0)
+    roof = on_roof(true_m(maker, renderer, shown), 1.0) & (renderer.owners >= 0)
     heights = renderer.relief.heights_m
     assert roof.sum() > 400
     assert np.isfinite(heights[roof]).mean() > 0.9
@@ -118,7 +121,7 @@ def test_the_stated_error_is_how_far_the_roof_leans(roofed):
     found = error_map(maker.alignment(), renderer)
     shown = places_m(maker, renderer)
     truly = true_m(maker, renderer, shown)
-    roof = on_roof(truly, 1.0) & (renderer.labels >= 0)
+    roof = on_roof(truly, 1.0) & (renderer.owners >= 0)
     leaning = np.linalg.norm(truly - shown, axis=-1)[roof]
     assert np.sqrt(np.mean(leaning**2)) > 0.6
     assert np.sqrt(np.mean(found.error_m[roof] ** 2)) == pytest.approx(
@@ -160,7 +163,7 @@ def test_the_map_of_errors_lies_on_the_map(roofed, tmp_path):
     assert errors[row, column] == found.error_m[row, column]
     assert heights[row, column] == found.heights_m[row, column]
     cell = renderer.cell_m
-    window = renderer.label_window
+    window = renderer.owner_window
     assert (east, north) == pytest.approx(
         ((window.column + column + 0.5) * cell, -(window.row + row + 0.5) * cell)
     )

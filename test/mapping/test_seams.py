@@ -1,25 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seams keep off what stands up, and show it whole."""
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 import pytest
 
+from rocsafe_mapping.drawing.coarse_view import CoarseView
 from rocsafe_mapping.drawing.grid import Window
+from rocsafe_mapping.drawing.object_ownership import keep_objects_whole
 from rocsafe_mapping.drawing.seam_cost import seam_cost
-from rocsafe_mapping.drawing.seams import CoarseView, owners
-from rocsafe_mapping.drawing.sheet import Shares
-from rocsafe_mapping.drawing.whole_things import keep_whole
+from rocsafe_mapping.drawing.seams import owners
+from rocsafe_mapping.drawing_options import DrawingOptions, SeamOptions
 
 
-@dataclass(frozen=True)
-class Seen:
-    """What a photograph can show."""
-
-    window: Window
-    scores: Shares
+def view(window: Window, scores: np.ndarray) -> CoarseView:
+    """Return a photograph without colours."""
+    return CoarseView(window=window, colours=np.zeros((1, 1, 3), np.uint8), scores=scores)
 
 
 def ground(width: int = 160) -> np.ndarray:
@@ -38,12 +34,12 @@ def with_thing(picture: np.ndarray, column: int) -> np.ndarray:
 
 def test_ground_that_looks_alike_costs_nothing() -> None:
     """A seam through ground that both photographs show alike is free."""
-    assert seam_cost(ground(), ground()).max() == 0.0
+    assert seam_cost(ground(), ground(), SeamOptions()).max() == 0.0
 
 
 def test_a_thing_costs_where_it_is_in_either_photograph_and_between() -> None:
     """What stands up lies elsewhere in each: all the way from the one place to the other costs."""
-    cost = seam_cost(with_thing(ground(), 60), with_thing(ground(), 66))
+    cost = seam_cost(with_thing(ground(), 60), with_thing(ground(), 66), SeamOptions())
     assert cost[32:48, 62:78].min() > 2.5
     assert cost[:, :40].max() < 1.0
     assert cost[:, 100:].max() < 1.0
@@ -54,7 +50,7 @@ def test_places_of_any_shape_have_a_cost(height: int, width: int) -> None:
     """Slivers where photographs barely meet are told too."""
     rng = np.random.default_rng(1)
     one, other = rng.integers(0, 255, (2, height, width, 3)).astype(np.uint8)
-    assert seam_cost(one, other).shape == (height, width)
+    assert seam_cost(one, other, SeamOptions()).shape == (height, width)
 
 
 def two_views(shift: int) -> tuple[dict[str, CoarseView], Window]:
@@ -73,7 +69,7 @@ def two_views(shift: int) -> tuple[dict[str, CoarseView], Window]:
 def test_a_thing_in_the_middle_between_two_photographs_is_shown_by_one(shift: int) -> None:
     """The seam, which would run through its middle, goes round it."""
     views, window = two_views(shift)
-    labels = owners(views, ['a', 'b'], window)
+    labels = owners(views, ['a', 'b'], window, DrawingOptions())
     low, high = 74 + min(shift, 0), 88 + max(shift, 0)
     assert len(np.unique(labels[28:52, low:high])) == 1
     assert set(np.unique(labels).tolist()) == {0, 1}
@@ -88,8 +84,8 @@ def test_a_thing_that_no_detour_avoids_is_given_to_who_shows_it_whole() -> None:
     everything = Window(0, 0, 40, 60)
     short = np.ones((40, 60), np.float32)
     short[:, 35:] = 0.0
-    views = [Seen(everything, short), Seen(everything, np.ones((40, 60), np.float32))]
-    keep_whole(labels, cost, views, everything)
+    views = [view(everything, short), view(everything, np.ones((40, 60), np.float32))]
+    keep_objects_whole(labels, cost, views, everything, DrawingOptions())
     assert np.all(labels[10:30, 20:40] == 1)
     assert np.all(labels[:, :15] == 0)
 
@@ -104,5 +100,11 @@ def test_a_thing_that_nobody_shows_whole_stays_cut() -> None:
     left[:, :31], right[:, 29:] = 1.0, 1.0
     everything = Window(0, 0, 40, 60)
     before = labels.copy()
-    keep_whole(labels, cost, [Seen(everything, left), Seen(everything, right)], everything)
+    keep_objects_whole(
+        labels,
+        cost,
+        [view(everything, left), view(everything, right)],
+        everything,
+        DrawingOptions(),
+    )
     assert np.array_equal(labels, before)

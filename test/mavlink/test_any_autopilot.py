@@ -24,6 +24,7 @@ from rocsafe_interfaces.msg import (
     GeoPolygon,
     Region,
     Route,
+    SurveyCoverage,
     VehicleSpec,
     VehicleState,
     Viewpoint,
@@ -130,11 +131,9 @@ def planned(count, width_m, height_m):
             horizontal_fov_rad=math.radians(60.0), image_width_px=640, image_height_px=480
         ),
         vehicles=specs,
-        height_agl_m=25.0,
-        spacing_rule='iou',
-        overlap_fraction=0.2,
-        front_overlap_fraction=-1.0,
-        max_viewpoints=500,
+        coverage=SurveyCoverage(
+            height_agl_m=25.0, spacing_rule='iou', overlap_fraction=0.2, max_viewpoints=500
+        ),
     )
     plan = plan_survey(request_of_goal(goal, PlannerOptions()))
     return {route.vehicle: route for route in message_of_plan(plan).routes}

@@ -42,6 +42,7 @@ def seconds_apart(number, other):
     return min(away, GREYS - away) / RATE_HZ
 
 
+@pytest.mark.slow
 @pytest.mark.flaky(reruns=1)  # the camera's clock goes on while the machine stands still
 @pytest.mark.parametrize('kind', [RtspCamera, HttpCamera], ids=['rtsp', 'http'])
 def test_camera_is_opened_again(kind, monkeypatch):

@@ -16,6 +16,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rclpy.action import ActionServer, GoalResponse
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
@@ -43,6 +44,7 @@ from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
 
 DEADLINE_S = 60.0
@@ -182,6 +184,23 @@ def stage(ros: Any, small: Callable[..., Path]) -> Iterator[Stage]:
     yield made
     made.servers.destroy_node()
     made.node.destroy_node()
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'words'),
+    [('plan_timeout_s', 5.0, 'is now fixed'), ('stall_timeout_s', 0.0, 'must be within 0.1 to')],
+)
+def test_wrong_parameter_is_refused_in_a_line(
+    ros: Any, small: Callable[..., Path], name: str, value: float, words: str
+) -> None:
+    """A value out of its limits, or a parameter that there is no more, is named."""
+    scenario = read_scenario(small())
+    with pytest.raises(ScenarioError, match=f'orchestrator: parameter {name}.*{words}') as caught:
+        OrchestratorNode(
+            scenario, Monitor(scenario.vehicle_names), 'run', context=ros.context,
+            parameter_overrides=[Parameter(name, value=value)],
+        )  # fmt: skip
+    assert '\n' not in str(caught.value)
 
 
 def test_orders_are_carried_out_up_to_the_report(stage: Stage) -> None:
@@ -338,6 +357,7 @@ import sys
 import rclpy
 from rclpy.action import ActionServer
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rocsafe_interfaces.action import FlyRoute
 
 def fly(goal):
@@ -355,6 +375,7 @@ from pathlib import Path
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
+from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
 
 REPEAT_S = 3.0

@@ -1,45 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe replan`: what becomes of its arguments, and what is wrong with them."""
 
-import json
 from pathlib import Path
 
 import pytest
+from rich.console import Console
+from test.planner.fleets import request as survey
 
-from rocsafe_orchestrator.command_line.replan_command import ReplanRequest, planner_request
+from rocsafe_orchestrator.command_line.replan_command import ReplanRequest, replan, situation_of
+from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.vehicle import Aloft
+from rocsafe_planner.planning import plan_survey
 from rocsafe_scenario.errors import ScenarioError
 
 
+@pytest.fixture(scope='module')
+def plan() -> SurveyPlan:
+    """A plan for three vehicles."""
+    return plan_survey(survey(method='strips'))
+
+
 @pytest.fixture
-def plan_file(tmp_path: Path) -> Path:
-    """A file with as much of a plan as the command reads."""
-    path = tmp_path / 'plan.json'
-    routes = [{'vehicle': f'rav{k}'} for k in (1, 2, 3)]
-    path.write_text(json.dumps({'routes': routes}), encoding='utf-8')
-    return path
+def plan_file(plan: SurveyPlan, tmp_path: Path) -> Path:
+    """The file of that plan."""
+    write_plan(plan, tmp_path)
+    return tmp_path / 'plan.json'
 
 
-def test_arguments_become_a_request(plan_file: Path, tmp_path: Path) -> None:
+def test_arguments_become_a_situation(plan: SurveyPlan) -> None:
     """One is lost, one in the air, one at home; ranges are spelt out."""
     request = ReplanRequest(
-        plan=plan_file,
+        plan=Path('plan.json'),
         visited='0-3, 7',
         lost=('rav2',),
         aloft=(('rav3', '53.28', '-9.06', '120'),),
         new_places=((53.281, -9.061),),
     )
-    assert planner_request(request, tmp_path) == {
-        'plan': str(plan_file),
-        'alive': [
-            {'name': 'rav1'},
-            {'name': 'rav3', 'position': [53.28, -9.06], 'used_s': 120.0},
-        ],
-        'visited': [0, 1, 2, 3, 7],
-        'new_places': [[53.281, -9.061]],
-        'new_exclusions': [],
-        'terrain_file': '',
-        'output_directory': str(tmp_path),
-    }
+    found = situation_of(request, plan)
+    assert found.alive == {'rav1': None, 'rav3': found.alive['rav3']}
+    aloft = found.alive['rav3']
+    assert isinstance(aloft, Aloft)
+    assert (aloft.position.latitude_deg, aloft.used_s) == (53.28, 120.0)
+    assert found.visited == {0, 1, 2, 3, 7}
+    assert [(p.latitude_deg, p.longitude_deg) for p in found.new_places] == [(53.281, -9.061)]
 
 
 @pytest.mark.parametrize(
@@ -48,15 +53,33 @@ def test_arguments_become_a_request(plan_file: Path, tmp_path: Path) -> None:
         ({'lost': ('x',)}, 'x: must be a vehicle of the plan: rav1, rav2, rav3'),
         ({'visited': '1-x'}, '--visited 1-x: must be a number or a range'),
         ({'aloft': (('rav1', 'here', '0', '0'),)}, '--at rav1: here: must be a number'),
+        ({'aloft': (('rav1', '99', '0', '0'),)}, '--at rav1: latitude_deg is 99'),
+        ({'new_places': ((91.0, 0.0),)}, '--add: latitude_deg is 91'),
         ({'plan': Path('none.json')}, 'none.json: No such file'),
         ({'exclusions': (Path('none.kml'),)}, 'none.kml'),
     ],
 )
 def test_wrong_arguments_are_named(
-    plan_file: Path, tmp_path: Path, changes: dict[str, object], message: str
+    plan_file: Path, changes: dict[str, object], message: str
 ) -> None:
     """One line each."""
     request = ReplanRequest(**{'plan': plan_file, **changes})  # type: ignore[arg-type]
     with pytest.raises(ScenarioError, match=message) as caught:
-        planner_request(request, tmp_path)
+        replan(request, Console())
     assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ('changes', 'message'),
+    [
+        ({'lost': ('rav1', 'rav2', 'rav3')}, 'no vehicle is left'),
+        ({'visited': '500'}, 'visited has viewpoint 500'),
+    ],
+)
+def test_a_situation_without_a_plan_is_told(
+    plan_file: Path, changes: dict[str, object], message: str
+) -> None:
+    """The reason of the planner, with the file."""
+    request = ReplanRequest(**{'plan': plan_file, **changes})  # type: ignore[arg-type]
+    with pytest.raises(OrchestratorError, match=message):
+        replan(request, Console())

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fleets, areas and requests that the planner's tests share."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -9,10 +10,17 @@ from rocsafe_geo.motion.autopilot import DIRECT
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import (
+    AirspaceOptions,
+    Continuation,
+    CoverageOptions,
+    Effort,
+    SeparationOptions,
+)
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Vehicle
-from rocsafe_planner.site.request import SurveyRequest
 
 # The seed system's survey rectangle, its field and its drone starts, in Galway.
 RECTANGLE = SurveyArea(
@@ -62,19 +70,36 @@ def vehicle(name='rav1', home=STARTS[0], altitude=12.0, **changes):
 FLEET = tuple(vehicle(f'rav{number}', home) for number, home in enumerate(STARTS, start=1))
 
 
+GROUPS = {
+    'coverage': CoverageOptions,
+    'airspace': AirspaceOptions,
+    'separation': SeparationOptions,
+    'effort': Effort,
+    'continuation': Continuation,
+}
+
+
 def request(**changes):
-    """Return the derailment mission's request."""
-    regions = (SurveyRegion(area=changes.pop('area', RECTANGLE)),)
-    return SurveyRequest(
-        **{
-            'regions': regions,
-            'camera': CAMERA,
-            'vehicles': FLEET,
-            'height_agl_m': 32.0,
-            'method': 'paper_greedy',
-            **changes,
-        }
+    """Return the derailment mission's request; `changes` name fields of it or of its values."""
+    base = SurveyRequest(
+        regions=(SurveyRegion(area=changes.pop('area', RECTANGLE)),),
+        camera=CAMERA,
+        vehicles=FLEET,
+        coverage=CoverageOptions(height_agl_m=32.0),
+        effort=Effort(method='paper_greedy'),
     )
+    return changed(base, **changes)
+
+
+def changed(wish, **changes):
+    """Return a request with other values, named by their own field, e.g. ``budget_s``."""
+    values = {}
+    for group, kind in GROUPS.items():
+        names = {field.name for field in dataclasses.fields(kind)} & set(changes)
+        inner = {name: changes.pop(name) for name in names}
+        if inner:
+            values[group] = dataclasses.replace(getattr(wish, group), **inner)
+    return dataclasses.replace(wish, **values, **changes)
 
 
 def problem(points, homes, vehicles=None, height=10.0):

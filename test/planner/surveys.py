@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_planner.problem.survey_region import SurveyRegion
+from rocsafe_planner.plan.survey_region import SurveyRegion
 
 from .fleets import request, vehicle
 
@@ -103,7 +103,7 @@ def surveys(draw, **changes):
             'exclusions': draw(exclusions()),
             'wind_mps': (draw(st.floats(-2.5, 2.5)), draw(st.floats(-2.5, 2.5))),
             'grid': draw(st.sampled_from(('axis_aligned', 'rotated', 'best'))),
-            'separation_m': draw(st.sampled_from((0.0, 5.0))),
+            'distance_m': draw(st.sampled_from((0.0, 5.0))),
             'height_agl_m': 40.0,
             **changes,
         }

@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.motion.autopilot import DIRECT, Autopilot
-from rocsafe_planner.problem.vehicle import Aloft
+from rocsafe_planner.plan.survey_options import Effort
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.routing.bound import lower_bound
 from rocsafe_planner.routing.costs import finish_s
 from rocsafe_planner.routing.methods import nearest_to_shortest
-from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.tour_splitting import makespan_s
 
 from .fleets import problem, vehicle

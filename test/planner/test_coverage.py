@@ -19,13 +19,23 @@ from rocsafe_planner.coverage.viewpoint_grid import (
     spacing_m,
 )
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.plan.survey_options import CoverageOptions
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
 
 def spec(overlap=0.2, rule='iou', grid='axis_aligned', limit=5000, height=32.0):
     """Return the grid of the paper's camera."""
-    return coverage_spec(CAMERA, height, (overlap, overlap), rule, grid, limit)
+    return coverage_spec(
+        CAMERA,
+        CoverageOptions(
+            height_agl_m=height,
+            overlap_fraction=overlap,
+            spacing_rule=rule,
+            grid=grid,
+            max_viewpoints=limit,
+        ),
+    )
 
 
 @st.composite
@@ -196,7 +206,13 @@ def test_best_grid_needs_fewest(area):
 
 def test_front_overlap_stands_alone():
     """80 % along the track, 60 % between tracks, as photogrammetry wants it."""
-    plan = coverage_spec(CAMERA, 32.0, (0.6, 0.8), 'linear', 'axis_aligned', 5000)
+    options = CoverageOptions(
+        height_agl_m=32.0,
+        spacing_rule='linear',
+        overlap_fraction=0.6,
+        front_overlap_fraction=0.8,
+    )
+    plan = coverage_spec(CAMERA, options)
     assert plan.spacing_m == pytest.approx((0.4 * 36.950, 0.2 * 27.713), abs=1e-3)
 
 

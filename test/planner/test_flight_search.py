@@ -8,8 +8,9 @@ import pytest
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
+from rocsafe_planner.plan.survey_options import Effort
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.vehicle import Aloft
 from rocsafe_planner.routing.battery_swaps import optimised_with_swaps
 from rocsafe_planner.routing.costs import finish_s, objective_value
 from rocsafe_planner.routing.flight_search import (
@@ -18,7 +19,7 @@ from rocsafe_planner.routing.flight_search import (
     may_search,
     time_of_flights,
 )
-from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.sorties import sorties
 from rocsafe_planner.site.survey_site import survey_site
 

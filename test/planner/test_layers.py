@@ -9,12 +9,12 @@ from hypothesis import HealthCheck, assume, given, settings
 
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
-from rocsafe_planner.plan.keeping_apart import _turns
+from rocsafe_planner.flights.keeping_apart import _turns
 from rocsafe_planner.plan.plan import Route
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.vehicle import Aloft
 
-from .fleets import STARTS, request, vehicle
+from .fleets import STARTS, changed, request, vehicle
 from .surveys import surveys
 
 # From one meadow, a few metres apart, all to the same rows.
@@ -23,12 +23,12 @@ CROWD = tuple(vehicle(f'rav{k}', (STARTS[0][0] + 2e-4 * k, STARTS[0][1])) for k 
 
 def crowded(**changes):
     """Return the plan of four neighbours whose routes cross."""
-    return plan_survey(request(vehicles=CROWD, separation_m=15.0, **changes))
+    return plan_survey(request(vehicles=CROWD, distance_m=15.0, **changes))
 
 
 def test_layers_keep_apart():
     """Nobody comes nearer than asked for, some fly higher by whole separations, fewer wait."""
-    waiting, layered = crowded(), crowded(separation_by='layers')
+    waiting, layered = crowded(), crowded(by='layers')
     for plan in (waiting, layered):
         assert plan.minimum_separation_m >= 15.0
         assert check_plan(plan) == []
@@ -41,7 +41,7 @@ def test_layers_keep_apart():
 
 def test_a_layer_is_in_heights_footprints_and_times():
     """From a higher layer the camera is higher, sees more, and the climb takes longer."""
-    layered, base = crowded(separation_by='layers'), plan_survey(request(vehicles=CROWD))
+    layered, base = crowded(by='layers'), plan_survey(request(vehicles=CROWD))
     high = next(r for r in layered.routes if r.flight_height_m > 32.0)
     low = next(r for r in base.routes if r.vehicle.name == high.vehicle.name)
     more = high.flight_height_m - 32.0
@@ -59,7 +59,7 @@ def test_a_weak_battery_stays_low():
     free = plan_survey(request(vehicles=CROWD))
     longest = max(route.duration_s for route in free.routes)
     fleet = tuple(dataclasses.replace(v, endurance_s=longest + 1.0) for v in CROWD)
-    plan = plan_survey(request(vehicles=fleet, separation_m=15.0, separation_by='layers'))
+    plan = plan_survey(request(vehicles=fleet, distance_m=15.0, by='layers'))
     assert plan.minimum_separation_m >= 15.0
     assert check_plan(plan) == []
     assert all(s.duration_s <= longest + 1.0 for r in plan.routes for s in r.sorties)
@@ -67,19 +67,19 @@ def test_a_weak_battery_stays_low():
 
 def test_the_checker_sees_who_flies_in_another_layer():
     """A height that was not asked for is a fault, also where it is stated."""
-    plan = crowded(separation_by='layers')
-    denied = dataclasses.replace(plan.request, separation_by='delay')
+    plan = crowded(by='layers')
+    denied = changed(plan.request, by='delay')
     assert 'm high: height_agl_m is 32' in ' '.join(
         check_plan(dataclasses.replace(plan, request=denied))
     )
 
 
 @settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
-@given(surveys(separation_m=8.0, separation_by='layers'))
+@given(surveys(distance_m=8.0, by='layers'))
 def test_layered_plans_are_valid(survey):
     """All kinds of regions, exclusions, fleets and wind: the checker accepts the plan."""
     try:
-        plan = plan_survey(dataclasses.replace(survey, method='nearest_to_shortest'))
+        plan = plan_survey(changed(survey, method='nearest_to_shortest'))
     except (BeyondEnduranceError, NoWayError, ValueError) as error:
         assume(not any(word in str(error) for word in ('exclusion', 'endurance')))
         raise

@@ -12,16 +12,19 @@ from hypothesis import strategies as st
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.plan.objective import OBJECTIVE_VALUES, objective_gap
+from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.routing.methods import METHODS
-from rocsafe_planner.routing.solver_method import Effort, optimised
+from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.solver_problem import routing_problem
 from rocsafe_planner.routing.tour_splitting import makespan_s
 from rocsafe_planner.solver import route_cost
 
-from .fleets import FLEET, problem, request
+from .fleets import FLEET, changed, problem, request
 from .surveys import surveys
+
+pytestmark = pytest.mark.slow
 
 TOOLS = ('boustrophedon_equal', 'boustrophedon_minmax', 'strips')
 
@@ -40,7 +43,7 @@ def test_never_worse_than_survey_tools(seed, vehicles):
 
 
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
-@given(surveys(separation_m=0.0, exclusions=()))
+@given(surveys(distance_m=0.0, exclusions=()))
 def test_never_worse_than_survey_tools_on_regions(survey):
     """On concave, holed, thin and tiny regions, with unlike fleets, ends, sensors and wind."""
     fleet = tuple(
@@ -48,7 +51,7 @@ def test_never_worse_than_survey_tools_on_regions(survey):
     )
     makespans = {
         method: plan_survey(
-            dataclasses.replace(survey, vehicles=fleet, method=method, proposals=50_000)
+            changed(survey, vehicles=fleet, method=method, proposals=50_000)
         ).makespan_s
         for method in (*TOOLS, 'solver')
     }
@@ -108,7 +111,7 @@ def test_without_a_budget_always_the_same():
 
 
 @settings(max_examples=10, deadline=None)
-@given(surveys(separation_m=0.0))
+@given(surveys(distance_m=0.0))
 def test_costs_are_those_of_the_time_model(survey):
     """What the solver counts, for each objective, is what the planner states."""
     from rocsafe_planner.errors import PlannerError

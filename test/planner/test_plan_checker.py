@@ -13,7 +13,7 @@ from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.routing.methods import METHODS
 
-from .fleets import FLEET, request
+from .fleets import FLEET, changed, request
 from .surveys import ring, surveys
 
 PLAN = plan_survey(request())
@@ -28,13 +28,14 @@ def spoilt(**changes):
     return dataclasses.replace(PLAN, routes=(route, *PLAN.routes[1:]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
 @settings(max_examples=12, suppress_health_check=list(HealthCheck))
 @given(survey=surveys())
 def test_every_plan_is_valid(method, survey):
     """Concave, holed, thin or tiny regions, exclusions, wind, unlike fleets: no fault."""
     try:
-        plan = plan_survey(dataclasses.replace(survey, method=method, proposals=50_000))
+        plan = plan_survey(changed(survey, method=method, proposals=50_000))
     except (BeyondEnduranceError, NoWayError, ValueError) as error:
         assume(not any(word in str(error) for word in ('exclusion', 'endurance')))
         raise
@@ -60,7 +61,10 @@ def test_every_plan_is_valid(method, survey):
             'covered_area_m2 is',
         ),
         (dataclasses.replace(PLAN, minimum_separation_m=90.0), 'vehicles come within'),
-        (dataclasses.replace(PLAN, request=request(separation_m=50.0)), 'separation_m is 50'),
+        (
+            dataclasses.replace(PLAN, request=request(distance_m=50.0)),
+            'separation distance_m is 50',
+        ),
         (dataclasses.replace(PLAN, request=request(vehicles=FLEET[::-1])), 'not one a vehicle'),
         (
             dataclasses.replace(

@@ -58,9 +58,9 @@ def test_json_says_all(plan, folder):
     document = json.loads((folder / 'plan.json').read_text())
     assert document['plan_id'] == plan.plan_id
     assert document['makespan_s'] == plan.makespan_s
-    assert document['region']['name'] == 'A & B <yard>'
-    assert len(document['region']['holes'][0]) == 3
-    assert document['vehicles'][1]['home']['altitude_m'] is None
+    assert document['request']['regions'][0]['name'] == 'A & B <yard>'
+    assert len(document['request']['regions'][0]['holes'][0]) == 3
+    assert document['request']['vehicles'][1]['home']['altitude_m'] is None
     for written, route in zip(document['routes'], plan.routes, strict=True):
         assert [v['id'] for v in written['viewpoints']] == [v.id for v in route.viewpoints]
     first = document['routes'][0]['viewpoints'][0]
@@ -260,7 +260,7 @@ def relay(tmp_path_factory):
         vehicle('away', is_open=True, **small),
     )
     plan = plan_survey(
-        request(vehicles=fleet, method='nearest_to_shortest', separation_m=5.0, height_agl_m=40.0)
+        request(vehicles=fleet, method='nearest_to_shortest', distance_m=5.0, height_agl_m=40.0)
     )
     folder = tmp_path_factory.mktemp('relay')
     write_plan(plan, folder)

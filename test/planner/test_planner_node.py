@@ -19,6 +19,7 @@ from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
     Region,
+    SurveyCoverage,
     VehicleNow,
     VehicleSpec,
 )
@@ -63,12 +64,13 @@ def goal(corners=RECTANGLE, **changes):
             horizontal_fov_rad=math.radians(60.0), image_width_px=640, image_height_px=480
         ),
         'vehicles': [vehicle],
-        'height_agl_m': 32.0,
-        'spacing_rule': 'iou',
-        'overlap_fraction': 0.2,
-        **changes,
+        'coverage': SurveyCoverage(height_agl_m=32.0, spacing_rule='iou', overlap_fraction=0.2),
     }
-    return PlanSurvey.Goal(**values)
+    wish = PlanSurvey.Goal(**values)
+    for name, value in changes.items():
+        groups = (wish, wish.coverage, wish.airspace, wish.separation, wish.effort)
+        setattr(next(group for group in groups if hasattr(group, name)), name, value)
+    return wish
 
 
 class Desk:
@@ -247,9 +249,7 @@ def test_a_search_stopped_before_it_had_a_plan_is_cancelled(open_desk):
 def test_goals_reach_all_that_planning_can(open_desk, tmp_path):
     """Battery swaps, an open end, wind, separation, terrain, sensors and given viewpoints."""
     path = write_terrain(tmp_path / 'hill.tif', np.full((400, 400), 5.0, np.float32))
-    request = goal(
-        separation_m=5.0, separation_by='layers', terrain_file=str(path), wind_east_mps=1.0
-    )
+    request = goal(distance_m=5.0, by='layers', terrain_file=str(path), wind_east_mps=1.0)
     (vehicle,) = request.vehicles
     vehicle.endurance_s, vehicle.battery_swap_s = 250.0, 60.0
     vehicle.is_open, vehicle.sensors = True, ['gamma']

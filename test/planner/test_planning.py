@@ -162,7 +162,7 @@ def test_too_large_region_is_refused():
         ({'height_agl_m': math.nan}, 'height_agl_m is nan'),
         ({'overlap_fraction': 1.0}, 'overlap_fraction is 1'),
         ({'spacing_rule': 'x'}, "spacing_rule is 'x': must be one of iou, linear"),
-        ({'method': 'x'}, "method is 'x': must be one of paper_greedy, nearest_to_shortest"),
+        ({'method': 'x'}, "method is 'x': must be one of solver, boustrophedon_minmax"),
         ({'grid': 'x'}, "grid is 'x': must be one of axis_aligned, rotated"),
         ({'seed': -1}, 'seed is -1'),
         ({'max_viewpoints': 0}, 'max_viewpoints is 0: must be 1 to'),

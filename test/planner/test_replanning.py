@@ -12,11 +12,11 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
 from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.vehicle import Aloft
 from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
 
-from .fleets import FIELD, FLEET, request, vehicle
+from .fleets import FIELD, FLEET, changed, request, vehicle
 
 PLAN = plan_survey(request(area=FIELD, height_agl_m=60.0, method='boustrophedon_minmax'))
 
@@ -100,7 +100,7 @@ def test_a_plan_for_the_rest_can_be_planned_anew_too():
     """Two losses, one after the other: what was visited before each counts."""
     once = replan(PLAN, midway(PLAN, 0.3, 'rav1'))
     twice = replan(once, midway(once, 0.3, 'rav2'))
-    done = {view.id for view in twice.request.visited}
+    done = {view.id for view in twice.request.continuation.visited}
     assert sorted(done | set(ids(twice))) == sorted(ids(PLAN))
     assert not done & set(ids(twice))
     assert check_plan(twice) == []
@@ -169,9 +169,7 @@ def test_who_is_in_a_new_exclusion_leaves_it_the_shortest_way(clearance_m):
         offset(here, e, n) for e, n in ((-8.0, -20.0), (30.0, -20.0), (30.0, 20.0), (-8.0, 20.0))
     )
     rest = replan(
-        dataclasses.replace(
-            PLAN, request=dataclasses.replace(PLAN.request, clearance_m=clearance_m)
-        ),
+        dataclasses.replace(PLAN, request=changed(PLAN.request, clearance_m=clearance_m)),
         Situation(
             alive=situation.alive,
             visited=situation.visited,

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError
-from rocsafe_planner.plan.flight_track import FlightTrack
-from rocsafe_planner.plan.separation import TOLERANCE_M, delays_apart, minimum_separation_m
+from rocsafe_planner.flights.flight_track import FlightTrack
+from rocsafe_planner.flights.separation import TOLERANCE_M, delays_apart, minimum_separation_m
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.vehicle import Aloft
 from rocsafe_planner.routing.methods import nearest_to_shortest
 from rocsafe_planner.routing.sorties import sorties
 from rocsafe_planner.site.survey_site import survey_site
@@ -94,7 +94,7 @@ def test_a_plan_with_swaps_is_valid():
 def test_flights_take_their_turns_to_keep_apart():
     """With another flight first, who would wait for 26 s takes off earlier; all is still true."""
     fleet = tuple(vehicle(f'rav{k}', endurance_s=190.0, battery_swap_s=60.0) for k in range(3))
-    wish = request(vehicles=fleet, method='nearest_to_shortest', separation_m=8.0)
+    wish = request(vehicles=fleet, method='nearest_to_shortest', distance_m=8.0)
     plan = plan_survey(wish)
     as_cut = survey_site(wish)
     before = [

@@ -17,10 +17,10 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.terrain.relief import Relief
 from rocsafe_geo.terrain.terrain import LocalGround, Terrain, TerrainError
 from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.problem.vehicle import Aloft
 
-from .fleets import FLEET, request, vehicle
+from .fleets import FLEET, changed, request, vehicle
 from .surveys import surveys
 from .terrains import CENTRE, read_terrain, terrain, write_terrain
 
@@ -141,13 +141,13 @@ def test_the_checker_sees_a_leg_too_low():
 
 
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
-@given(surveys(separation_m=0.0, exclusions=()), st.floats(0.0, 40.0), st.floats(60.0, 300.0))
+@given(surveys(distance_m=0.0, exclusions=()), st.floats(0.0, 40.0), st.floats(60.0, 300.0))
 def test_plans_over_hills_are_valid(survey, high, wave):
     """Rolling hills, all kinds of regions, fleets and wind: the checker accepts the plan."""
     hills = terrain(
         lambda east, north: high * np.sin(east / wave) * np.cos(north / wave), half_m=1500.0
     )
-    plan = plan_survey(dataclasses.replace(survey, terrain=hills, method='nearest_to_shortest'))
+    plan = plan_survey(changed(survey, terrain=hills, method='nearest_to_shortest'))
     assert check_plan(plan) == []
 
 

@@ -9,8 +9,10 @@ import pytest
 from rocsafe_radiation.localization.credibility import unevenness, weighed
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.hypothesis import is_placed
+from rocsafe_radiation.localization.hypothesis_values import first_source_penalty
 from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization.localize import localize
+from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.localization.source_count import search
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -95,3 +97,29 @@ def test_a_source_that_could_be_anywhere_is_background():
     )
     assert is_placed(likelihood, placed)
     assert not is_placed(likelihood, lost)
+
+
+@pytest.mark.parametrize(('readings', 'nats'), [(100, 9.908), (441, 12.134), (1558, 14.027)])
+def test_a_first_source_needs_more_evidence_among_more_readings(readings, nats):
+    """By BIC with three free parameters, 1.5 ln(n), and prior odds of e^-3."""
+    flown = RadiationSurvey(
+        positions_enu_m=np.tile([0.0, 0.0, 32.0], (readings, 1)),
+        counts=np.ones(readings),
+        exposures=np.ones(readings),
+    )
+    likelihood = Likelihood(flown, SETTING, np.empty((readings, 0)))
+    assert first_source_penalty(likelihood) == pytest.approx(nats, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ('change', 'message'),
+    [
+        ({'cell_heights': 0.0}, 'cell_heights = 0.0 must be above 0'),
+        ({'pitch_heights': float('nan')}, 'pitch_heights = nan must be above 0'),
+        ({'tried_candidates': 0}, 'tried_candidates = 0 must be at least 1'),
+    ],
+)
+def test_search_options_out_of_range_are_refused(change, message):
+    """With their name, value and limit."""
+    with pytest.raises(ValueError, match=message):
+        SearchOptions(**change)

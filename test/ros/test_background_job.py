@@ -1,37 +1,53 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Work in the background hands over its result or its error."""
+"""Work beside an event loop."""
 
-import threading
+from collections.abc import Callable
+from threading import Event
 
 import pytest
 
-from rocsafe_ros.background_job import start_job
-
-DEADLINE_S = 30.0
+from rocsafe_ros.background_job import BackgroundJob
 
 
-def test_the_result_is_there_once_the_work_is_done():
-    """Not before, and the caller did not wait for it."""
-    may_end = threading.Event()
+def test_result_and_progress():
+    """The newest report is what a look at the job tells."""
+    may_end, has_reported = Event(), Event()
 
-    def work():
-        may_end.wait(DEADLINE_S)
-        return threading.current_thread().name
+    def work(report: Callable[[int], bool]) -> str:
+        assert report(7)
+        has_reported.set()
+        may_end.wait(10.0)
+        return 'done'
 
-    job = start_job(work, 'counting')
-    assert not job.done()
+    job = BackgroundJob(work, 'test', progress=0)
+    assert has_reported.wait(10.0)
+    assert job.progress == 7
+    assert not job.is_done
     may_end.set()
-    assert job.result(DEADLINE_S) == 'counting'
-    assert job.done()
+    assert job.result() == 'done'
+    assert job.is_done
+    assert job.elapsed_s > 0.0
 
 
-def test_an_error_of_the_work_is_raised_by_its_result():
-    """The very same one."""
-    error = ValueError('no readings')
+def test_error_is_raised_by_result():
+    """What the work raises is not lost in its thread."""
 
-    def work():
-        raise error
+    def work(_report: Callable[[None], bool]) -> None:
+        raise ValueError('no plan')
 
-    with pytest.raises(ValueError, match='no readings') as caught:
-        start_job(work, 'failing').result(DEADLINE_S)
-    assert caught.value is error
+    with pytest.raises(ValueError, match='no plan'):
+        BackgroundJob(work, 'test', progress=None).result()
+
+
+def test_cancelled_work_is_told():
+    """A report returns False once the job is cancelled."""
+    may_go_on = Event()
+
+    def work(report: Callable[[int], bool]) -> bool:
+        may_go_on.wait(10.0)
+        return report(1)
+
+    job = BackgroundJob(work, 'test', progress=0)
+    job.cancel()
+    may_go_on.set()
+    assert job.result() is False

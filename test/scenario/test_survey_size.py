@@ -13,7 +13,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_scenario.camera_blocks import CameraBlock
 from rocsafe_scenario.scenario_blocks import SurveyBlock
-from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacing_m
+from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacings_m
 
 
 def survey(**keys: Any) -> SurveyBlock:
@@ -37,13 +37,13 @@ def rectangle(south: float, west: float, height_deg: float, width_deg: float) ->
 def test_spacing_is_that_of_the_paper(fov_deg: float, spacing: float) -> None:
     """Smyth et al. (2018), section IV, at 32 m with an overlap of 0.2."""
     expected = pytest.approx((spacing, spacing), abs=1e-3)
-    assert spacing_m(survey(spacing_rule='iou'), square_camera(fov_deg)) == expected
+    assert spacings_m(survey(spacing_rule='iou'), square_camera(fov_deg)) == expected
 
 
 def test_linear_spacing_leaves_out_the_overlap() -> None:
     """A footprint of 64 m with an overlap of 0.2, along the flight of 0.5."""
     rule = survey(spacing_rule='linear', front_overlap_fraction=0.5)
-    assert spacing_m(rule, square_camera(90.0)) == pytest.approx((51.2, 32.0))
+    assert spacings_m(rule, square_camera(90.0)) == pytest.approx((51.2, 32.0))
 
 
 @given(st.floats(0.0, 0.94), st.floats(0.005, 0.01))
@@ -53,7 +53,7 @@ def test_more_overlap_is_a_closer_spacing(overlap: float, more: float) -> None:
     wide = {}
     for rule in ('iou', 'linear'):
         wide[rule], closer = (
-            spacing_m(survey(spacing_rule=rule, overlap_fraction=value), camera)[0]
+            spacings_m(survey(spacing_rule=rule, overlap_fraction=value), camera)[0]
             for value in (overlap, overlap + more)
         )
         assert closer < wide[rule]
@@ -75,5 +75,5 @@ def test_fewest_viewpoints_fill_the_area() -> None:
     """One fewer would not."""
     field, camera = rectangle(53.28, -9.06, 0.001, 0.002), square_camera(60.0)
     count = fewest_viewpoints(field, survey(), camera)
-    cell_m2 = math.prod(spacing_m(survey(), camera))
+    cell_m2 = math.prod(spacings_m(survey(), camera))
     assert (count - 1) * cell_m2 < area_m2(field) <= count * cell_m2

@@ -170,6 +170,26 @@ def test_a_photograph_is_read_as_it_was_written(tmp_path, monkeypatch) -> None:
         read_photograph('mars')
 
 
+def test_flat_ground_needs_neither_the_engine_nor_what_builds_scenes() -> None:
+    """Vehicles start in a moment, and without EGL."""
+    code = (
+        'import sys\n'
+        'import rocsafe_scene.flat_ground.scene_ground\n'
+        "slow = ('panda3d', 'scipy.spatial', 'pydantic', 'shapely', 'rasterio')\n"
+        'print([name for name in slow if name in sys.modules])'
+    )
+    env = {'PYTHONPATH': ':'.join(sys.path)}
+    found = subprocess.run(
+        [sys.executable, '-c', code],
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert found.stdout.strip() == '[]'
+
+
 def test_no_scene_is_meadow_without_boxes() -> None:
     """`none` has neither photograph nor boxes."""
     assert read_photograph('none') is None

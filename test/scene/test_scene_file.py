@@ -41,6 +41,7 @@ def written(folder: Path, content: dict) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('path', SCENES, ids=lambda path: path.stem)
 def test_every_scene_we_ship_is_sound(path):
     """All its ground and all its objects can be made; numbers and names are unique."""

@@ -11,6 +11,8 @@ from test.scene.ray_scene import RayScene
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import GROUND_NUMBER
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 GPU = 'ROCSAFE_TEST_EGL_DEVICE'
 # Every third pixel in both directions is checked.

@@ -19,6 +19,8 @@ pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_scene.engine.oversampled_camera import OversampledCamera
 from rocsafe_scene.engine.renderer import Renderer
 
+pytestmark = pytest.mark.slow
+
 LENS = PinholeCamera(math.radians(60.0), 640, 480)
 HEIGHT_M, OVERLAP = 32.0, 0.4
 TREES_M = 9.0

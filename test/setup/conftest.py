@@ -204,6 +204,7 @@ def system_ros(machine: FakeMachine, tmp_path: Path) -> FakeMachine:
             '"mcap_ros2": "", "pymavlink": "2.4.41", '
             '"numba": "0.58.1", "panda3d": "1.10.14", "scipy": "1.11.4", '
             '"PIL": "10.2.0", "pydantic": "1.10.14", "pyproj": "3.6.1", "rasterio": "1.3.9", '
+            '"jinja2": "3.1.2", "markupsafe": "2.1.5", '
             '"rich": "13.7.1", "setuptools": "68.1.2", "shapely": "2.0.3", "yaml": "6.0.1", '
             '"numpy": "1.26.4"}'
         ),

@@ -37,7 +37,7 @@ def simulated(plan: SurveyPlan, number: int) -> SimulatedVehicle:
     centre = plan.request.regions[0].area.centroid()
     frame = LocalFrame(replace(centre, altitude_m=spec.home.altitude_m))
     airframe = Airframe(
-        performance=spec.performance(plan.request.wind_mps),
+        performance=spec.performance(plan.request.airspace.wind_mps),
         hover_s=spec.hover_s,
         endurance_s=spec.endurance_s / 0.9 + 1.0,
         reserve_fraction=0.1,
@@ -96,8 +96,8 @@ AUTOPILOT = Autopilot()
     [
         {'vehicles': ENDS},
         {'vehicles': SWAPPING, 'method': 'boustrophedon_minmax'},
-        {'vehicles': CLOSE, 'separation_m': 12.0},
-        {'vehicles': CLOSE, 'separation_m': 12.0, 'separation_by': 'layers'},
+        {'vehicles': CLOSE, 'distance_m': 12.0},
+        {'vehicles': CLOSE, 'distance_m': 12.0, 'by': 'layers'},
         {'vehicles': ENDS, 'wind_mps': (3.0, -2.0)},
         {'terrain': HILLS},
         {'terrain': RIDGE, 'vehicles': ENDS},
@@ -116,10 +116,10 @@ def test_plans_are_flown_as_planned(changes: dict[str, object]) -> None:
     plan = plan_survey(request(**{**changes, 'vehicles': fleet}))
     if fleet[0].battery_swap_s is not None and fleet[0].hover_s:
         assert any(len(route.sorties) > 1 for route in plan.routes)
-    if plan.request.separation_m:
+    if plan.request.separation.distance_m:
         delays = any(route.delay_s for route in plan.routes)
         layers = any(route.flight_height_m > 32.0 for route in plan.routes)
-        assert layers if plan.request.separation_by == 'layers' else delays
+        assert layers if plan.request.separation.by == 'layers' else delays
     assert_flown(plan)
 
 

@@ -32,13 +32,13 @@ def build(layout: Layout, environment: Mapping[str, str]) -> None:
 
 
 def clear(layout: Layout) -> None:
-    """Remove what earlier builds left."""
+    """Remove the folders of earlier builds."""
     remove(layout.build)
     remove(layout.install)
 
 
 def compile_kernels(layout: Layout, environment: Mapping[str, str]) -> None:
-    """Compile the planner's inner loops, which else the first plan would wait for."""
+    """Compile the planner's inner loops, so that the first plan need not wait for that."""
     sources = [str(layout.planner), str(layout.sources / 'rocsafe_geo')]
     paths = [*sources, environment.get('PYTHONPATH', '')]
     run_logged(
@@ -54,8 +54,10 @@ def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_i
 
     Parameters
     ----------
-    token: tells this build from others.
-    stand_in: whether a ``ros2`` command is needed.
+    token
+        Identifies this build.
+    stand_in
+        Whether the ``ros2`` command of `rocsafe_ros2cli` is needed.
     """
     captured = capture(layout, ros)
     records.write_text(layout.environment_script, shell_script(layout, captured, token))
@@ -69,7 +71,7 @@ def write_commands(layout: Layout, ros: SystemRos | None, token: str, *, stand_i
 
 
 def real_ros2(layout: Layout, path: str) -> Path | None:
-    """Return the ``ros2`` command on `path` that is not our stand-in."""
+    """Return the ``ros2`` command on `path` that is not `rocsafe_ros2cli`."""
     for folder in path.split(os.pathsep):
         command = Path(folder) / 'ros2'
         if folder and os.access(command, os.X_OK) and not command.is_relative_to(layout.venv):

@@ -59,7 +59,7 @@ def _run(options: argparse.Namespace) -> None:
 
 
 def _clean(layout: Layout) -> None:
-    """Remove everything that set-up and the tools made; runs stay, they are the user's."""
+    """Remove everything that set-up and the tools made, except runs."""
     building.clear(layout)
     names = ('log', '.pytest_cache', '.mypy_cache', '.ruff_cache', '.hypothesis')
     for path in [layout.venv, *(layout.root / name for name in names)]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the user sees: one line a step, with the time it took."""
+"""Output for the user: one line per step, with its duration."""
 
 import time
 from collections.abc import Iterator

@@ -106,7 +106,8 @@ def capture(layout: Layout, ros: SystemRos | None) -> dict[str, str]:
 
     Raises
     ------
-    SetupError: if the shell does not answer.
+    SetupError
+        If the shell does not answer.
     """
     bare = {'PATH': os.defpath, 'HOME': str(layout.cache / 'home'), MARK: str(layout.root)}
     if ros is None:

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a set-up ends early."""
+"""Errors and signals that end a set-up early."""
 
 
 class SetupError(Exception):
-    """Something the user has to change; the text is the one line that is shown."""
+    """An error that the user has to correct; its text is the one line that is shown."""
 
 
 class CommandError(SetupError):
-    """A command of a stage failed; `log_text` is everything it said."""
+    """A command of a stage failed; `log_text` is its whole output."""
 
     def __init__(self, message: str, log_text: str) -> None:
         super().__init__(message)
@@ -15,7 +15,7 @@ class CommandError(SetupError):
 
 
 class Interrupted(BaseException):
-    """A signal asked to stop; like KeyboardInterrupt it is no error."""
+    """A signal asked the set-up to stop; like KeyboardInterrupt it is no error."""
 
     def __init__(self, signal_number: int) -> None:
         super().__init__(signal_number)

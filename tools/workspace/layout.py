@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names on disk: the only module that knows them."""
+"""Names of all files and folders of a set-up."""
 
 import re
 from dataclasses import dataclass
@@ -47,12 +47,12 @@ class Layout:
 
     @property
     def build(self) -> Path:
-        """Where colcon builds."""
+        """Build folder of colcon."""
         return self.root / 'build'
 
     @property
     def install(self) -> Path:
-        """Where colcon installs."""
+        """Install folder of colcon."""
         return self.root / 'install'
 
     @property
@@ -72,12 +72,12 @@ class Layout:
 
     @property
     def cache(self) -> Path:
-        """Caches and temporary files of the tools, which else go to the home folder."""
+        """Caches and temporary files of the tools; without it they go to the home folder."""
         return self.root / '.cache'
 
     @property
     def lock(self) -> Path:
-        """Held by the one set-up that is at work in this checkout."""
+        """Lock file of the set-up that runs in this checkout."""
         return self.cache / 'setup.lock'
 
     @property

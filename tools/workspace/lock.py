@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One set-up at a time in a checkout."""
+"""Lock that allows one set-up at a time in a checkout."""
 
 import fcntl
 import os
@@ -17,11 +17,12 @@ POLL_S = 0.2
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Hold the lock file `path`; the system releases it however the process ends.
+    """Hold the lock file `path`; the system releases it when the process ends.
 
     Raises
     ------
-    SetupError: if another process holds it for longer than `WAIT_LIMIT_S`.
+    SetupError
+        If another process holds it for longer than `WAIT_LIMIT_S`.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open('a+') as file:

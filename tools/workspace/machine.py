@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the machine has to bring: a complete Python, a compiler, CMake, room on the disk."""
+"""Checks of the machine: a complete Python, a compiler, CMake, space on the disk."""
 
 import json
 import os
@@ -32,7 +32,7 @@ print(json.dumps({
 
 @dataclass(frozen=True)
 class BasePython:
-    """A Python of the machine, as it described itself."""
+    """A Python of the machine, described by its own output."""
 
     executable: Path
     version: tuple[int, int, int]
@@ -46,11 +46,11 @@ class BasePython:
 
     @property
     def name(self) -> str:
-        """Version as people write it."""
+        """Version as text."""
         return '.'.join(str(part) for part in self.version)
 
     def complaint(self) -> str:
-        """Return what it lacks and how to get it, empty if nothing."""
+        """Return what it lacks and how to install that; empty if nothing."""
         package = f'python{self.minor[0]}.{self.minor[1]}'
         if self.lacks:
             return _complaint(self, f'module {self.lacks[0]}', f'{package}-venv')
@@ -66,13 +66,17 @@ def choose_python(
 
     Parameters
     ----------
-    environment: of the user.
-    wanted: the only version that will do, None if any that ROCSAFE supports will.
-    venv: virtual environment that is about to be made, so nothing in it is taken.
+    environment
+        Of the user.
+    wanted
+        The only version that will do, None if any that ROCSAFE supports will.
+    venv
+        Virtual environment that is about to be made, so nothing in it is taken.
 
     Raises
     ------
-    SetupError: if there is none, saying what the best one lacks.
+    SetupError
+        If there is none, saying what the best one lacks.
     """
     versions = (wanted,) if wanted else PYTHON_VERSIONS
     best = None
@@ -119,7 +123,8 @@ def check_tools(path: str) -> None:
 
     Raises
     ------
-    SetupError: naming every one that is missing, why it is needed and its Debian package.
+    SetupError
+        Naming every one that is missing, why it is needed and its Debian package.
     """
     needs = (
         ('g++', 'compiles the messages', 'g++'),
@@ -162,11 +167,12 @@ def _check_cmake(path: str) -> None:
 
 
 def check_wheels_exist() -> None:
-    """Check that ROS 2 comes as wheels for this kind of machine.
+    """Check that there are wheels of ROS 2 for this kind of machine.
 
     Raises
     ------
-    SetupError: if it does not.
+    SetupError
+        If it does not.
     """
     system, processor = platform.system(), platform.machine()
     if (system, processor) != ('Linux', 'x86_64'):
@@ -177,11 +183,12 @@ def check_wheels_exist() -> None:
 
 
 def check_disk(folder: Path) -> None:
-    """Check the room left for a first set-up.
+    """Check that the disk has space for a first set-up.
 
     Raises
     ------
-    SetupError: if less than `DISK_NEEDED_BYTES` is free.
+    SetupError
+        If less than `DISK_NEEDED_BYTES` is free.
     """
     free = shutil.disk_usage(folder).free
     if free < DISK_NEEDED_BYTES:

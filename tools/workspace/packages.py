@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The virtual environment and what pip puts into it."""
+"""The virtual environment and the packages that pip installs into it."""
 
 import json
 import platform
@@ -22,11 +22,13 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'cv2': ('opencv-python-headless', (4, 6)),
     'jinja2': ('Jinja2', (3, 1)),
+    'markupsafe': ('MarkupSafe', (2, 1)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
     'numba': ('numba', (0, 58)),
     'panda3d': ('panda3d', (1, 10, 13)),
     'PIL': ('pillow', (10, 2)),
+    'pmtiles': ('pmtiles', (3, 4)),
     'pydantic': ('pydantic', (2, 0)),
     'pymavlink': ('pymavlink', (2, 4, 41)),
     'pyproj': ('pyproj', (3, 6)),
@@ -64,7 +66,7 @@ _NETWORK_SIGNS = re.compile(
 def make_venv(
     layout: Layout, python: BasePython, ros: SystemRos | None, environment: Mapping[str, str]
 ) -> None:
-    """Make the virtual environment anew, whatever was there."""
+    """Make the virtual environment; an existing one is replaced."""
     remove(layout.venv)
     options = ['--system-site-packages'] if ros else []
     command = [str(python.executable), '-I', '-m', 'venv', *options, str(layout.venv)]
@@ -124,7 +126,8 @@ def remove(path: Path) -> None:
 
     Raises
     ------
-    SetupError: if the system does not allow it.
+    SetupError
+        If the system does not allow it.
     """
     try:
         if path.is_symlink() or path.is_file():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that set-up runs: logged, ended with it, and found again if it was killed."""
+"""Commands that set-up runs: logged, ended with it, and ended later if it was killed."""
 
 import contextlib
 import os
@@ -22,7 +22,7 @@ COMMAND_LIMIT_S = 3600.0
 
 
 class _Gate:
-    """Holds signals back while a process is being started and cannot be ended yet."""
+    """Delays signals while a process is being started and cannot be ended yet."""
 
     def __init__(self) -> None:
         self.is_closed = False
@@ -74,7 +74,8 @@ def run_logged(
 
     Raises
     ------
-    CommandError: with the end of the log, if the command fails or cannot start.
+    CommandError
+        With the end of the log, if the command fails or cannot start.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     process = None

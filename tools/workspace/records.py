@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is complete, and from which content it was made."""
+"""Records of complete stages and of the content that they were made from."""
 
 import hashlib
 import json
@@ -23,7 +23,7 @@ BUILD_PATTERNS = (
 
 
 def fingerprint(*parts: object) -> str:
-    """Return a digest of `parts`; a Path stands for the content of its file."""
+    """Return a digest of `parts`; for a Path, of the content of its file."""
     digest = hashlib.sha256(f'format {FORMAT}'.encode())
     for part in parts:
         content = part.read_bytes() if isinstance(part, Path) else str(part).encode()

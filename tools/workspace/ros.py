@@ -19,9 +19,12 @@ class SystemRos:
 
     Attributes
     ----------
-    rclpy: folder of its rclpy package.
-    python_version: the Python that rclpy was built for, such as (3, 12).
-    prefixes: of AMENT_PREFIX_PATH, without those inside the checkout.
+    rclpy
+        Folder of its rclpy package.
+    python_version
+        The Python that rclpy was built for, such as (3, 12).
+    prefixes
+        Of AMENT_PREFIX_PATH, without those inside the checkout.
     """
 
     rclpy: Path
@@ -34,7 +37,8 @@ def find_system_ros(environment: Mapping[str, str], root: Path) -> SystemRos | N
 
     Raises
     ------
-    SetupError: if another distribution is sourced, or this one only in part.
+    SetupError
+        If another distribution is sourced, or this one only in part.
     """
     distro = environment.get('ROS_DISTRO', '')
     if not distro:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stages of a set-up: each knows whether it is complete, and how to become so."""
+"""The stages of a set-up: each knows whether it is complete and how to complete it."""
 
 import os
 import sys
@@ -20,13 +20,16 @@ from workspace.ros import SystemRos, missing_packages
 
 @dataclass(frozen=True)
 class Workspace:
-    """A checkout on its way to be ready.
+    """A checkout that is being set up.
 
     Attributes
     ----------
-    layout: its files.
-    ros: the system's ROS, None for wheels.
-    user: environment that the user started the set-up in.
+    layout
+        Its files.
+    ros
+        The system's ROS, None for wheels.
+    user
+        Environment that the user started the set-up in.
     """
 
     layout: Layout

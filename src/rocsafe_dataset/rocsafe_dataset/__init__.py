@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Labelled pictures of scenes, for training and testing detectors."""
+"""Labelled images of scenes, for training and testing detectors."""

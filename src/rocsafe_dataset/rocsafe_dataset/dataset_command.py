@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``rocsafe dataset``: labelled pictures of a scene for training."""
+"""``rocsafe dataset``: labelled images of a scene for training."""
 
 import argparse
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Failures of making a data set that a caller may want to treat."""
+"""Errors of data sets."""
 
 
 class DatasetError(Exception):

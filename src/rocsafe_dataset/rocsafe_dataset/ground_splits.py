@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which ground belongs to which split, so that none is trained and tested on."""
+"""Division of the ground into splits, so that no place is both trained and tested on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

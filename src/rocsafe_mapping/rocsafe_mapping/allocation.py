@@ -9,10 +9,10 @@ KEPT_BYTES, LARGEST_KEPT_BYTES = 128 * 2**20, 32 * 2**20
 
 
 def keep_freed_memory() -> None:
-    """Let the C library keep the memory of pictures that were freed for the next ones.
+    """Let the C library keep freed memory for the next pictures.
 
-    glibc else returns each to the system and gets it anew, a page fault for every 4 KiB: a tenth
-    of the time of a map. Where the library is another one nothing changes.
+    By default glibc returns the memory of each picture to the system and asks for it again, with a
+    page fault for each 4 KiB: a tenth of the time of a map. Other libraries are left as they are.
     """
     try:
         mallopt = ctypes.CDLL(None).mallopt

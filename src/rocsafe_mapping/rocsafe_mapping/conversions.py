@@ -24,7 +24,8 @@ def record_of_message(message: GeotaggedImage) -> ShotRecord:
 
     Raises
     ------
-    ValueError: naming the field, its value and the limit.
+    ValueError
+        Naming the field, its value and the limit.
     """
     fix: NavSatFix = message.fix
     position = (fix.latitude, fix.longitude, fix.altitude)
@@ -52,7 +53,8 @@ def intrinsics_of_message(info: CameraInfo) -> Intrinsics:
 
     Raises
     ------
-    ValueError: naming the field, its value and the limit.
+    ValueError
+        Naming the field, its value and the limit.
     """
     is_distorted = any(info.d)
     return Intrinsics(
@@ -72,7 +74,8 @@ def numbers_of(message: Image) -> NDArray[np.uint16]:
 
     Raises
     ------
-    ValueError: if it is not 16 bit numbers in little-endian order, or too short.
+    ValueError
+        If it is not 16 bit numbers in little-endian order, or too short.
     """
     if message.encoding != 'mono16' or message.is_bigendian:
         raise ValueError(f'label image has encoding {message.encoding!r}: must be mono16')

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong in mapping, as its callers would tell it apart."""
+"""Errors of mapping."""
 
 
 class MappingError(Exception):

@@ -2,7 +2,7 @@
 """The map -> messages."""
 
 from rocsafe_interfaces.msg import Mosaic
-from rocsafe_mapping.mosaic.live import LiveMap
+from rocsafe_mapping.live.live_map import LiveMap
 from rocsafe_mapping.products.map_files import MapFiles
 from rocsafe_ros.conversions import EARTH_FRAME, point_of_position
 

@@ -10,9 +10,9 @@ from std_srvs.srv import Trigger
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import Region, ShotReceipt
 from rocsafe_mapping.allocation import keep_freed_memory
+from rocsafe_mapping.live.live_map import TILES_S, LiveMap
+from rocsafe_mapping.live.map_worker import MapWorker
 from rocsafe_mapping.map_conversions import mosaic_message
-from rocsafe_mapping.mosaic.live import TILES_S, LiveMap
-from rocsafe_mapping.mosaic.map_worker import MapWorker
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_mapping.products.map_files import MapFiles
 from rocsafe_ros import topics

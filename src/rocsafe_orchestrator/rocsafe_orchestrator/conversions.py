@@ -15,7 +15,11 @@ from rocsafe_interfaces.msg import (
     RadiationReading,
     Region,
     Route,
+    SurveyAirspace,
+    SurveyCoverage,
+    SurveyEffort,
     SurveyPlan,
+    SurveySeparation,
     VehicleNow,
     VehicleSpec,
     VehicleState,
@@ -64,27 +68,34 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
             _region(area, block)
             for area, block in zip(scenario.other_areas(), scenario.other_regions, strict=True)
         ],
-        clearance_m=survey.clearance_m,
-        wind_east_mps=survey.wind_mps[0],
-        wind_north_mps=survey.wind_mps[1],
         camera=camera_spec(scenario.camera),
         vehicles=[_vehicle_spec(scenario, vehicle) for vehicle in scenario.vehicles],
-        height_agl_m=survey.height_agl_m,
-        spacing_rule=survey.spacing_rule,
-        overlap_fraction=survey.overlap_fraction,
-        front_overlap_fraction=-1.0
-        if survey.front_overlap_fraction is None
-        else survey.front_overlap_fraction,
-        grid=survey.grid,
-        objective=survey.objective,
-        method=survey.method,
-        budget_s=survey.budget_s,
-        separation_m=survey.separation_m,
-        separation_by=survey.separation_by,
+        coverage=SurveyCoverage(
+            height_agl_m=survey.height_agl_m,
+            spacing_rule=survey.spacing_rule,
+            overlap_fraction=survey.overlap_fraction,
+            front_overlap_fraction=-1.0
+            if survey.front_overlap_fraction is None
+            else survey.front_overlap_fraction,
+            grid=survey.grid,
+            max_viewpoints=survey.max_viewpoints,
+        ),
+        airspace=SurveyAirspace(
+            clearance_m=survey.airspace.clearance_m,
+            terrain_clearance_m=survey.airspace.terrain_clearance_m,
+            wind_east_mps=survey.airspace.wind_mps[0],
+            wind_north_mps=survey.airspace.wind_mps[1],
+        ),
+        separation=SurveySeparation(
+            distance_m=survey.separation.distance_m, by=survey.separation.by
+        ),
+        effort=SurveyEffort(
+            method=survey.effort.method,
+            objective=survey.effort.objective,
+            budget_s=survey.effort.budget_s,
+            seed=scenario.seed,
+        ),
         terrain_file=survey.terrain_file,
-        terrain_clearance_m=survey.terrain_clearance_m,
-        seed=scenario.seed,
-        max_viewpoints=survey.max_viewpoints,
     )
 
 

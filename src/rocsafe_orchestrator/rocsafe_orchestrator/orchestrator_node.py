@@ -24,7 +24,8 @@ from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.parameters import ParameterError, declare_options
+from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 
 NAME = 'orchestrator'
@@ -44,8 +45,7 @@ class OrchestratorNode(Node):
         self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
     ) -> None:
         super().__init__(NAME, **node_options)
-        options = declare_options(self, OrchestratorOptions)
-        self.deadlines = Deadlines(**dataclasses.asdict(options))
+        self.deadlines = Deadlines(**dataclasses.asdict(_options(self)))
         self._scenario = scenario
         self._monitor = monitor
         self._mission_id = mission_id
@@ -150,6 +150,20 @@ class OrchestratorNode(Node):
 
     def _on_step(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)
+
+
+def _options(node: Node) -> OrchestratorOptions:
+    """Return the parameters of the orchestrator.
+
+    Raises
+    ------
+    ScenarioError
+        Naming a parameter with a wrong value, or one that there is no more.
+    """
+    try:
+        return declare_options(node, OrchestratorOptions)
+    except ParameterError as error:
+        raise ScenarioError(str(error)) from error
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import fields
+from typing import Any
 
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
@@ -19,11 +20,18 @@ from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan.flight_path import ground_places
 from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
 from rocsafe_planner.plan.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
-from rocsafe_planner.problem.survey_region import SurveyRegion
-from rocsafe_planner.problem.vehicle import Aloft, Vehicle
-from rocsafe_planner.problem.viewpoint import viewpoints_over
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import (
+    AirspaceOptions,
+    Continuation,
+    CoverageOptions,
+    Effort,
+    SeparationOptions,
+)
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Aloft, Vehicle
+from rocsafe_planner.plan.viewpoint import viewpoints_over
 from rocsafe_planner.replanning import Situation
-from rocsafe_planner.site.request import DEFAULT_OBJECTIVE, DEFAULT_SEPARATION, SurveyRequest
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
     area_of_region,
@@ -41,35 +49,60 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
     ValueError
         Naming the field, its value and the limit.
     """
-    limit = goal.max_viewpoints or options.max_viewpoints
+    coverage = _coverage(goal.coverage, options)
     camera = _camera(goal.camera)
     places = [position_of_point(point) for point in goal.viewpoints]
+    views = viewpoints_over(places, camera, coverage.height_agl_m) if places else ()
     return SurveyRequest(
         regions=tuple(
             SurveyRegion(area=area_of_region(region), sensors=tuple(region.sensors))
             for region in (goal.region, *goal.other_regions)
         ),
         exclusions=tuple(area_of_region(zone) for zone in goal.exclusions),
-        clearance_m=goal.clearance_m,
         camera=camera,
         vehicles=tuple(_vehicle(vehicle) for vehicle in goal.vehicles),
-        height_agl_m=goal.height_agl_m,
-        spacing_rule=goal.spacing_rule,
-        overlap_fraction=goal.overlap_fraction,
-        front_overlap_fraction=_known(goal.front_overlap_fraction),
-        grid=goal.grid or options.grid,
-        method=goal.method or options.default_method,
-        objective=goal.objective or DEFAULT_OBJECTIVE,
-        wind_mps=(goal.wind_east_mps, goal.wind_north_mps),
-        separation_m=goal.separation_m,
-        separation_by=goal.separation_by or DEFAULT_SEPARATION,
         terrain=read_terrain(goal.terrain_file) if goal.terrain_file else None,
-        terrain_clearance_m=goal.terrain_clearance_m,
-        budget_s=goal.budget_s,
-        seed=goal.seed,
-        max_viewpoints=min(limit, options.max_viewpoints),
-        viewpoints=viewpoints_over(places, camera, goal.height_agl_m) if places else (),
+        coverage=coverage,
+        airspace=_airspace(goal.airspace),
+        separation=SeparationOptions(
+            distance_m=goal.separation.distance_m, **_given(by=goal.separation.by)
+        ),
+        effort=Effort(
+            method=goal.effort.method or options.default_method,
+            **_given(objective=goal.effort.objective),
+            budget_s=goal.effort.budget_s,
+            proposals=goal.effort.proposals,
+            seed=goal.effort.seed,
+        ),
+        continuation=Continuation(viewpoints=views),
     )
+
+
+def _coverage(message: msg.SurveyCoverage, options: PlannerOptions) -> CoverageOptions:
+    limit = message.max_viewpoints or options.max_viewpoints
+    return CoverageOptions(
+        height_agl_m=message.height_agl_m,
+        spacing_rule=message.spacing_rule,
+        overlap_fraction=message.overlap_fraction,
+        front_overlap_fraction=_known(message.front_overlap_fraction),
+        grid=message.grid or options.grid,
+        max_viewpoints=min(limit, options.max_viewpoints),
+    )
+
+
+def _airspace(message: msg.SurveyAirspace) -> AirspaceOptions:
+    return AirspaceOptions(
+        wind_mps=(message.wind_east_mps, message.wind_north_mps),
+        **_given(
+            clearance_m=_known(message.clearance_m),
+            terrain_clearance_m=_known(message.terrain_clearance_m),
+        ),
+    )
+
+
+def _given(**values: Any) -> dict[str, Any]:
+    """Return the values that a message gives: no None and no empty text."""
+    return {name: value for name, value in values.items() if value not in (None, '')}
 
 
 def situation_of_goal(goal: action.PlanSurvey.Goal) -> Situation:
@@ -96,17 +129,17 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
     request = plan.request
     message = msg.SurveyPlan(
         plan_id=plan.plan_id,
-        method=request.method,
-        seed=request.seed,
-        objective=request.objective,
+        method=request.effort.method,
+        seed=request.effort.seed,
+        objective=request.effort.objective,
         region=_region(request.regions[0]),
         other_regions=[_region(region) for region in request.regions[1:]],
         exclusions=[region_of_area(zone) for zone in request.exclusions],
         camera=_camera_message(request.camera),
-        height_agl_m=request.height_agl_m,
-        spacing_rule=request.spacing_rule,
-        overlap_fraction=request.overlap_fraction,
-        front_overlap_fraction=request.front_overlap,
+        height_agl_m=request.coverage.height_agl_m,
+        spacing_rule=request.coverage.spacing_rule,
+        overlap_fraction=request.coverage.overlap_fraction,
+        front_overlap_fraction=request.coverage.front_overlap,
         spacing_m=plan.spacing_m,
         routes=[_route(route, request) for route in plan.routes],
         makespan_s=plan.makespan_s,
@@ -119,8 +152,8 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         covered_area_m2=plan.covered_area_m2,
         covered_fraction=plan.covered_fraction,
         largest_hole_m2=plan.largest_hole_m2,
-        separation_m=request.separation_m,
-        objective_value=OBJECTIVE_VALUES[request.objective](plan),
+        separation_m=request.separation.distance_m,
+        objective_value=OBJECTIVE_VALUES[request.effort.objective](plan),
         minimum_separation_m=plan.minimum_separation_m,
     )
     message.header.frame_id = EARTH_FRAME
@@ -193,8 +226,10 @@ def _vehicle(vehicle: msg.VehicleSpec) -> Vehicle:
         end=_only_place(f'{vehicle.name} end', vehicle.end),
         is_open=vehicle.is_open,
         sensors=tuple(vehicle.sensors),
-        cruise_power_w=vehicle.cruise_power_w,
-        hover_power_w=vehicle.hover_power_w,
+        **_given(
+            cruise_power_w=_known(vehicle.cruise_power_w),
+            hover_power_w=_known(vehicle.hover_power_w),
+        ),
         autopilot=_autopilot(vehicle.autopilot),
     )
 
@@ -232,7 +267,7 @@ def _route(route: Route, request: SurveyRequest) -> msg.Route:
         viewpoints=[viewpoint for flight in flights for viewpoint in flight.viewpoints],
         homeward=flights[-1].homeward if flights else [],
         exclusions=[region_of_area(zone).boundary for zone in request.exclusions],
-        clearance_m=request.clearance_m,
+        clearance_m=request.airspace.clearance_m,
         length_m=route.length_m,
         duration_s=route.duration_s,
         flights=flights,

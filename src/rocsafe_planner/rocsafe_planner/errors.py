@@ -28,3 +28,7 @@ class MissingSensorError(PlannerError):
 
 class NothingLeftError(PlannerError):
     """Every viewpoint is photographed."""
+
+
+class FaultyPlanError(PlannerError):
+    """The independent checker found a fault in a plan: it is not published."""

@@ -5,9 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rocsafe_geo.limits import require_count
-from rocsafe_planner.coverage.viewpoint_grid import GRIDS
-from rocsafe_planner.routing.methods import METHODS
-from rocsafe_planner.site.request import DEFAULT_MAX_VIEWPOINTS, DEFAULT_METHOD, require_one_of
+from rocsafe_planner.plan.survey_options import GRIDS, METHODS, require_one_of
 
 MAX_VIEWPOINTS_LIMIT = 1_000_000
 
@@ -17,15 +15,15 @@ class PlannerOptions:
     """What a request leaves open; one ROS parameter a field."""
 
     default_method: str = field(
-        default=DEFAULT_METHOD,
+        default=METHODS[0],
         metadata={'doc': f'routing method of a request that names none: {", ".join(METHODS)}'},
     )
     grid: str = field(
-        default='axis_aligned',
+        default=GRIDS[0],
         metadata={'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'},
     )
     max_viewpoints: int = field(
-        default=DEFAULT_MAX_VIEWPOINTS,
+        default=5000,
         metadata={
             'doc': 'largest number of viewpoints of any plan',
             'min': 1,
@@ -40,8 +38,8 @@ class PlannerOptions:
     )
 
     def __post_init__(self) -> None:
-        require_one_of('default_method', self.default_method, tuple(METHODS))
-        require_one_of('grid', self.grid, tuple(GRIDS))
+        require_one_of('default_method', self.default_method, METHODS)
+        require_one_of('grid', self.grid, GRIDS)
         require_count('max_viewpoints', self.max_viewpoints, 1, MAX_VIEWPOINTS_LIMIT)
 
     def export_folder(self, plan_id: str, is_further: bool) -> Path:

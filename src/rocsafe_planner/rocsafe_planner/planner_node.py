@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The planner as a ROS node: `ros2 run rocsafe_planner planner`."""
 
+from collections.abc import Callable
 from functools import partial
 
 from rclpy.action import ActionServer, CancelResponse
@@ -12,6 +13,7 @@ from rclpy.task import Future
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
 from rocsafe_interfaces.msg import SurveyPlan
+from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.conversions import (
     feedback,
     message_of_plan,
@@ -23,13 +25,13 @@ from rocsafe_planner.conversions import (
 )
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.export.plan_files import write_plan
-from rocsafe_planner.export.plan_reading import exported_plan
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.plan.plan import SurveyPlan as PlanValue
-from rocsafe_planner.planning import Progress, plan_survey
-from rocsafe_planner.planning_job import PlanningJob
+from rocsafe_planner.plan.plan_reading import exported_plan
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.planning import UNKNOWN, Figures
 from rocsafe_planner.replanning import remaining_request
-from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
@@ -37,10 +39,8 @@ from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
 # How often a running job is looked at, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1
 
-Job = PlanningJob[SurveyPlan]
 
-
-def _load_solver(_on_progress: Progress) -> None:
+def _load_solver(_report: Callable[[None], bool]) -> None:
     from rocsafe_planner.solver.precompile import load_kernels
 
     load_kernels()
@@ -62,7 +62,7 @@ class PlannerNode(Node):
         self._newest: ServerGoalHandle | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         # While the other nodes start: the first goal need not wait for it.
-        self._loading = PlanningJob(_load_solver)
+        BackgroundJob(_load_solver, 'loading', None)
         self._server = ActionServer(
             self,
             PlanSurvey,
@@ -113,35 +113,42 @@ class PlannerNode(Node):
 
     async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
         """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
-        job = Job(partial(self._plan, request))
+        planning = BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
         done = Future()
         timer = self.create_timer(
-            WATCH_PERIOD_S, partial(self._watch, job, goal, done), clock=self._wall_clock
+            WATCH_PERIOD_S,
+            partial(self._watch, planning, goal, done),
+            clock=self._wall_clock,
         )
         await done
         self.destroy_timer(timer)
-        return job.result()
+        return planning.result()
 
-    def _plan(self, request: SurveyRequest, on_progress: Progress) -> SurveyPlan:
-        """Plan and export; runs in the job's thread."""
-        plan = plan_survey(request, on_progress)
+    def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
+        """Plan, check and export; runs in the thread of the job."""
+        plan = checked_plan(request, lambda *figures: report(figures))
         self._plans[plan.plan_id] = plan
-        is_wanted = on_progress(plan.makespan_s, plan.lower_bound_s)
+        is_wanted = report((plan.makespan_s, plan.lower_bound_s))
         if self._options.export_directory and is_wanted:
-            write_plan(plan, self._options.export_folder(plan.plan_id, bool(request.viewpoints)))
+            folder = self._options.export_folder(
+                plan.plan_id, bool(request.continuation.viewpoints)
+            )
+            write_plan(plan, folder)
         return message_of_plan(plan)
 
-    def _watch(self, job: Job, goal: ServerGoalHandle, done: Future) -> None:
-        """Report a job's progress; wake its goal when it is done."""
+    def _watch(
+        self,
+        planning: BackgroundJob[SurveyPlan, Figures],
+        goal: ServerGoalHandle,
+        done: Future,
+    ) -> None:
+        """Report the progress of a goal; wake the goal when its planning has ended."""
         if done.done():
             return
         if goal.is_cancel_requested or goal is not self._newest:
-            job.cancel()
-        progress = job.progress
-        goal.publish_feedback(
-            feedback(progress.elapsed_s, progress.makespan_s, progress.lower_bound_s)
-        )
-        if job.is_done:
+            planning.cancel()
+        goal.publish_feedback(feedback(planning.elapsed_s, *planning.progress))
+        if planning.is_done:
             done.set_result(None)
 
     def _refuse(

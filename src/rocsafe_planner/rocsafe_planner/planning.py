@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 from rocsafe_planner.coverage.sight import Sight, sight
 from rocsafe_planner.errors import PlanningCancelledError
-from rocsafe_planner.plan.keeping_apart import KeptApart, kept_apart
+from rocsafe_planner.flights.keeping_apart import KeptApart, kept_apart
+from rocsafe_planner.flights.routes import SECONDS_PER_HOUR
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_planner.plan.routes import SECONDS_PER_HOUR
-from rocsafe_planner.routing.methods import METHODS
-from rocsafe_planner.routing.solver_result import Optimised
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.routing.methods import METHODS, Optimised
 from rocsafe_planner.site.given_viewpoints import footprints_of
-from rocsafe_planner.site.request import DEFAULT_OBJECTIVE, SurveyRequest
 from rocsafe_planner.site.survey_site import SurveySite, survey_site
 
 if TYPE_CHECKING:
@@ -22,6 +21,10 @@ if TYPE_CHECKING:
 
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
+
+Figures = tuple[float, float]
+"""Best makespan and lower bound so far, seconds, NaN while unknown."""
+UNKNOWN: Figures = (math.nan, math.nan)
 
 Progress = Callable[[float, float], bool]
 """Told the best makespan and lower bound so far, in seconds, NaN while unknown; False stops.
@@ -59,7 +62,7 @@ def plan_survey(
         return plan_survey(dataclasses.replace(request, vehicles=homeward), on_progress)
     apart = kept_apart(site, found.orders)
     makespan = max(route.finish_s for route in apart.routes)
-    is_time = request.objective == DEFAULT_OBJECTIVE
+    is_time = request.effort.minimises_makespan
     bound = _bound(site, found, makespan, on_progress)
     sight = _sight(site, apart)
     return SurveyPlan(
@@ -96,7 +99,7 @@ def _bound(
     # Loaded when it is asked for: see `_found`.
     from rocsafe_planner.routing.bound import LowerBound, lower_bound
 
-    has_proof = site.request.objective == DEFAULT_OBJECTIVE and found.bound > 0.0
+    has_proof = site.request.effort.minimises_makespan and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
     if has_proof and len(site.problem.points) > MANY_POINTS:
         return proven  # a forest of so many points takes longer than it is worth beside a proof
@@ -109,32 +112,26 @@ def _sight(site: SurveySite, apart: KeptApart) -> Sight:
     if not any(apart.layers_m):
         return site.coverage.sight
     views = [view for route in apart.routes for view in route.viewpoints]
-    seen = footprints_of(site.frame, (*views, *site.request.visited))
+    seen = footprints_of(site.frame, (*views, *site.request.continuation.visited))
     return sight(site.polygons, seen)
 
 
 def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> Optimised:
     """Return the routes of the request's method, and what it proved of its objective, if any."""
-    if request.method != 'solver':
-        orders = METHODS[request.method](site.problem)
+    if request.effort.method != 'solver':
+        orders = METHODS[request.effort.method](site.problem)
         return Optimised(orders=orders)
     # Loaded when it is asked for: compiled code takes a moment that no other method needs.
     from rocsafe_planner.routing.battery_swaps import optimised_with_swaps
-    from rocsafe_planner.routing.solver_method import Effort
 
-    is_time = request.objective == DEFAULT_OBJECTIVE
+    is_time = request.effort.minimises_makespan
     found = optimised_with_swaps(
         site.problem,
-        Effort(
-            objective=request.objective,
-            budget_s=request.budget_s,
-            proposals=request.proposals,
-            seed=request.seed,
-        ),
+        request.effort,
         # What is not a time is not told.
         on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
     )
-    if request.objective == 'energy':
+    if request.effort.objective == 'energy':
         return dataclasses.replace(found, bound=found.bound / SECONDS_PER_HOUR)
     return found
 

@@ -12,14 +12,16 @@ from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_planner.planning import Progress, plan_survey
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import Continuation
+from rocsafe_planner.plan.vehicle import Aloft, Vehicle
+from rocsafe_planner.plan.viewpoint import Viewpoint, viewpoints_over
+from rocsafe_planner.planning import Progress
 from rocsafe_planner.problem.airspace import Airspace
-from rocsafe_planner.problem.vehicle import Aloft, Vehicle
-from rocsafe_planner.problem.viewpoint import Viewpoint, viewpoints_over
 from rocsafe_planner.site.given_viewpoints import places_of
-from rocsafe_planner.site.request import SurveyRequest
 from rocsafe_planner.site.survey_site import frame_of
 
 _PROPOSALS_A_POINT = 1500
@@ -66,7 +68,7 @@ def replan(
     PlannerError
         If there is no plan for the rest; NothingLeftError if all is photographed.
     """
-    return plan_survey(remaining_request(plan, situation), on_progress)
+    return checked_plan(remaining_request(plan, situation), on_progress)
 
 
 def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
@@ -78,7 +80,7 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
     left += viewpoints_over(
         situation.new_places,
         request.camera,
-        request.height_agl_m,
+        request.coverage.height_agl_m,
         first_id=max(known, default=-1) + 1,
     )
     if not left:
@@ -91,14 +93,19 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
             for vehicle in request.vehicles
             if vehicle.name in situation.alive
         ),
-        method='solver',
-        budget_s=0.0,
-        proposals=_proposals(len(left)),
+        coverage=dataclasses.replace(
+            request.coverage, max_viewpoints=max(request.coverage.max_viewpoints, len(left))
+        ),
+        effort=dataclasses.replace(
+            request.effort, method='solver', budget_s=0.0, proposals=_proposals(len(left))
+        ),
         exclusions=(*request.exclusions, *situation.new_exclusions),
-        max_viewpoints=max(request.max_viewpoints, len(left)),
-        viewpoints=tuple(sorted(left, key=lambda view: view.id)),
-        visited=(*request.visited, *done),
-        ground_reference=request.ground_reference or tuple(v.home for v in request.vehicles),
+        continuation=Continuation(
+            viewpoints=tuple(sorted(left, key=lambda view: view.id)),
+            visited=(*request.continuation.visited, *done),
+            ground_reference=request.continuation.ground_reference
+            or tuple(v.home for v in request.vehicles),
+        ),
     )
 
 
@@ -110,7 +117,7 @@ def _proposals(points: int) -> int:
 def unreachable(plan: SurveyPlan) -> tuple[int, ...]:
     """Return the ids of viewpoints that exclusions shut off: a plan for the rest leaves them."""
     flown = {view.id for route in plan.routes for view in route.viewpoints}
-    return tuple(view.id for view in plan.request.viewpoints if view.id not in flown)
+    return tuple(view.id for view in plan.request.continuation.viewpoints if view.id not in flown)
 
 
 def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
@@ -122,7 +129,7 @@ def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
     frame = frame_of(request)
     zones = [zone.polygon(frame) for zone in request.exclusions]
     starts = places_of(frame, [route.vehicle.start for route in aloft])
-    free = Airspace(zones, request.clearance_m).holds(starts).tolist()
+    free = Airspace(zones, request.airspace.clearance_m).holds(starts).tolist()
     return {
         route.vehicle.name: distance_m(route.vehicle.start, route.sorties[0].bends[0][0])
         for route, is_free in zip(aloft, free, strict=True)
@@ -133,7 +140,7 @@ def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
 def _all_viewpoints(plan: SurveyPlan) -> dict[int, Viewpoint]:
     """Return the viewpoints of the routes, and those that a new plan may reach again."""
     flown = {view.id: view for route in plan.routes for view in route.viewpoints}
-    return {**{view.id: view for view in plan.request.viewpoints}, **flown}
+    return {**{view.id: view for view in plan.request.continuation.viewpoints}, **flown}
 
 
 def _check(situation: Situation, known: Mapping[int, Viewpoint], request: SurveyRequest) -> None:
@@ -141,7 +148,7 @@ def _check(situation: Situation, known: Mapping[int, Viewpoint], request: Survey
     strangers = sorted(set(situation.alive) - names)
     if strangers:
         raise ValueError(f'alive has {strangers[0]!r}: must be of {", ".join(sorted(names))}')
-    before = {view.id for view in request.visited}
+    before = {view.id for view in request.continuation.visited}
     unknown = sorted(set(situation.visited) - set(known) - before)
     if unknown:
         raise ValueError(f'visited has viewpoint {unknown[0]}: the plan has no such one')

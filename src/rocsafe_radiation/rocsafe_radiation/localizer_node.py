@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``localizer``: sources and doses from all readings so far, while the vehicles fly."""
 
-from concurrent.futures import Future
 from functools import partial
 from typing import Any
 
@@ -25,7 +24,7 @@ from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
-from rocsafe_ros.background_job import start_job
+from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -55,7 +54,7 @@ class LocalizerNode(Node):
             raise ParameterError(f'{self.get_name()}: {error}') from error
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
-        self._job: Future[Assessment] | None = None
+        self._job: BackgroundJob[Assessment, None] | None = None
         self._assessment: Assessment | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._request = PendingRequest()
@@ -98,7 +97,7 @@ class LocalizerNode(Node):
         self._region = region
 
     def _on_watch(self) -> None:
-        if self._job is not None and self._job.done():
+        if self._job is not None and self._job.is_done:
             self._evaluated = self._fitted
             self._publish(self._job)
             self._job = None
@@ -117,10 +116,12 @@ class LocalizerNode(Node):
             return
         self._fitted = len(self._log)
         options = self._options.assessment(self._log.models)
-        work = partial(assess, survey, options, self._log.vehicles)
-        self._job = start_job(work, 'localizing')
+        vehicles = self._log.vehicles
+        self._job = BackgroundJob(
+            lambda _report: assess(survey, options, vehicles), 'localizing', None
+        )
 
-    def _publish(self, job: 'Future[Assessment]') -> None:
+    def _publish(self, job: BackgroundJob[Assessment, None]) -> None:
         try:
             self._assessment = assessment = job.result()
         except TooFewReadingsError:

@@ -21,7 +21,7 @@ from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
 
 EARTH_FRAME = 'earth'
 MAP_FRAME = 'map'
-# Of a fix without error: ROS takes 0 for "unknown" in some readers.
+# Variance of a fix without error; some readers take 0 for "unknown".
 _LEAST_VARIANCE_M2 = 1e-12
 _NO_DISTORTION = [0.0] * 5
 
@@ -51,7 +51,8 @@ def position_of_point(point: GeoPoint) -> GeoPosition:
 
     Raises
     ------
-    ValueError: if latitude or longitude is out of range or not finite.
+    ValueError
+        If latitude or longitude is out of range or not finite.
     """
     return GeoPosition(
         latitude_deg=point.latitude, longitude_deg=point.longitude, altitude_m=point.altitude
@@ -59,18 +60,19 @@ def position_of_point(point: GeoPoint) -> GeoPosition:
 
 
 def has_position(fix: NavSatFix) -> bool:
-    """Whether `fix` says where the receiver is."""
+    """Return whether `fix` has a position."""
     return fix.status.status >= NavSatStatus.STATUS_FIX and math.isfinite(
         fix.latitude + fix.longitude
     )
 
 
 def position_of_fix(fix: NavSatFix) -> GeoPosition:
-    """Return where `fix` is; its altitude is above the ellipsoid, NaN if unknown.
+    """Return the position of `fix`; altitude above the ellipsoid, NaN if unknown.
 
     Raises
     ------
-    ValueError: if it has no position.
+    ValueError
+        If it has no position.
     """
     if not has_position(fix):
         raise ValueError(f'fix has no position (status {fix.status.status})')
@@ -86,7 +88,7 @@ def fix_message(
     std_m: tuple[float, float],
     status: int = NavSatStatus.STATUS_FIX,
 ) -> NavSatFix:
-    """Return a fix; `std_m` is horizontal and vertical, NaN: nobody knows how good it is."""
+    """Return a fix; `std_m` is horizontal and vertical standard deviation, NaN if unknown."""
     message = NavSatFix(
         header=Header(stamp=stamp, frame_id=frame_id),
         status=NavSatStatus(status=status, service=NavSatStatus.SERVICE_GPS),
@@ -209,7 +211,8 @@ def area_of_region(region: Region) -> SurveyArea:
 
     Raises
     ------
-    ValueError: if its polygons do not make an area, see `SurveyArea`.
+    ValueError
+        If its polygons do not make an area, see `SurveyArea`.
     """
     return SurveyArea(
         name=region.name,

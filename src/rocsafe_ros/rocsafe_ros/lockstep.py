@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Taking part in lock-step simulation.
+"""Participation in lock-step simulation.
 
-The world publishes a time on ``/clock`` and waits until every participant has reported that time
-done before it publishes the next. So time never runs ahead of a participant's work, and a run
-gives the same result at every speed. Time that stands still is published again, and a report that
-brings nothing new is repeated: neither a lost message nor a restarted process stops the run.
+The world publishes a time on ``/clock`` and waits until every participant has reported that the
+step is done; only then it publishes the next time. Therefore time never runs ahead of the work of
+a participant, and a run gives the same result at every speed. While time stands still, the world
+repeats its time and the participants repeat their reports, so neither a lost message nor a
+restarted process stops the run.
 """
 
 from collections.abc import Callable
@@ -18,23 +19,27 @@ from rocsafe_interfaces.msg import StepDone
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
 
-# Wall time after which a report is repeated; the world repeats its time as often.
+# Wall time after which a report is repeated; the world uses the same interval.
 REPEAT_S = 0.5
-# So many repetitions of the first report are held back, at most, for who is not ready.
+# Most repetitions of the first report that wait for `is_ready`.
 MOST_HELD_BACK = 20
 
 
 class Participant:
-    """Calls `on_step` once a step of simulated time and reports the step done.
+    """Calls `on_step` once per step of simulated time and reports the step as done.
 
     Parameters
     ----------
-    node: the node that takes part; it is made to use simulated time.
-    name: how the world knows the participant.
-    on_step: gets the time in nanoseconds, does all the work of that step, publishing included,
-        and returns whether it is idle, that is, has nothing to do until somebody asks.
-    is_ready: tells whether the participant hears all that it works with; until it does, but for
-        no longer than ten seconds, its first report is held back and so is simulated time.
+    node
+        The node that takes part; its parameter `use_sim_time` is set.
+    name
+        Name of the participant, as the world expects it.
+    on_step
+        Called with the time in nanoseconds; does all the work of the step, publishing included,
+        and returns whether the participant is idle, that is, has nothing to do until a request.
+    is_ready
+        Returns whether the participant is connected to all nodes that it works with. Until then,
+        but at most for ten seconds, its first report waits, and so does simulated time.
     """
 
     def __init__(
@@ -63,11 +68,11 @@ class Participant:
         )
         heard_ns = node.get_clock().now().nanoseconds
         if heard_ns > 0:
-            # Time that the node has heard already does not jump when it is published again.
+            # A time that the node knows already causes no jump when it is published again.
             self._work(heard_ns)
 
     def report(self, *, is_idle: bool) -> None:
-        """Report the current step again with a new idleness, for instance on a new request."""
+        """Report the current step again if idleness has changed, for example by a new request."""
         if self._last is None or self._last.is_idle == is_idle:
             return
         self._last.is_idle = is_idle

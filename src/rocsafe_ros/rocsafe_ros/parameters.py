@@ -39,7 +39,7 @@ def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
     """Declare one read-only parameter a field of `options_type` and return their values.
 
     `options_type` may have a class variable `MOVED_PARAMETERS`, a mapping from the names of
-    parameters that are no more to what takes their place. Whoever still sets one is told so.
+    parameters of earlier versions to what replaces them. Setting one is an error.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def _default(field: 'dataclasses.Field[Any]') -> Any:
 
 
 def _converted(field: 'dataclasses.Field[Any]', field_type: Any, value: Any) -> Any:
-    """Return `value` as `field_type` wants it; integers serve as floats, nothing else bends."""
+    """Return `value` in `field_type`; integers are taken as floats, other types are refused."""
     if typing.get_origin(field_type) is tuple:
         element_type = typing.get_args(field_type)[0]
         if value is None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The life of a node's process: start, spin, always clean up, and say how it ended.
+"""The process of a node: start, spin, clean up and return an exit code.
 
-Nodes are spun by one single-threaded events executor: it serves an order of magnitude more
-messages than the wait-set executors, and coroutines replace threads where a callback must wait.
+One single-threaded events executor spins the nodes: it serves ten times as many messages as the
+wait-set executors. Where a callback must wait, it is a coroutine, not a thread.
 """
 
 import ctypes
@@ -24,15 +24,15 @@ from rocsafe_ros.parameters import ParameterError
 EXIT_OK = 0
 EXIT_FAILURE = 1
 EXIT_USAGE = 2
-# Longest time for which a signal may go unnoticed by an idle node.
+# Longest delay between a signal and the end of an idle node.
 POLL_S = 0.1
-# Set by the supervisor to its own process id: its nodes end when it does.
+# The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 _PR_SET_PDEATHSIG = 1
 
 
 class StopRequest:
-    """Turns SIGINT and SIGTERM into a flag, so that no callback is cut in two."""
+    """Turns SIGINT and SIGTERM into a flag, so that no callback is interrupted."""
 
     def __init__(self) -> None:
         self.is_set = False
@@ -48,9 +48,10 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
 
     Returns
     -------
-    0 after SIGINT or SIGTERM or when ROS is shut down, 2 with one line on standard error if a
-    parameter is wrong. Any other exception ends the process with its traceback: its supervisor
-    decides what then.
+    int
+        0 after SIGINT or SIGTERM or when ROS is shut down; 2, with one line on standard error, if
+        a parameter is wrong. Any other exception ends the process with its traceback, and its
+        supervisor decides whether to start it again.
     """
     _end_with_supervisor()
     stop = StopRequest()
@@ -92,7 +93,7 @@ def _end_with_supervisor() -> None:
     if not supervisor or not sys.platform.startswith('linux'):
         return
     ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    # It may have died before the line above took effect.
+    # The supervisor may have ended before prctl took effect.
     if os.getppid() != int(supervisor):
         sys.exit(EXIT_FAILURE)
 

@@ -14,14 +14,18 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 
 class ShotDelivery:
-    """Publishes camera/shot at once, and again until its receipt; subscribes shots/receipts.
+    """Publishes camera/shot at once and repeats it until its receipt on shots/receipts.
 
     Parameters
     ----------
-    node: in the vehicle's namespace.
-    store: keeps what has no receipt.
-    message_of: makes the message of a photograph.
-    on_receipt: is called after each receipt of an own photograph.
+    node
+        Node in the vehicle's namespace.
+    store
+        Store of the photographs that have no receipt yet.
+    message_of
+        Converts a photograph to its message.
+    on_receipt
+        Called after each receipt of a photograph of this vehicle.
     """
 
     def __init__(
@@ -42,7 +46,7 @@ class ShotDelivery:
         node.create_timer(0.5 * RESEND_S, self._resend, clock=steady)
 
     def send(self, shot: Shot) -> None:
-        """Publish a photograph that the store keeps."""
+        """Publish a photograph that is in the store."""
         self._shot.publish(self._message_of(shot))
         self._store.mark_sent(shot.shot_id, time.monotonic())
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every topic, service and action of ROCSAFE: name, type, quality of service, rate.
 
-Names are relative. A name of vehicle scope lives in the namespace of a vehicle (``rav1/fix``), a
-name of fleet scope in that of the suite. The table of the README is made from this module.
+Names are relative. A name of vehicle scope is in the namespace of a vehicle (``rav1/fix``), a
+name of fleet scope in that above. `make docs` writes docs/interfaces.md from this module.
 """
 
 from collections.abc import Callable
@@ -55,21 +55,21 @@ from rocsafe_interfaces.srv import (
 )
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-# Deep enough for a subscriber that falls behind by a minute of one vehicle's readings at 10 Hz.
+# One minute of one vehicle's readings at 10 Hz, for a subscriber that falls behind.
 STREAM_DEPTH = 600
-# Late subscribers get as many measurements as pass, at full speed, while they are being found;
-# more would greet an operator's `ros2 topic echo` with history.
+# Measurements that pass at full speed during the discovery of a subscriber; more would only fill
+# an operator's `ros2 topic echo` with history.
 MEASUREMENTS_KEPT = 50
-# Pictures are large; who was away for longer finds them in the image store.
+# Images are large; a subscriber that was away for longer finds them in the image store.
 PICTURES_KEPT = 8
-# Topics of further cameras of a vehicle have their names in this one's place.
+# Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'
-# A vehicle that says nothing for this long is taken for lost.
+# A vehicle without a heartbeat for this long is taken for lost.
 HEARTBEAT_LEASE_S = 2.0
 
 
 class Scope(Enum):
-    """In whose namespace a name lives."""
+    """The namespace that a name is relative to: of a vehicle or of the fleet."""
 
     VEHICLE = 'vehicle'
     FLEET = 'fleet'
@@ -80,10 +80,10 @@ def _stream() -> QoSProfile:
 
 
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
-    """Return a stream whose last `depth` messages also reach who asks for them later.
+    """Return a stream whose last `depth` messages also reach late subscribers.
 
-    A recorder or field that is started again, or hears of a vehicle late, then misses nothing.
-    Subscribers that do not ask are served as by any stream.
+    A recorder or field that is started again, or discovers a vehicle late, misses nothing.
+    Subscribers that do not ask for transient local messages are served as by any stream.
     """
     return QoSProfile(
         depth=depth,
@@ -118,11 +118,16 @@ class TopicSpec:
 
     Attributes
     ----------
-    name: relative to the namespace that `scope` says.
-    message_type: its message class.
-    qos: quality of service offered by its publisher.
-    rate: how often it comes, for people.
-    note: what it means, for people.
+    name
+        Name relative to the namespace of `scope`.
+    message_type
+        Class of its messages.
+    qos
+        Quality of service offered by its publisher.
+    rate
+        Its rate, as text for readers.
+    note
+        Its meaning, as text for readers.
     """
 
     name: str
@@ -285,7 +290,8 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
 
     Raises
     ------
-    ValueError: if a vehicle is named for a name of fleet scope.
+    ValueError
+        If a vehicle is named for a name of fleet scope.
     """
     if not vehicle:
         return spec.name
@@ -295,11 +301,12 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
 
 
 def of_camera(spec: TopicSpec, camera: str) -> TopicSpec:
-    """Return `spec`, which is of the first camera of a vehicle, as that of the camera so called.
+    """Return the topic of `camera` that corresponds to `spec` of the first camera.
 
     Raises
     ------
-    ValueError: if it is not of a camera.
+    ValueError
+        If `spec` is not the topic of a camera.
     """
     first, _, rest = spec.name.partition('/')
     if first != FIRST_CAMERA or not rest:
@@ -316,7 +323,7 @@ def _name_from(node: Node, spec: TopicSpec, vehicle: str) -> str:
 
 
 def create_publisher(node: Node, spec: TopicSpec, vehicle: str = '') -> Publisher:
-    """Publish `spec` from `node`, below `vehicle` if the node stands outside its namespace."""
+    """Publish `spec` from `node`; name `vehicle` if the node is outside of its namespace."""
     return node.create_publisher(spec.message_type, _name_from(node, spec, vehicle), spec.qos)
 
 
@@ -330,7 +337,7 @@ def create_subscription(
 ) -> Subscription:
     """Subscribe `node` to every message of `spec`: nothing is lost up to the depth of its queue.
 
-    A heartbeat's deadline is offered, not asked for, so that a slow simulation is no fault.
+    The deadline of a heartbeat is offered but not requested, so a slow simulation is no fault.
     With `raw` the callback gets the serialised bytes.
     """
     qos = QoSProfile(

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes that stand in the namespace of a vehicle."""
+"""Nodes in the namespace of a vehicle."""
 
 from rclpy.node import Node
 
 
 class VehicleScopeNode(Node):
-    """A node in a vehicle's namespace, say ``/rav1``: fleet names live in the one above, ``/``."""
+    """A node in a vehicle's namespace, such as ``/rav1``; fleet names are in that above."""
 
     @property
     def vehicle_name(self) -> str:
@@ -14,5 +14,5 @@ class VehicleScopeNode(Node):
 
     @property
     def fleet_namespace(self) -> str:
-        """Namespace of the suite, without a slash at its end; empty for the root."""
+        """Namespace of the fleet, without a slash at its end; empty for the root."""
         return self.get_namespace().rsplit('/', 1)[0]

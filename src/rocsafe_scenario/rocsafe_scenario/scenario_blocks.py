@@ -5,11 +5,20 @@ Values are not converted: a string is not a number, and an unknown key is refuse
 """
 
 from collections.abc import Callable
+from dataclasses import fields
 from datetime import datetime, timezone
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_planner.plan.survey_options import (
+    AirspaceOptions,
+    CoverageOptions,
+    Effort,
+    SeparationOptions,
+)
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
@@ -18,6 +27,16 @@ RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
      'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
+
+
+def _defaults(values: type) -> dict[str, Any]:
+    """Return the defaults of a dataclass: each is written once, where the value is defined."""
+    return {field.name: field.default for field in fields(values)}
+
+
+_COVERAGE, _AIRSPACE = _defaults(CoverageOptions), _defaults(AirspaceOptions)
+_SEPARATION, _EFFORT = _defaults(SeparationOptions), _defaults(Effort)
+_VEHICLE, _AUTOPILOT = _defaults(Vehicle), _defaults(Autopilot)
 
 # Keys that only the planner needs.
 PLANNING_KEYS = (
@@ -95,26 +114,59 @@ class RegionBlock(Block):
     sensors: tuple[SensorName, ...] = ()
 
 
-class SurveyBlock(Block):
-    """How the region is photographed, and the effort of the planner."""
+class AirspaceBlock(Block):
+    """What flights keep away from, and the wind: see `AirspaceOptions`."""
 
-    height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
-    spacing_rule: Literal['iou', 'linear'] = 'iou'
-    overlap_fraction: float = Field(default=0.2, ge=0.0, le=0.95)
-    front_overlap_fraction: float | None = Field(default=None, ge=0.0, le=0.95)
-    grid: Literal['axis_aligned', 'rotated', 'best'] = 'axis_aligned'
+    clearance_m: float = Field(default=_AIRSPACE['clearance_m'], ge=0.0, le=1000.0)
+    terrain_clearance_m: float = Field(
+        default=_AIRSPACE['terrain_clearance_m'], gt=0.0, le=LARGEST_HEIGHT_M
+    )
+    wind_mps: tuple[float, float] = _AIRSPACE['wind_mps']
+
+    def options(self) -> AirspaceOptions:
+        """Return it as the planner takes it."""
+        return AirspaceOptions(**self.model_dump())
+
+
+class SeparationBlock(Block):
+    """How far apart vehicles stay in the air: see `SeparationOptions`."""
+
+    distance_m: float = Field(default=_SEPARATION['distance_m'], ge=0.0, le=10_000.0)
+    by: Literal['delay', 'layers'] = _SEPARATION['by']
+
+
+class EffortBlock(Block):
+    """Which method plans, what it minimises, for how long: see `Effort`.
+
+    An empty `method` is the planner's default.
+    """
+
     method: str = ''
     objective: Literal[
         'longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy'
-    ] = 'longest_time'
-    clearance_m: float = Field(default=2.0, ge=0.0, le=1000.0)
-    wind_mps: tuple[float, float] = (0.0, 0.0)
-    separation_m: float = Field(default=0.0, ge=0.0, le=10_000.0)
-    separation_by: Literal['delay', 'layers'] = 'delay'
+    ] = _EFFORT['objective']
+    budget_s: float = Field(default=_EFFORT['budget_s'], ge=0.0, le=LARGEST_BUDGET_S)
+
+
+class SurveyBlock(Block):
+    """How the region is photographed (see `CoverageOptions`), and how the plan is made."""
+
+    height_agl_m: float = Field(gt=0.0, le=LARGEST_HEIGHT_M)
+    spacing_rule: Literal['iou', 'linear'] = _COVERAGE['spacing_rule']
+    overlap_fraction: float = Field(default=_COVERAGE['overlap_fraction'], ge=0.0, le=0.95)
+    front_overlap_fraction: float | None = Field(
+        default=_COVERAGE['front_overlap_fraction'], ge=0.0, le=0.95
+    )
+    grid: Literal['axis_aligned', 'rotated', 'best'] = _COVERAGE['grid']
+    max_viewpoints: int = Field(default=_COVERAGE['max_viewpoints'], ge=1, le=100_000)
     terrain_file: str = ''
-    terrain_clearance_m: float = Field(default=10.0, gt=0.0, le=LARGEST_HEIGHT_M)
-    budget_s: float = Field(default=0.0, ge=0.0, le=LARGEST_BUDGET_S)
-    max_viewpoints: int = Field(default=2000, ge=1, le=100_000)
+    airspace: AirspaceBlock = AirspaceBlock()
+    separation: SeparationBlock = SeparationBlock()
+    effort: EffortBlock = EffortBlock()
+
+    def coverage(self) -> CoverageOptions:
+        """Return where photographs are taken, as the planner takes it."""
+        return CoverageOptions(**self.model_dump(include=set(_COVERAGE)))
 
 
 class SimulationBlock(Block):
@@ -168,18 +220,20 @@ class AutopilotBlock(Block):
     stop: with `hover_s: 0`.
     """
 
-    jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
-    smoothing_s: float = Field(default=0.3, ge=0.0, le=10.0)
-    vertical_acceleration_mps2: float = Field(default=1.0, gt=0.0, le=1e9)
-    vertical_jerk_mps3: float = Field(default=1.0, gt=0.0, le=1e12)
-    waypoint_radius_m: float = Field(default=2.0, ge=0.0, le=100.0)
-    lean_angle_deg: float = Field(default=30.0, ge=1.0, le=80.0)
-    drag_per_m: float = Field(default=0.054, ge=1e-6, le=100.0)
-    landing_speed_mps: float = Field(default=0.5, gt=0.0, le=100.0)
-    landing_height_m: float = Field(default=10.0, ge=0.0, le=1000.0)
-    take_off_delay_s: float = Field(default=2.5, ge=0.0, le=600.0)
-    home_wait_s: float = Field(default=5.0, ge=0.0, le=600.0)
-    landed_delay_s: float = Field(default=2.0, ge=0.0, le=600.0)
+    jerk_mps3: float = Field(default=_AUTOPILOT['jerk_mps3'], gt=0.0, le=1e12)
+    smoothing_s: float = Field(default=_AUTOPILOT['smoothing_s'], ge=0.0, le=10.0)
+    vertical_acceleration_mps2: float = Field(
+        default=_AUTOPILOT['vertical_acceleration_mps2'], gt=0.0, le=1e9
+    )
+    vertical_jerk_mps3: float = Field(default=_AUTOPILOT['vertical_jerk_mps3'], gt=0.0, le=1e12)
+    waypoint_radius_m: float = Field(default=_AUTOPILOT['waypoint_radius_m'], ge=0.0, le=100.0)
+    lean_angle_deg: float = Field(default=_AUTOPILOT['lean_angle_deg'], ge=1.0, le=80.0)
+    drag_per_m: float = Field(default=_AUTOPILOT['drag_per_m'], ge=1e-6, le=100.0)
+    landing_speed_mps: float = Field(default=_AUTOPILOT['landing_speed_mps'], gt=0.0, le=100.0)
+    landing_height_m: float = Field(default=_AUTOPILOT['landing_height_m'], ge=0.0, le=1000.0)
+    take_off_delay_s: float = Field(default=_AUTOPILOT['take_off_delay_s'], ge=0.0, le=600.0)
+    home_wait_s: float = Field(default=_AUTOPILOT['home_wait_s'], ge=0.0, le=600.0)
+    landed_delay_s: float = Field(default=_AUTOPILOT['landed_delay_s'], ge=0.0, le=600.0)
 
 
 class VehicleBlock(Block):
@@ -190,20 +244,20 @@ class VehicleBlock(Block):
 
     name: VehicleName
     home: LatLon = HOME_OF_VEHICLE
-    cruise_speed_mps: float = Field(default=5.0, gt=0.0, le=100.0)
-    acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0)
-    climb_rate_mps: float = Field(default=2.5, gt=0.0, le=50.0)
-    descent_rate_mps: float = Field(default=1.5, gt=0.0, le=50.0)
-    hover_s: float = Field(default=1.0, ge=0.0, le=600.0)
+    cruise_speed_mps: float = Field(default=_VEHICLE['cruise_speed_mps'], gt=0.0, le=100.0)
+    acceleration_mps2: float = Field(default=_VEHICLE['acceleration_mps2'], gt=0.0, le=50.0)
+    climb_rate_mps: float = Field(default=_VEHICLE['climb_rate_mps'], gt=0.0, le=50.0)
+    descent_rate_mps: float = Field(default=_VEHICLE['descent_rate_mps'], gt=0.0, le=50.0)
+    hover_s: float = Field(default=_VEHICLE['hover_s'], ge=0.0, le=600.0)
     endurance_s: float = Field(default=1500.0, gt=0.0, le=604_800.0)
     reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
-    battery_swap_s: float | None = Field(default=None, ge=0.0, le=86_400.0)
+    battery_swap_s: float | None = Field(default=_VEHICLE['battery_swap_s'], ge=0.0, le=86_400.0)
     end: LatLon | None = None
     is_open: bool = False
     fails_after_s: float = Field(default=0.0, ge=0.0, le=1e6)
     sensors: tuple[SensorName, ...] = ()
-    cruise_power_w: float = Field(default=200.0, gt=0.0, le=1e6)
-    hover_power_w: float = Field(default=220.0, gt=0.0, le=1e6)
+    cruise_power_w: float = Field(default=_VEHICLE['cruise_power_w'], gt=0.0, le=1e6)
+    hover_power_w: float = Field(default=_VEHICLE['hover_power_w'], gt=0.0, le=1e6)
     autopilot: AutopilotBlock = AutopilotBlock()
     link: str = ''
     drone: DroneBlock = DroneBlock()

@@ -120,10 +120,10 @@ def _too_much_wind(scenario: Scenario) -> Iterator[str]:
             Performance(
                 **vehicle.model_dump(include=set(rates)),
                 autopilot=Autopilot(**vehicle.autopilot.model_dump()),
-                wind_mps=scenario.survey.wind_mps,
+                wind_mps=scenario.survey.airspace.wind_mps,
             )
         except ValueError as error:
-            yield f'vehicles[{index}] in survey.wind_mps: {error}'
+            yield f'vehicles[{index}] in survey.airspace.wind_mps: {error}'
 
 
 def _missing_sensors(scenario: Scenario) -> Iterator[str]:
@@ -241,9 +241,10 @@ def flight_mistakes(scenario: Scenario) -> list[str]:
             f'replan = {scenario.replan}: must be never where a vehicle is real (has a link), as '
             f'{scenario.linked[0].name}'
         )
-    if scenario.survey.separation_m > 0.0 and scenario.linked:
+    distance_m = scenario.survey.separation.distance_m
+    if distance_m > 0.0 and scenario.linked:
         lines.append(
-            f'survey.separation_m = {scenario.survey.separation_m:g}: is for plans and simulated '
+            f'survey.separation.distance_m = {distance_m:g}: is for plans and simulated '
             f'vehicles; {scenario.linked[0].name} is real and takes off when it is ready'
         )
     return lines

@@ -6,29 +6,21 @@ import math
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.plan.survey_options import spacing_m
 from rocsafe_scenario.camera_blocks import CameraBlock
 from rocsafe_scenario.scenario_blocks import SurveyBlock
 
 
-def spacing_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:
+def spacings_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:
     """Return the distances between neighbouring viewpoints across and along, metres.
 
-    Smyth et al. (2018), section IV: with footprint F = 2 h tan(fov / 2) and overlap y the rule
-    ``iou`` gives F (1 - y) / (1 + y), surveyors' rule ``linear`` F (1 - y). Across is the side of
-    the image's width, along that of its height.
+    Across is the side of the image's width, along that of its height.
     """
-    half_angle = math.radians(camera.horizontal_fov_deg) / 2.0
-    overlap = survey.overlap_fraction
-    front = survey.front_overlap_fraction
-    width = 2.0 * survey.height_agl_m * math.tan(half_angle)
+    coverage = survey.coverage()
+    width = 2.0 * survey.height_agl_m * math.tan(math.radians(camera.horizontal_fov_deg) / 2.0)
     height = width * camera.image_height_px / camera.image_width_px
-    along = overlap if front is None else front
-    return width * _part(overlap, survey), height * _part(along, survey)
-
-
-def _part(overlap: float, survey: SurveyBlock) -> float:
-    """Return the spacing as a fraction of the footprint."""
-    return (1.0 - overlap) / (1.0 + overlap if survey.spacing_rule == 'iou' else 1.0)
+    across = spacing_m(width, coverage.overlap_fraction, coverage.spacing_rule)
+    return across, spacing_m(height, coverage.front_overlap, coverage.spacing_rule)
 
 
 def area_m2(area: SurveyArea) -> float:
@@ -46,4 +38,4 @@ def fewest_viewpoints(area: SurveyArea, survey: SurveyBlock, camera: CameraBlock
     A plan has more, because tiles that touch the boundary count too: by about half the length of
     the boundary over the spacing.
     """
-    return math.ceil(area_m2(area) / math.prod(spacing_m(survey, camera)))
+    return math.ceil(area_m2(area) / math.prod(spacings_m(survey, camera)))

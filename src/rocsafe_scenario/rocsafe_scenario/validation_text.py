@@ -9,6 +9,16 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 LONGEST_VALUE = 60
+MOVED_KEYS = {
+    **{f'survey.{key}': f'survey.effort.{key}' for key in ('method', 'objective', 'budget_s')},
+    **{
+        f'survey.{key}': f'survey.airspace.{key}'
+        for key in ('clearance_m', 'terrain_clearance_m', 'wind_mps')
+    },
+    'survey.separation_m': 'survey.separation.distance_m',
+    'survey.separation_by': 'survey.separation.by',
+}
+"""Where keys of older scenarios are found now."""
 
 
 def error_lines(name: str, error: ValidationError, model: type[BaseModel]) -> list[str]:
@@ -42,6 +52,8 @@ def _as_lists(value: Any) -> Any:
 def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     path = key_path(detail['loc'])
     kind = detail['type']
+    if kind == 'extra_forbidden' and path in MOVED_KEYS:
+        return f'{path}: is now {MOVED_KEYS[path]}'
     if kind == 'extra_forbidden':
         return f'{path}: unknown key{_suggestion(detail["loc"], model)}'
     if kind == 'missing':

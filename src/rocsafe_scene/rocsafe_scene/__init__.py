@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What there is to see, and how a camera sees it: scenes, engine, optics. No ROS."""
+"""Scenes and how cameras see them: scene files, engine, flat ground, optics. No ROS."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Failures of scenes and cameras that a caller may want to treat."""
+"""Errors of scenes and cameras."""
 
 
 class ViewError(Exception):

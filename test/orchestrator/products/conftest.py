@@ -10,6 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
+from rocsafe_planner.plan.plan_json import plan_document
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import CoverageOptions, Effort, SeparationOptions
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Vehicle
+from rocsafe_planner.plan.viewpoint import Viewpoint
+
 NS = 1_000_000_000
 START_NS = 1_748_772_000 * NS
 HEIGHT_M = 32.0
@@ -40,6 +51,10 @@ SCENARIO = {
         ]
     },
 }  # fmt: skip
+
+
+def _area(name, corners):
+    return SurveyArea(boundary=tuple(GeoPosition(*corner) for corner in corners), name=name)
 
 
 @dataclass(frozen=True)
@@ -229,37 +244,47 @@ class SyntheticRun:
         """The plan as the planner writes it to plan.json."""
         routes, number = [], 0
         for name, points in self.routes.items():
-            viewpoints = []
+            views = []
             for x, y in points:
-                place = self._place(self.frame.to_geodetic((x, y, HEIGHT_M))[0])
-                viewpoints.append({'id': number, **place, 'height_agl_m': 32.0, 'yaw_rad': 0.0})
+                place = GeoPosition(*self.frame.to_geodetic((x, y, HEIGHT_M))[0].tolist())
+                views.append(
+                    Viewpoint(
+                        id=number, position=place, height_agl_m=32.0, yaw_rad=0.0, footprint=()
+                    )
+                )
                 number += 1
             duration_s = self.flights[name][3] * 0.99
-            routes.append(
-                {'vehicle': name, 'home': self._place((*HOMES[name], GROUND_M)),
-                 'length_m': SPEED_MPS * duration_s, 'duration_s': duration_s,
-                 'viewpoints': viewpoints}
-            )  # fmt: skip
-        makespan_s = max(route['duration_s'] for route in routes)
-        return {
-            'format': 'rocsafe-plan', 'format_version': 1, 'plan_id': '0a1b2c',
-            'method': 'paper_greedy', 'makespan_s': makespan_s,
-            'lower_bound_s': makespan_s / 1.23, 'lower_bound_method': 'held_karp',
-            'gap_fraction': 0.23, 'region_area_m2': 19880.0, 'covered_area_m2': 19880.0,
-            'covered_fraction': 1.0, 'height_agl_m': HEIGHT_M, 'spacing_rule': 'iou',
-            'overlap_fraction': 0.2, 'spacing_m': self.detail.spacing_m,
-            'region': {'name': 'derailment', 'holes': [],
-                       'boundary': [self._place((*corner, 0.0)) for corner in CORNERS]},
-            'camera': {'horizontal_fov_rad': math.radians(60.0), 'image_width_px': 640,
-                       'image_height_px': 480},
-            'routes': routes, 'objective': 'longest_time', 'largest_hole_m2': 0.0,
-            'minimum_separation_m': 26.5, 'separation_m': 12.0,
-            'exclusions': [{'name': 'crane', 'holes': [], 'boundary': [
-                self._place((*corner, 0.0)) for corner in CRANE]}],
-        }  # fmt: skip
-
-    def _place(self, position):
-        return dict(zip(('latitude_deg', 'longitude_deg', 'altitude_m'), position, strict=True))
+            sortie = Sortie(
+                viewpoints=tuple(views),
+                bends=((),) * (len(views) + 1),
+                length_m=SPEED_MPS * duration_s,
+                duration_s=duration_s,
+                energy_wh=0.0,
+            )
+            vehicle = Vehicle(name=name, home=GeoPosition(*HOMES[name], GROUND_M))
+            routes.append(Route(vehicle=vehicle, sorties=(sortie,)))
+        request = SurveyRequest(
+            regions=(SurveyRegion(area=_area('derailment', CORNERS)),),
+            exclusions=(_area('crane', CRANE),),
+            camera=PinholeCamera(math.radians(60.0), 640, 480),
+            vehicles=tuple(route.vehicle for route in routes),
+            coverage=CoverageOptions(height_agl_m=HEIGHT_M),
+            separation=SeparationOptions(distance_m=12.0),
+            effort=Effort(method='paper_greedy'),
+        )
+        plan = SurveyPlan(
+            plan_id='0a1b2c',
+            request=request,
+            routes=tuple(routes),
+            spacing_m=self.detail.spacing_m,
+            spacing_along_m=self.detail.spacing_m,
+            lower_bound_s=max(route.finish_s for route in routes) / 1.23,
+            lower_bound_method='held_karp',
+            region_area_m2=19880.0,
+            covered_area_m2=19880.0,
+            minimum_separation_m=26.5,
+        )
+        return plan_document(plan)
 
     # Pictures.
 

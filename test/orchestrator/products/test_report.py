@@ -4,6 +4,7 @@
 import json
 import re
 import shutil
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -176,6 +177,13 @@ def test_everything_can_be_reached_by_keyboard(outline):
     assert next(a for t, a in outline.elements if 'map' in a.get('class', '').split())['tabindex']
 
 
+@pytest.fixture
+def unlocalized(monkeypatch):
+    """Leave out the estimate of sources, which takes seconds and does not matter here."""
+    module = sys.modules[write_products.__module__]
+    monkeypatch.setattr(module, 'estimate_sources', lambda *_: None)
+
+
 LOSSES = {
     'plan': ['plan.json'],
     'images': ['images'],
@@ -189,7 +197,7 @@ LOSSES = {
 
 
 @pytest.mark.parametrize('lost', LOSSES.values(), ids=LOSSES)
-def test_report_of_a_partial_run_tells_what_is_missing(flown_run, tmp_path, lost):
+def test_report_of_a_partial_run_tells_what_is_missing(flown_run, tmp_path, lost, unlocalized):
     """A run cut off anywhere still gives a report, and says what it lacks."""
     run = tmp_path / 'run'
     shutil.copytree(flown_run, run)
@@ -208,7 +216,7 @@ def test_report_of_a_partial_run_tells_what_is_missing(flown_run, tmp_path, lost
 
 
 @pytest.mark.parametrize('name', ['plan.json', 'run.json', 'scenario.yaml', 'mosaic.tif'])
-def test_damaged_file_is_reported_not_fatal(flown_run, tmp_path, name):
+def test_damaged_file_is_reported_not_fatal(flown_run, tmp_path, name, unlocalized):
     """A file full of rubbish counts as missing."""
     run = tmp_path / 'run'
     shutil.copytree(flown_run, run)

@@ -46,7 +46,8 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
 
     Raises
     ------
-    MappingError: if a folder has no photographs, or the flights do not tie to each other.
+    MappingError
+        If a folder has no photographs, or the flights do not tie to each other.
     """
     maker = Mapmaker(MapOptions(ground_resolution_m=wanted.resolution_m), _note)
     for folder, prefix in ((before, BEFORE), (after, AFTER)):
@@ -57,15 +58,16 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
                 _note(str(error))
     alignment = maker.align()
     _require_tied(maker)
-    for reason in violations(alignment, maker.survey.state):
+    for reason in violations(alignment, maker.block.state):
         _note(f'not to be called georeferenced: {reason}')
-    sheets = maker.sheets()
-    grid = maker.grid(sheets)
+    placed_photos = maker.placed_photos()
+    grid = maker.grid(placed_photos)
     renderers = [
         Renderer(
-            {name: sheet for name, sheet in sheets.items() if name.startswith(prefix)},
-            maker.pictures,
+            {name: placed for name, placed in placed_photos.items() if name.startswith(prefix)},
+            maker.pixels,
             grid,
+            maker.options.drawing,
         )
         for prefix in (BEFORE, AFTER)
     ]
@@ -76,7 +78,7 @@ def _require_tied(maker: Mapmaker) -> None:
     """Raise MappingError unless some photographs of one flight tie to the other."""
     bridges = [
         pair
-        for pair in maker.survey.used_pairs
+        for pair in maker.block.used_pairs
         if pair.first.startswith(BEFORE) != pair.second.startswith(BEFORE)
     ]
     if not bridges:

@@ -40,7 +40,8 @@ def import_folder(folder: Path, directory: Path) -> dict[Status, int]:
 
     Raises
     ------
-    MappingError: if the folder cannot be read or the store cannot be written.
+    MappingError
+        If the folder cannot be read or the store cannot be written.
     """
     counts = dict.fromkeys(Status, 0)
 
@@ -73,7 +74,8 @@ class _Numbers:
 
     Parameters
     ----------
-    records: of the photographs that are there.
+    records
+        Of the photographs that are there.
     """
 
     def __init__(self, records: Sequence[ShotRecord]) -> None:

@@ -14,9 +14,9 @@ from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
 from rocsafe_mapping.photographs.label_images import LABELS
-from rocsafe_mapping.products.handover import Handover, hand_over
+from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.products.overlays import write_mbtiles
-from rocsafe_mapping.products.pmtiles import write_pmtiles
+from rocsafe_mapping.products.pmtiles_file import write_pmtiles
 from rocsafe_mapping.store.catalogue import MANIFEST, StoredShot, read_store
 from rocsafe_mapping.store.photograph_files import photographs_of
 
@@ -65,7 +65,8 @@ def make_map(options: argparse.Namespace) -> int:
 
     Raises
     ------
-    MappingError: if there is nothing to map or a file cannot be written.
+    MappingError
+        If there is nothing to map or a file cannot be written.
     """
     watch = Stopwatch()
     maker = Mapmaker(
@@ -83,7 +84,7 @@ def make_map(options: argparse.Namespace) -> int:
     region = None
     if options.region is not None:
         region = read_area(options.region).polygon(maker.frame.frame)
-    wanted = Handover(
+    wanted = ProductOptions(
         geotiff=folder / f'{NAME}.tif',
         folder=folder,
         region=region,
@@ -91,7 +92,7 @@ def make_map(options: argparse.Namespace) -> int:
         labels=_labels_of(options),
     )
     alignment = maker.align(watch.lap)
-    document = hand_over(maker, alignment, wanted, watch.lap, watch.costs)
+    document = write_products(maker, alignment, wanted, watch.lap, watch.costs)
     if not options.only_geotiff:
         write_mbtiles(wanted.geotiff, folder / f'{NAME}.mbtiles')
         write_pmtiles(folder / f'{NAME}.mbtiles', folder / f'{NAME}.pmtiles')
@@ -111,7 +112,8 @@ def shots_of(folder: Path) -> tuple[StoredShot, ...]:
 
     Raises
     ------
-    StoreError: if it cannot be read.
+    StoreError
+        If it cannot be read.
     """
     if (folder / MANIFEST).exists():
         return read_store(folder, _note)

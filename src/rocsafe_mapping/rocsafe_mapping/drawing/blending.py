@@ -8,13 +8,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import BoolArray
+
 LEVELS = 4
-# Beyond so many pixels from a seam nothing is mixed.
+# Pixels farther from a seam are not mixed.
 REACH_PX = 2**LEVELS * 2
 GRAIN_PX = 2**LEVELS
 Colour = NDArray[np.uint8]
 Floats = NDArray[np.float32]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 Place = tuple[slice, slice]
 
 
@@ -24,9 +26,12 @@ class Part:
 
     Attributes
     ----------
-    place: rows and columns of the window, all multiples of 16, see `reach`.
-    picture: shape (height, width, 3) of the place.
-    mask: which pixels of the whole window it shall own.
+    place
+        Rows and columns of the window, all multiples of 16, see `reach`.
+    picture
+        Shape (height, width, 3) of the place.
+    mask
+        Which pixels of the whole window it shall own.
     """
 
     place: Place
@@ -49,18 +54,21 @@ def _grown(indices: NDArray[np.int64], size: int) -> slice:
 
 
 def blended(ground: Colour, ground_mask: Mask, parts: Sequence[Part]) -> Colour:
-    """Return pictures, each where its mask is, mixed across the borders of the masks.
+    """Return the pictures blended: each where its mask is, mixed across the borders of masks.
 
     Coarse structure is mixed over a wide margin, fine structure over a narrow one.
 
     Parameters
     ----------
-    ground: a picture of the whole window, shape (height, width, 3), multiples of 16.
-    ground_mask: what it owns; no pixel is in two masks.
-    parts: the other pictures.
+    ground
+        A picture of the whole window, shape (height, width, 3), multiples of 16.
+    ground_mask
+        What it owns; no pixel is in two masks.
+    parts
+        The other pictures.
     """
-    # Each level of the joined pyramid is linear in the pictures, with shares that add up to one:
-    # only what the others differ from the first needs a pyramid of its own.
+    # Each level of the blended pyramid is a weighted mean of the pictures: only the differences
+    # from the first picture need a pyramid.
     smoothed = [_smoothed(part.mask[part.place].astype(np.float32)) for part in parts]
     totals = _smoothed(ground_mask.astype(np.float32))
     for part, masks in zip(parts, smoothed, strict=True):

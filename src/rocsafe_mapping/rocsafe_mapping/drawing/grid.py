@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map's grid of pixels and its tie to the ground.
+"""The map's grid of pixels in the local frame.
 
 Pixel (row, column) of a UTM zone spans eastings from column to column + 1 and northings from
 -row - 1 to -row, in units of the resolution: one grid for the whole zone, so that maps fit
 together.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -15,10 +16,13 @@ from pyproj import Transformer
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mapping.alignment.photo import GroundFrame
+from rocsafe_mapping.alignment.model.photo import GroundFrame
 from rocsafe_mapping.errors import PlacementError
 
-WGS84_EPSG = 4326
+WGS84_EPSG, WEB_MERCATOR_EPSG = 4326, 3857
+# Half the side of the square of Web Mercator, metres; side of its tiles.
+WORLD_M = math.pi * 6_378_137.0
+TILE_PX = 256
 UTM_NORTH_EPSG, UTM_SOUTH_EPSG = 32600, 32700
 UTM_ZONE_DEG, UTM_ZONES = 6.0, 60
 # UTM ends at these latitudes (NGA.SIG.0012).
@@ -87,9 +91,12 @@ class MapGrid:
 
     Attributes
     ----------
-    epsg: UTM zone, or 3857 for the tiles of web maps.
-    resolution_m: side of a pixel in the map's units.
-    frame: of the local metres.
+    epsg
+        UTM zone, or 3857 for the tiles of web maps.
+    resolution_m
+        Side of a pixel in the map's units.
+    frame
+        Of the local metres.
     """
 
     epsg: int
@@ -128,8 +135,7 @@ class MapGrid:
     def ground_lattice(self, window: Window, step: int) -> FloatArray:
         """Return the local ground of every `step`-th pixel edge of `window`, (rows, columns, 2).
 
-        It reaches from the window's first edges to its last; inside, the grid is straight to far
-        below a pixel, so only the corners are asked of the projection.
+        Only the corners are projected; between them the grid is straight to far below a pixel.
         """
         rows, columns = window.height // step + 1, window.width // step + 1
         west, north = float(window.column), float(window.row)
@@ -148,7 +154,8 @@ def utm_epsg(latitude_deg: float, longitude_deg: float) -> int:
 
     Raises
     ------
-    PlacementError: if it is outside the latitudes of UTM.
+    PlacementError
+        If it is outside the latitudes of UTM.
     """
     if not UTM_SOUTH_LIMIT_DEG <= latitude_deg <= UTM_NORTH_LIMIT_DEG:
         raise PlacementError(
@@ -161,7 +168,7 @@ def utm_epsg(latitude_deg: float, longitude_deg: float) -> int:
 
 @lru_cache(maxsize=64)
 def _corners(grid: MapGrid, columns: tuple[float, float], rows: tuple[float, float]) -> FloatArray:
-    """Return the local ground (2, 2, 2) of four grid places: all photographs of a tile ask it."""
+    """Return the local ground (2, 2, 2) of four grid places; kept, as photographs share it."""
     (west, east), (north, south) = columns, rows
     return grid.ground_of(
         np.array([west, east, west, east]), np.array([north, north, south, south])

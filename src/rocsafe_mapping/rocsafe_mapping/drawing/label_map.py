@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Label images mosaicked by the poses of their photographs: a map of what is where."""
+"""A map of label images, drawn with the poses of their photographs."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, drawn
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.sheet import Sheet, drawn
 
 UNKNOWN = 0
 Labels = NDArray[np.uint8]
@@ -18,37 +18,40 @@ Labels = NDArray[np.uint8]
 
 def label_tiles(
     renderer: Renderer,
-    sheets: Mapping[str, Sheet],
+    placed_photos: Mapping[str, PlacedPhoto],
     labels_of: Callable[[str], Labels | None],
     side: int,
 ) -> Iterator[tuple[Window, Labels]]:
     """Return the labels of the map's tiles, each from the photograph that the map shows there.
 
-    Labels are never mixed: seams are those of the map, each pixel has one photograph's label.
+    Labels are not blended: each pixel has the label of the photograph that the map shows there.
 
     Parameters
     ----------
-    renderer, sheets: of the map.
-    labels_of: returns the label image of a photograph by name, as large as the photograph, 0
-        where nothing is known; None where there is none.
-    side: of a tile, a multiple of 16.
+    renderer, placed_photos
+        Of the map.
+    labels_of
+        Returns the label image of a photograph by name, as large as the photograph, 0 where
+        nothing is known; None where there is none.
+    side
+        Of a tile, a multiple of 16.
     """
     for tile in renderer.window.tiles(side):
         index = renderer.owner_index(tile)
         found = np.full(index.shape, UNKNOWN, np.uint8)
         for number in np.unique(index).tolist():
-            name = '' if number == NOBODY else renderer.names[number]
+            name = '' if number == NO_PHOTO else renderer.names[number]
             labels = labels_of(name) if name else None
             if labels is None:
                 continue
-            camera = sheets[name].photo.camera
+            camera = placed_photos[name].photo.camera
             if labels.shape != (camera.height_px, camera.width_px):
                 raise ValueError(
                     f'{name}: label image is {labels.shape[1]} x {labels.shape[0]} pixels, the '
                     f'photograph {camera.width_px} x {camera.height_px}'
                 )
-            seen = sheets[name].seen(renderer.grid, tile)
+            seen = placed_photos[name].pixel_map(renderer.grid, tile)
             picture = drawn(labels, seen, cv2.INTER_NEAREST)
             found[index == number] = picture[index == number]
-        if np.any(index != NOBODY):
+        if np.any(index != NO_PHOTO):
             yield tile, found

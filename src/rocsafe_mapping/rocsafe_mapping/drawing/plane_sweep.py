@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How alike two photographs are at each place if what they show there stood so high.
+"""Plane sweep: correlation of two photographs at each place, for each height that is tried.
 
-A photograph on the map shows a point z above the ground where the ray through it meets the
-ground. So for each height the second photograph, laid anew, falls on the first just where it is
-right (Collins 1996). On level ground this only shifts and stretches it: with cameras at c, c' and
-heights h, h' the point that the first shows at x lies at x (1 - z / h) + c z / h, and the second
-shows it h' / (h' - z) times as far from c'.
+A photograph on the map shows a point at the height z where the ray through it meets the ground.
+For each height the second photograph is projected onto the first; they agree where the height is
+right (Collins 1996). On level ground this is a shift and a change of scale: with cameras at c, c'
+and heights h, h', the point that the first shows at x lies at x (1 - z / h) + c z / h, and the
+second shows it h' / (h' - z) times as far from c'.
 """
 
 from collections.abc import Sequence
@@ -17,26 +17,28 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.sheet import Shares
+from rocsafe_mapping.drawing.placed_photo import Shares
+from rocsafe_mapping.drawing_options import ReliefOptions
 
-# Side of the windows that are compared, coarse pixels: a waggon is some ten of them wide.
-COMPARED_PX = 7
-# What noise adds to the variance of grey levels: a surface without structure is like nothing.
-NOISE_VARIANCE = 9.0
 NOT_SEEN = -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class SweepImage:
     """A photograph on the coarse grid.
 
     Attributes
     ----------
-    window: where.
-    gray: shape (height, width).
-    is_seen: which of it the photograph shows, 1 or 0, shape (height, width).
-    below: the place (column, row) on the grid below the camera.
-    height_m: of the camera above the ground.
+    window
+        Where.
+    gray
+        Shape (height, width).
+    is_seen
+        Which of it the photograph shows, 1 or 0, shape (height, width).
+    below
+        The place (column, row) on the grid below the camera.
+    height_m
+        Of the camera above the ground.
     """
 
     window: Window
@@ -46,7 +48,13 @@ class Look:
     height_m: float
 
 
-def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatArray) -> Shares:
+def likeness(
+    first: SweepImage,
+    box: Window,
+    others: Sequence[SweepImage],
+    heights_m: FloatArray,
+    options: ReliefOptions,
+) -> Shares:
     """Return how alike `first` and the others are, -1 to 1, at each height: (n, height, width).
 
     It is the mean, over those of the others that see the place, of the correlation of windows;
@@ -54,14 +62,16 @@ def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatA
 
     Parameters
     ----------
-    box: what of the grid is asked, within the window of `first`.
-    heights_m: above the ground that are tried, shape (n,).
+    box
+        What of the grid is asked, within the window of `first`.
+    heights_m
+        Above the ground that are tried, shape (n,).
     """
     one = first.gray[box.within(first.window)].astype(np.float32)
     total = np.zeros((len(heights_m), *one.shape), np.float32)
     count = np.zeros(total.shape, np.uint8)
     for other in others:
-        alike, is_seen = _compared(one, _laid(first, box, other, heights_m))
+        alike, is_seen = _compared(one, _laid(first, box, other, heights_m), options)
         alike *= is_seen
         total += alike
         count += is_seen
@@ -71,9 +81,9 @@ def likeness(first: Look, box: Window, others: Sequence[Look], heights_m: FloatA
 
 
 def _laid(
-    first: Look, box: Window, other: Look, heights_m: FloatArray
+    first: SweepImage, box: Window, other: SweepImage, heights_m: FloatArray
 ) -> tuple[Shares, NDArray[np.uint8]]:
-    """Return `other` laid on `first` for each height (n, height, width), and what it shows."""
+    """Return `other` projected onto `first` for each height (n, height, width), with masks."""
     shape = (len(heights_m), box.height, box.width)
     gray, is_seen = np.empty(shape, np.float32), np.empty(shape, np.uint8)
     size, picture = (box.width, box.height), other.gray.astype(np.float32)
@@ -101,30 +111,31 @@ def _laid(
 
 
 def _compared(
-    one: Shares, laid: tuple[Shares, NDArray[np.uint8]]
+    one: Shares, laid: tuple[Shares, NDArray[np.uint8]], options: ReliefOptions
 ) -> tuple[Shares, NDArray[np.uint8]]:
-    """Return the correlation of windows of `one` and each of the laid pictures, and `is_seen`.
+    """Return the correlation of windows of `one` and each projected picture, and `is_seen`.
 
-    All pictures are smoothed as one tall picture: near its upper and lower edge, by half a
-    window, a picture's correlation is not right.
+    All pictures are smoothed as one tall picture, for speed: within half a window of its upper and
+    lower edge the correlation of each is not valid.
     """
     gray, is_seen = laid
-    mean, variance = _moments(one)
+    side_px, noise = options.compared_px, options.noise_variance
+    mean, variance = _moments(one, side_px)
     tall = gray.reshape(-1, gray.shape[2])
-    means, variances = (part.reshape(gray.shape) for part in _moments(tall))
-    product = _smooth((gray * one).reshape(tall.shape)).reshape(gray.shape)
+    means, variances = (part.reshape(gray.shape) for part in _moments(tall, side_px))
+    product = _smooth((gray * one).reshape(tall.shape), side_px).reshape(gray.shape)
     product -= means * mean
-    product /= np.sqrt((variances + NOISE_VARIANCE) * (variance + NOISE_VARIANCE))
+    product /= np.sqrt((variances + noise) * (variance + noise))
     return product, is_seen
 
 
-def _moments(picture: Shares) -> tuple[Shares, Shares]:
+def _moments(picture: Shares, side_px: int) -> tuple[Shares, Shares]:
     """Return mean and variance of the windows about each pixel."""
-    mean = _smooth(picture)
-    return mean, np.maximum(_smooth(picture * picture) - mean * mean, np.float32(0.0))
+    mean = _smooth(picture, side_px)
+    return mean, np.maximum(_smooth(picture * picture, side_px) - mean * mean, np.float32(0.0))
 
 
-def _smooth(picture: Shares) -> Shares:
-    side = (COMPARED_PX, COMPARED_PX)
+def _smooth(picture: Shares, side_px: int) -> Shares:
+    side = (side_px, side_px)
     smoothed: Shares = cv2.boxFilter(picture, -1, side, borderType=cv2.BORDER_REPLICATE)
     return smoothed

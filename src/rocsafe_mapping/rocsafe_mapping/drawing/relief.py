@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How high what the map shows stands above the ground, where two photographs tell.
+"""Heights of objects above the ground, where two photographs show them.
 
-A flat map shows a roof where the photograph saw it, leaning outwards. Where a second photograph
-shows the roof too, both tell how high it is, and so how far it leans. Where only one photograph
-sees the ground, or the two show nothing alike, nothing tells: there things are reckoned with as
-they stand elsewhere on the map, and above all nearby.
+A flat map shows a roof displaced outwards, by its height. Where a second photograph shows the
+roof, its height is measured by a plane sweep. Where only one photograph shows a place, or the two
+do not correlate, the height is unknown: there an expected height is used, from the known heights
+nearby and, with little weight, of the whole map.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -14,44 +14,24 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_mapping.drawing.coarse_view import CoarseView
 from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.drawing.labels import Labels
-from rocsafe_mapping.drawing.plane_sweep import COMPARED_PX, NOT_SEEN, Look, likeness
-from rocsafe_mapping.drawing.seams import CoarseView
-from rocsafe_mapping.drawing.sheet import Shares, Sheet
-
-# Heights that are tried, over the flying height, and the shift between them, coarse pixels.
-LOWEST_SHARE, HIGHEST_SHARE = -0.04, 0.31
-STEP_PX = 1.5
-# Who is compared: not too near each other, and enough of them that most is seen twice more.
-LEAST_BASELINE_SHARE, MOST_PARTNERS = 0.1, 3
-ENOUGH, NEW_SHARE = 2, 0.05
-# What is alike; and by how much a height must be more alike than the ground to be believed.
-ALIKE, MORE_ALIKE = 0.5, 0.12
-# A height as large as the flying height counts as so much less alike.
-HEIGHT_PENALTY = 0.3
-# Smaller spots of height, in coarse pixels, are chance.
-LEAST_SPOT_PX = 8
-# The window of a correlation that meets a thing tells its height: the mean over as much is taken.
-SMOOTHED_PX = 5
-# So far, in coarse pixels, what stands near tells what may stand where nothing tells; and what
-# the whole map counts beside a neighbourhood that is all known.
-NEARBY_PX, USUAL_WEIGHT = 15, 0.1
-# Of places where two photographs show nothing alike so many stand up: where truth was known.
-UNLIKE_STANDS = 0.45
-# The outermost pixel of a photograph does not count: its window hangs over the edge by half.
-EDGE_PX = 3
-BAND_ROWS = 256
+from rocsafe_mapping.drawing.ownership import Labels
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, Shares
+from rocsafe_mapping.drawing.plane_sweep import NOT_SEEN, SweepImage, likeness
+from rocsafe_mapping.drawing_options import ReliefOptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Relief:
-    """What stands on the ground, on the coarse grid.
+    """Heights above the ground, on the coarse grid.
 
     Attributes
     ----------
-    heights_m: of what is shown above the ground, NaN where nothing tells, (height, width).
-    rise_m: root mean square height that is to be reckoned with, (height, width).
+    heights_m
+        Of what is shown above the ground, NaN where unknown, (height, width).
+    rise_m
+        Root mean square of the expected height, (height, width).
     """
 
     heights_m: Shares
@@ -60,148 +40,171 @@ class Relief:
 
 def relief(
     views: Mapping[str, CoarseView],
-    sheets: Mapping[str, Sheet],
+    placed_photos: Mapping[str, PlacedPhoto],
     tied: Collection[str],
     labels: tuple[Labels, Window],
     grid: MapGrid,
+    options: ReliefOptions,
 ) -> Relief:
-    """Return what stands on the ground.
+    """Return the heights of what stands on the ground.
 
     Parameters
     ----------
-    views, sheets: by name of photograph.
-    tied: photographs whose places are good enough to tell heights.
-    labels: index of who is shown, in the sorted names of `views`, and where that is.
-    grid: the coarse grid.
+    views, placed_photos
+        By name of photograph.
+    tied
+        Photographs placed well enough to measure heights.
+    labels
+        Index of who is shown, in the sorted names of `views`, and where that is.
+    grid
+        The coarse grid.
     """
     owner, window = labels
     heights = np.full(owner.shape, np.nan, np.float32)
     is_twice = np.zeros(owner.shape, bool)
-    looks = {name: _look(views[name], sheets[name], grid) for name in sorted(tied)}
+    looks = {
+        name: _sweep_image(views[name], placed_photos[name], grid, options.edge_px)
+        for name in sorted(tied)
+    }
     for number, name in enumerate(sorted(views)):
         part = views[name].window.cut(window)
         is_own = owner[part.within(window)] == number
         if name not in looks or not is_own.any():
             continue
-        box, is_own = _grown_about(is_own, part)
-        partners = _partners(looks[name], looks, box, is_own)
+        box, is_own = _grown_about(is_own, part, options.compared_px)
+        partners = _partners(looks[name], looks, box, is_own, options)
         if partners:
-            found, is_seen = _heights(looks[name], partners, box)
+            found, is_seen = _heights(looks[name], partners, box, options)
             place = box.within(window)
             heights[place][is_own] = found[is_own]
             is_twice[place][is_own] = is_seen[is_own]
-    return Relief(heights_m=heights, rise_m=_rise(heights, is_twice))
+    return Relief(heights_m=heights, rise_m=_rise(heights, is_twice, options))
 
 
-def _look(view: CoarseView, sheet: Sheet, grid: MapGrid) -> Look:
-    ground_m = float(np.median(sheet.surface.at(sheet.corners_m)))
+def _sweep_image(view: CoarseView, placed: PlacedPhoto, grid: MapGrid, edge_px: int) -> SweepImage:
+    ground_m = float(np.median(placed.surface.at(placed.corners_m)))
     is_seen = (view.scores > 0.0).astype(np.uint8)
-    window = np.ones((EDGE_PX, EDGE_PX), np.uint8)
-    return Look(
+    window = np.ones((edge_px, edge_px), np.uint8)
+    return SweepImage(
         window=view.window,
         gray=np.asarray(cv2.cvtColor(view.colours, cv2.COLOR_BGR2GRAY), np.uint8),
         is_seen=cv2.erode(is_seen, window, borderType=cv2.BORDER_CONSTANT, borderValue=0),
-        below=grid.places_of(sheet.pose.centre[np.newaxis, :2])[0],
-        height_m=float(sheet.pose.centre[2]) - ground_m,
+        below=grid.places_of(placed.pose.centre[np.newaxis, :2])[0],
+        height_m=float(placed.pose.centre[2]) - ground_m,
     )
 
 
-def _grown_about(is_own: BoolArray, part: Window) -> tuple[Window, BoolArray]:
-    """Return the window about what is own, room for correlations about it, and what is own."""
+def _grown_about(is_own: BoolArray, part: Window, margin_px: int) -> tuple[Window, BoolArray]:
+    """Return the window about the own pixels, with a margin for correlations, and its mask."""
     slices = []
     for axis in (1, 0):
         lines = np.flatnonzero(is_own.any(axis=axis))
-        low = max(int(lines[0]) - COMPARED_PX, 0)
-        slices.append(slice(low, min(int(lines[-1]) + 1 + COMPARED_PX, is_own.shape[1 - axis])))
+        low = max(int(lines[0]) - margin_px, 0)
+        slices.append(slice(low, min(int(lines[-1]) + 1 + margin_px, is_own.shape[1 - axis])))
     return part.part(slices[0], slices[1]), is_own[slices[0], slices[1]]
 
 
 def _partners(
-    first: Look, looks: Mapping[str, Look], box: Window, is_own: BoolArray
-) -> list[Look]:
-    """Return photographs that see what is own from elsewhere, the nearest first."""
+    first: SweepImage,
+    looks: Mapping[str, SweepImage],
+    box: Window,
+    is_own: BoolArray,
+    options: ReliefOptions,
+) -> list[SweepImage]:
+    """Return the nearest photographs that show the own pixels from elsewhere."""
     near = []
     for other in looks.values():
         away_px = float(np.linalg.norm(other.below - first.below))
         if other is not first and not box.cut(other.window).is_empty:
             near.append((away_px, other))
-    chosen: list[Look] = []
+    chosen: list[SweepImage] = []
     seen = np.zeros(is_own.shape, np.uint8)
     for _, other in sorted(near, key=lambda found: found[0]):
         shared = box.cut(other.window)
         shows = np.zeros(is_own.shape, bool)
         shows[shared.within(box)] = other.is_seen[shared.within(other.window)] > 0
-        new = np.count_nonzero(shows & is_own & (seen < ENOUGH))
-        if new > NEW_SHARE * np.count_nonzero(is_own) and len(chosen) < MOST_PARTNERS:
+        new = np.count_nonzero(shows & is_own & (seen < options.enough))
+        if (
+            new > options.new_share * np.count_nonzero(is_own)
+            and len(chosen) < options.most_partners
+        ):
             chosen.append(other)
             seen += shows
     return chosen
 
 
-def _heights(first: Look, others: Sequence[Look], box: Window) -> tuple[Shares, BoolArray]:
-    """Return the heights of what `first` shows of `box`, NaN if unlike, and what is seen twice."""
-    heights_m, level = _tried(first, others)
-    alike = likeness(first, box, others, heights_m)
+def _heights(
+    first: SweepImage, others: Sequence[SweepImage], box: Window, options: ReliefOptions
+) -> tuple[Shares, BoolArray]:
+    """Return the heights in `box`, NaN where unknown, and what two photographs show."""
+    heights_m, level = _tried(first, others, options)
+    alike = likeness(first, box, others, heights_m, options)
     is_twice: BoolArray = alike[level] > NOT_SEEN
     is_twice &= first.is_seen[box.within(first.window)] > 0
     ground = alike[level - 1 : level + 2].max(axis=0)
-    alike -= (HEIGHT_PENALTY / first.height_m * np.abs(heights_m))[:, np.newaxis, np.newaxis]
+    alike -= (options.height_penalty / first.height_m * np.abs(heights_m))[
+        :, np.newaxis, np.newaxis
+    ]
     best = alike.argmax(axis=0)
     most = np.take_along_axis(alike, best[np.newaxis], 0)[0]
-    stands = is_twice & (most > ALIKE) & (most - ground > MORE_ALIKE)
-    stands = _without_spots(stands)
-    found = np.where(stands, heights_m[best], np.where(ground > ALIKE, 0.0, np.nan))
+    stands = is_twice & (most > options.alike) & (most - ground > options.more_alike)
+    stands = _without_spots(stands, options.least_spot_px)
+    found = np.where(stands, heights_m[best], np.where(ground > options.alike, 0.0, np.nan))
     return np.where(is_twice, found, np.nan).astype(np.float32), is_twice
 
 
-def _tried(first: Look, others: Sequence[Look]) -> tuple[FloatArray, int]:
+def _tried(
+    first: SweepImage, others: Sequence[SweepImage], options: ReliefOptions
+) -> tuple[FloatArray, int]:
     """Return the heights that are tried, and which of them is the ground's."""
     longest_px = max(float(np.linalg.norm(other.below - first.below)) for other in others)
     # Two photographs show a point that stands z high z / (h - z) baselines apart.
-    step = STEP_PX / longest_px
-    low = max(int(-LOWEST_SHARE / (1.0 - LOWEST_SHARE) / step), 1)
-    high = max(int(HIGHEST_SHARE / (1.0 - HIGHEST_SHARE) / step), 1)
+    step = options.step_px / longest_px
+    low = max(int(-options.lowest_share / (1.0 - options.lowest_share) / step), 1)
+    high = max(int(options.highest_share / (1.0 - options.highest_share) / step), 1)
     ratios = step * np.arange(-low, high + 1)
     return first.height_m * ratios / (1.0 + ratios), low
 
 
-def _without_spots(stands: BoolArray) -> BoolArray:
+def _without_spots(stands: BoolArray, least_px: int) -> BoolArray:
     _, numbers, figures, _ = cv2.connectedComponentsWithStats(stands.astype(np.uint8))
-    is_large = figures[:, cv2.CC_STAT_AREA] >= LEAST_SPOT_PX
+    is_large = figures[:, cv2.CC_STAT_AREA] >= least_px
     is_large[0] = False
     kept: BoolArray = is_large[numbers]
     return kept
 
 
-def _rise(heights: Shares, is_twice: BoolArray) -> Shares:
-    """Return the height that is to be reckoned with at each pixel."""
+def _rise(heights: Shares, is_twice: BoolArray, options: ReliefOptions) -> Shares:
+    """Return the expected height at each pixel, root mean square."""
     rise = np.zeros(heights.shape, np.float32)
     told = heights[np.isfinite(heights)]
     standing = told[told != 0.0]
     if not len(standing):
         return rise
     squares = float(np.sum(np.square(standing)))
-    unlike = UNLIKE_STANDS * squares / len(standing)
+    unlike = options.unlike_stands * squares / len(standing)
     twice = int(np.count_nonzero(is_twice))
     usual = (squares + unlike * (twice - len(told))) / twice
-    # In bands of rows: memory is not that of the whole map many times over.
-    for top in range(0, len(heights), BAND_ROWS):
-        start = max(top - 2 * NEARBY_PX, 0)
-        rows = slice(start, top + BAND_ROWS + 2 * NEARBY_PX)
-        found = _rise_of(heights[rows], np.where(is_twice[rows], np.float32(unlike), usual))
-        rise[top : top + BAND_ROWS] = found[top - start : top - start + BAND_ROWS]
+    # In bands of rows, to limit memory.
+    for top in range(0, len(heights), options.band_rows):
+        start = max(top - 2 * options.nearby_px, 0)
+        rows = slice(start, top + options.band_rows + 2 * options.nearby_px)
+        found = _rise_of(
+            heights[rows], np.where(is_twice[rows], np.float32(unlike), usual), options
+        )
+        rise[top : top + options.band_rows] = found[top - start : top - start + options.band_rows]
     return rise
 
 
-def _rise_of(heights: Shares, expected: FloatArray) -> Shares:
-    """Return the same of a part; `expected` is the square where nothing near tells."""
+def _rise_of(heights: Shares, expected: FloatArray, options: ReliefOptions) -> Shares:
+    """Return the same of a part; `expected` is the square where no height nearby is known."""
     is_told = np.isfinite(heights)
     told = is_told.astype(np.float32)
     square = np.where(is_told, heights, np.float32(0.0)) ** 2
-    side = (NEARBY_PX, NEARBY_PX)
+    side = (options.nearby_px, options.nearby_px)
     near, known = (cv2.blur(cv2.blur(part, side), side) for part in (square, told))
-    guess = (near + USUAL_WEIGHT * expected) / (known + USUAL_WEIGHT)
-    side = (SMOOTHED_PX, SMOOTHED_PX)
+    guess = (near + options.usual_weight * expected) / (known + options.usual_weight)
+    side = (options.smoothed_px, options.smoothed_px)
     known = np.maximum(cv2.blur(told, side), np.float32(1e-6))
     rise: Shares = np.sqrt(np.where(is_told, cv2.blur(square, side) / known, guess))
     return rise.astype(np.float32)

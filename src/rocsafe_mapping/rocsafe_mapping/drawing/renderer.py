@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map, tile by tile: memory is that of a tile, of small pictures, and of a cache."""
+"""The map, drawn tile by tile: memory holds a tile, the small views and a cache of photographs."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping
@@ -10,20 +10,16 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
-from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.drawing.labels import NOBODY
-from rocsafe_mapping.drawing.picture import Pictures
+from rocsafe_mapping.drawing.coarse_view import CoarseView, coarse_grid, coarse_view
+from rocsafe_mapping.drawing.gains import gains
+from rocsafe_mapping.drawing.grid import TILE_PX, MapGrid, Window
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.pixel_cache import PixelCache
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, drawn
 from rocsafe_mapping.drawing.relief import Relief, relief
-from rocsafe_mapping.drawing.seams import (
-    CoarseView,
-    coarse_grid,
-    coarse_view,
-    gains,
-    owners,
-)
-from rocsafe_mapping.drawing.sheet import Sheet, drawn
+from rocsafe_mapping.drawing.seams import owners
+from rocsafe_mapping.drawing_options import DrawingOptions
 
-TILE_PX = 256
 Rgba = NDArray[np.uint8]
 
 
@@ -32,48 +28,54 @@ class Renderer:
 
     Parameters
     ----------
-    sheets: aligned photographs by name.
-    pictures: their pixels.
-    grid: of the map.
-    tied: photographs whose places are good enough to tell what stands on the ground; without
-        them `relief` says that nothing does.
+    placed_photos
+        Aligned photographs by name.
+    pictures
+        Their pixels.
+    grid
+        Of the map.
+    tied
+        Photographs whose places are good enough to tell what stands on the ground; without them
+        `relief` says that nothing does.
     """
 
     def __init__(
         self,
-        sheets: Mapping[str, Sheet],
-        pictures: Pictures,
+        placed_photos: Mapping[str, PlacedPhoto],
+        pixels: PixelCache,
         grid: MapGrid,
+        options: DrawingOptions,
         tied: Collection[str] = (),
     ) -> None:
-        if not sheets:
-            raise ValueError('sheets must hold at least one photograph')
+        if not placed_photos:
+            raise ValueError('placed_photos must hold at least one photograph')
         self.grid = grid
-        self.names = sorted(sheets)
-        self._sheets = dict(sheets)
-        self._pictures = pictures
-        self.coarse, self._step = coarse_grid(grid, sheets)
-        views = self._coarse_views()
-        self.gains = gains(views)
+        self.names = sorted(placed_photos)
+        self._placed_photos = dict(placed_photos)
+        self._pixels = pixels
+        # 1. Small views of all photographs from above, on a coarse grid.
+        side_px = options.views.coarse_side_px
+        self.coarse, self._step = coarse_grid(grid, placed_photos, side_px)
+        views = self._coarse_views(options.views.edge_share)
+        # 2. Gains that make their brightness and colour alike.
+        self.gains = gains(views, options.gains)
         for name in self.names:
             views[name] = _evened(views[name], self.gains[name])
-        low_row = min(view.window.row for view in views.values())
-        low_column = min(view.window.column for view in views.values())
-        high_row = max(view.window.row + view.window.height for view in views.values())
-        high_column = max(view.window.column + view.window.width for view in views.values())
-        self._coarse_window = Window(
-            low_row, low_column, high_row - low_row, high_column - low_column
-        )
+        # 3. Who shows each place: borders where two agree. 4. Objects that they cut made whole.
         self._view_windows = {name: view.window for name, view in views.items()}
-        self.labels = owners(views, self.names, self._coarse_window)
-        where = self.labels, self._coarse_window
-        self.relief: Relief = relief(views, sheets, tied, where, self.coarse)
+        self.owner_window = _about(self._view_windows.values())
+        self.owners = owners(views, self.names, self.owner_window, options)
+        # 5. Heights of what stands on the ground. 6. Tiles are drawn and blended when asked for.
+        shown = self.owners, self.owner_window
+        self.relief: Relief = relief(
+            views, placed_photos, tied, shown, self.coarse, options.relief
+        )
 
     @property
     def window(self) -> Window:
         """Pixels of the grid that show something."""
-        rows, columns = np.nonzero(self.labels != NOBODY)
-        window = self._coarse_window
+        rows, columns = np.nonzero(self.owners != NO_PHOTO)
+        window = self.owner_window
         row, column = window.row + int(rows.min()), window.column + int(columns.min())
         height, width = int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1
         step = self._step
@@ -81,17 +83,12 @@ class Renderer:
 
     @property
     def cell_m(self) -> float:
-        """Side of a pixel of `labels`."""
+        """Side of a pixel of `owners`."""
         return self.coarse.resolution_m
 
-    @property
-    def label_window(self) -> Window:
-        """Where `labels` lies, in coarse pixels."""
-        return self._coarse_window
-
     def shown_window(self, name: str) -> Window:
-        """Return where a photograph may be shown, in coarse pixels within `label_window`."""
-        return self._view_windows[name].cut(self._coarse_window)
+        """Return where a photograph may be shown, in coarse pixels within `owner_window`."""
+        return self._view_windows[name].cut(self.owner_window)
 
     def tiles(self, side: int = TILE_PX) -> Iterator[tuple[Window, Rgba]]:
         """Return the map's tiles that show something, in rows."""
@@ -108,7 +105,7 @@ class Renderer:
         window = tile.grown(REACH_PX)
         numbers, index = self._owners_in(window)
         inner = (slice(REACH_PX, -REACH_PX), slice(REACH_PX, -REACH_PX))
-        is_seen = index[inner] != NOBODY
+        is_seen = index[inner] != NO_PHOTO
         if not np.any(is_seen):
             return None
         masks = {number: index == number for number in numbers}
@@ -136,7 +133,7 @@ class Renderer:
         return blended(self._drawn(self.names[most], window), masks[most], parts)
 
     def owner_index(self, window: Window) -> NDArray[np.int32]:
-        """Return the index in `names` of who is shown at each pixel of `window`, -1 for nobody."""
+        """Return the index in `names` of who is shown at each pixel of `window`, -1 for none."""
         return self._owners_in(window)[1]
 
     def gray_patch(self, name: str, window: Window) -> NDArray[np.float32]:
@@ -145,9 +142,9 @@ class Renderer:
         return picture.astype(np.float32)
 
     def _drawn(self, name: str, window: Window) -> NDArray[np.uint8]:
-        sheet = self._sheets[name]
-        seen = sheet.seen(self.grid, window)
-        picture = drawn(self._pictures.colour(name), seen, cv2.INTER_LINEAR)
+        placed = self._placed_photos[name]
+        seen = placed.pixel_map(self.grid, window)
+        picture = drawn(self._pixels.colour(name), seen, cv2.INTER_LINEAR)
         gain = self.gains[name]
         if max(abs(factor - 1.0) for factor in gain) < 1e-3:
             return picture
@@ -162,12 +159,12 @@ class Renderer:
             (window.row + window.height) // step + 2 - row,
             (window.column + window.width) // step + 2 - column,
         )  # fmt: skip
-        labels = np.full((coarse.height, coarse.width), NOBODY, np.int32)
-        shared = coarse.cut(self._coarse_window)
+        labels = np.full((coarse.height, coarse.width), NO_PHOTO, np.int32)
+        shared = coarse.cut(self.owner_window)
         if not shared.is_empty:
-            labels[shared.within(coarse)] = self.labels[shared.within(self._coarse_window)]
+            labels[shared.within(coarse)] = self.owners[shared.within(self.owner_window)]
         present = np.unique(labels).tolist()
-        numbers = [number for number in present if number != NOBODY]
+        numbers = [number for number in present if number != NO_PHOTO]
         if len(present) == 1:
             full = np.full((window.height, window.width), present[0], np.int32)
             return numbers, full
@@ -181,7 +178,7 @@ class Renderer:
         offset = np.array([window.column, window.row]) / step + (0.5 / step - 0.5)
         offset -= [coarse.column, coarse.row]
         best = np.zeros((window.height, window.width), np.float32)
-        index = np.full((window.height, window.width), NOBODY, np.int32)
+        index = np.full((window.height, window.width), NO_PHOTO, np.int32)
         for number in present:
             is_here = labels == number
             place, low = _spread_to(is_here, offset, step, window)
@@ -199,11 +196,21 @@ class Renderer:
             np.maximum(best[place], share, out=best[place])
         return index
 
-    def _coarse_views(self) -> dict[str, CoarseView]:
+    def _coarse_views(self, edge_share: float) -> dict[str, CoarseView]:
         return {
-            name: coarse_view(self._sheets[name], self._pictures.colour(name), self.coarse)
+            name: coarse_view(
+                self._placed_photos[name], self._pixels.colour(name), self.coarse, edge_share
+            )
             for name in self.names
         }
+
+
+def _about(windows: Collection[Window]) -> Window:
+    """Return the smallest window about all."""
+    row, column = min(w.row for w in windows), min(w.column for w in windows)
+    height = max(w.row + w.height for w in windows) - row
+    width = max(w.column + w.width for w in windows) - column
+    return Window(row, column, height, width)
 
 
 def _spread_to(

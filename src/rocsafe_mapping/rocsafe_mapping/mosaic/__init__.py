@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The map of all photographs."""
+"""All photographs of a map, aligned and drawn; what changed between two maps."""

@@ -23,7 +23,7 @@ from rocsafe_mapping.photographs.shot import ShotRecord
 
 BEFORE, AFTER = 'before_', 'after_'
 OPAQUE = 255
-# Light is compared over this width: shadows of clouds are not changes.
+# Differences of light wider than this are not changes: shadows of clouds.
 LIGHT_M = 25.0
 Rgba = NDArray[np.uint8]
 
@@ -34,10 +34,14 @@ class ChangeOptions:
 
     Attributes
     ----------
-    resolution_m: side of a pixel that is compared.
-    least_area_m2: smaller changes are not told.
-    least_levels: difference of colour, of 255, after the light was made alike.
-    least_stds: difference over the usual difference of the two maps.
+    resolution_m
+        Side of a pixel that is compared.
+    least_area_m2
+        Smaller changes are left out.
+    least_levels
+        Difference of colour, of 255, after the light was made alike.
+    least_stds
+        Difference over the usual difference of the two maps.
     """
 
     resolution_m: float = 0.2
@@ -57,9 +61,12 @@ class Change:
 
     Attributes
     ----------
-    outline: in places (column, row) of the compared grid.
-    area_m2: of it.
-    levels: mean difference of colour, of 255.
+    outline
+        In places (column, row) of the compared grid.
+    area_m2
+        Of it.
+    levels
+        Mean difference of colour, of 255.
     """
 
     outline: shapely.Polygon

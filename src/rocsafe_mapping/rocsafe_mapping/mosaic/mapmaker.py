@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From photographs to a map: takes them in, aligns them, draws them."""
+"""From photographs to a map: takes them in, aligns them and has them drawn."""
 
 import dataclasses
 import math
@@ -9,22 +9,29 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.adjustment import residuals_px, standing_m, stated_error_m
-from rocsafe_mapping.alignment.photo import (
+from rocsafe_mapping.alignment.adjustment.height_error import height_error, leaning_m
+from rocsafe_mapping.alignment.adjustment.least_squares import (
+    residuals_px,
+    standing_m,
+    stated_error_m,
+)
+from rocsafe_mapping.alignment.block import BY_GPS, Block, Placement
+from rocsafe_mapping.alignment.model.photo import (
     GroundFrame,
     Photo,
     footprint,
     ground_frame_of,
     photo_of_record,
 )
-from rocsafe_mapping.alignment.relief_error import height_error, leaning_m
-from rocsafe_mapping.alignment.state import Lens
-from rocsafe_mapping.alignment.surface import Surface
-from rocsafe_mapping.alignment.survey import BY_GPS, Placement, Survey
+from rocsafe_mapping.alignment.model.state import Lens
+from rocsafe_mapping.alignment.model.surface import Surface
+from rocsafe_mapping.alignment.steps import find_pairs
+from rocsafe_mapping.alignment_options import AlignmentOptions
 from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
-from rocsafe_mapping.drawing.picture import Pictures, ReadImage
+from rocsafe_mapping.drawing.pixel_cache import PixelCache, ReadImage
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.sheet import Sheet
+from rocsafe_mapping.drawing_options import DrawingOptions
 from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.photographs.shot import ShotRecord
 
@@ -45,12 +52,16 @@ class MapOptions:
 
     Attributes
     ----------
-    ground_resolution_m: side of a pixel; 0: that of the photographs.
-    max_pixels: limit of width times height; a larger map gets coarser pixels.
+    ground_resolution_m
+        Side of a pixel; 0: that of the photographs.
+    max_pixels
+        Limit of width times height; a larger map gets coarser pixels.
     """
 
     ground_resolution_m: float = 0.0
     max_pixels: int = DEFAULT_MAX_PIXELS
+    alignment: AlignmentOptions = field(default_factory=AlignmentOptions)
+    drawing: DrawingOptions = field(default_factory=DrawingOptions)
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.ground_resolution_m < math.inf:
@@ -67,13 +78,19 @@ class Alignment:
 
     Attributes
     ----------
-    photos, placements: by name.
-    errors_m: standard error of each tied photograph's corners on level ground.
-    held_out_px: residuals (n, 2) of ties that were not adjusted.
-    ties_m, standing_m: where ties lie (n, 2), and how far their points stand above the ground.
-    heights_error: standard error of the ground's heights with what stands there.
-    lags_s: by how much the fixes of vehicles are late, where that is certain; the priors of
-        `photos` are without it.
+    photos, placements
+        By name.
+    errors_m
+        Standard error of each tied photograph's corners on level ground.
+    held_out_px
+        Residuals (n, 2) of ties that were not adjusted.
+    ties_m, standing_m
+        Where ties lie (n, 2), and how far their points stand above the ground.
+    heights_error
+        Standard error of the ground's heights with what stands there.
+    lags_s
+        By how much the fixes of vehicles are late, where that is certain; the priors of `photos`
+        are without it.
     """
 
     photos: Mapping[str, Photo]
@@ -96,8 +113,8 @@ class Alignment:
     ) -> FloatArray:
         """Return the standard errors (n,) of what a photograph shows at points (n, 2) of the map.
 
-        `rise_m` is the height above the ground of what it shows there, which a flat map leaves
-        leaning.
+        `rise_m` is the height above the ground of what it shows there: a flat map shows it
+        displaced.
         """
         pose = self.placements[name].pose
         leaning = leaning_m(self.heights_error, pose, ground_m, rise_m)
@@ -121,29 +138,31 @@ class Mapmaker:
 
     Parameters
     ----------
-    options: what map is wanted.
-    notice: is told, in one line each, of photographs that cannot be on the map.
+    options
+        What map is wanted.
+    notice
+        Is told, in one line each, of photographs that cannot be on the map.
     """
 
     def __init__(self, options: MapOptions, notice: Notice = lambda _text: None) -> None:
-        self._options = options
+        self.options = options
         self._notice = notice
-        self.pictures = Pictures()
-        self.survey = Survey(self.pictures.gray)
+        self.pixels = PixelCache()
+        self.block = Block(self.pixels.gray, options.alignment)
         self.frame: GroundFrame | None = None
         self.epsg = 0
         self._file_names: dict[str, str] = {}
 
     def __len__(self) -> int:
-        return len(self.survey)
+        return len(self.block)
 
     def __contains__(self, name: str) -> bool:
-        return name in self.survey
+        return name in self.block
 
     @property
     def finest_resolution_m(self) -> float:
         """Side of the ground that a pixel of the photographs shows."""
-        sizes = [photo.ground_resolution_m for photo in self.survey.photos.values()]
+        sizes = [photo.ground_resolution_m for photo in self.block.photos.values()]
         return round(float(np.median(sizes)), 4)
 
     def file_name(self, name: str) -> str:
@@ -151,106 +170,115 @@ class Mapmaker:
         return self._file_names.get(name, name)
 
     def add(self, record: ShotRecord, read: ReadImage, file_name: str = '') -> Photo:
-        """Take in a photograph: it lies where its fix says until it is aligned.
+        """Take in a photograph, placed by its fix until it is aligned.
 
-        `file_name` is that of its file, where it is not called like its shot.
+        `file_name` is the name of its file, where that differs from the shot's.
 
         Raises
         ------
-        PlacementError: if its position, height or attitude is unknown or outside UTM.
+        PlacementError
+            If its position, height or attitude is unknown or outside UTM.
         """
         frame = self.frame or ground_frame_of(record)
-        photo = photo_of_record(record, frame)
+        photo = photo_of_record(record, frame, self.options.alignment.prior)
         epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
         self.frame, self.epsg = frame, epsg
-        self.pictures.add(photo, read)
+        self.pixels.add(photo, read)
         if file_name:
             self._file_names[photo.name] = file_name
-        self.survey.add(photo)
+        self.block.add(photo)
         return photo
 
     def align(self, step: Callable[[str], None] = lambda _stage: None) -> Alignment:
         """Find where all photographs are; `step` is told the name of each finished stage."""
         self.drop_unreadable()
-        self.survey.complete()
+        find_pairs(self.block.pair_table)
         step('match')
-        self.survey.place_all()
+        self.block.place_all()
         alignment = self.alignment()
         step('adjust')
         return alignment
 
     def drop_unreadable(self) -> None:
         """Leave out photographs whose pixels cannot be had, and say so."""
-        for name in self.survey.waiting():
+        for name in self.block.pair_table.without_features():
             try:
-                self.survey.extract(name)
+                self.block.pair_table.extract(name)
             except MappingError as error:
                 self._notice(f'not on the map: {error}')
-                self.survey.remove(name)
+                self.block.remove(name)
 
     def alignment(self) -> Alignment:
         """Return where all photographs are now."""
-        survey = self.survey
-        state, photos, pairs = survey.state, survey.photos, survey.used_pairs
-        ties_m, above_m = standing_m(photos, pairs, state)
+        block = self.block
+        state, photos, pairs = block.state, block.photos, block.used_pairs
+        options = self.options.alignment
+        most = options.adjustment.most_ties
+        ties_m, above_m = standing_m(photos, pairs, state, most)
         return Alignment(
             ties_m=ties_m,
             standing_m=above_m,
             photos=photos,
-            placements=survey.placements(),
-            heights_error=height_error(state.surface, ties_m, above_m),
-            lags_s=survey.lags_s,
-            errors_m=stated_error_m(photos, pairs, state) if state.poses else {},
-            held_out_px=residuals_px(photos, pairs, state, held_out=True),
+            placements=block.placements(),
+            heights_error=height_error(state.surface, ties_m, above_m, options),
+            lags_s=block.lags_s,
+            errors_m=stated_error_m(photos, pairs, state, options.adjustment)
+            if state.poses
+            else {},
+            held_out_px=residuals_px(photos, pairs, state, most, held_out=True),
         )
 
-    def sheets(self, names: Collection[str] | None = None) -> dict[str, Sheet]:
+    def placed_photos(self, names: Collection[str] | None = None) -> dict[str, PlacedPhoto]:
         """Return the photographs, or some of them, as they lie now."""
-        state = self.survey.state
+        state = self.block.state
         return {
-            name: Sheet(
-                photo=self.survey.photo(name),
+            name: PlacedPhoto(
+                photo=self.block.photo(name),
                 pose=placement.pose,
-                lens=state.lenses.get(self.survey.photo(name).lens, Lens()),
+                lens=state.lenses.get(self.block.photo(name).lens, Lens()),
                 surface=state.surface,
             )
-            for name, placement in self.survey.placements(names).items()
+            for name, placement in self.block.placements(names).items()
         }
 
     def renderer(self, *, with_relief: bool = False) -> Renderer:
         """Return what draws the map as the photographs lie now.
 
-        `with_relief` has it look for what stands on the ground, which takes time.
+        `with_relief` also finds heights of what stands on the ground, which takes time.
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
-        sheets = self.sheets()
-        tied = self.survey.state.poses if with_relief else ()
-        return Renderer(sheets, self.pictures, self.grid(sheets), tied)
+        placed_photos = self.placed_photos()
+        tied = self.block.state.poses if with_relief else ()
+        return Renderer(
+            placed_photos, self.pixels, self.grid(placed_photos), self.options.drawing, tied
+        )
 
-    def grid(self, sheets: Mapping[str, Sheet]) -> MapGrid:
+    def grid(self, placed_photos: Mapping[str, PlacedPhoto]) -> MapGrid:
         """Return the map's grid, its pixels as fine as its limits allow.
 
         Raises
         ------
-        PlacementError: if there is no photograph.
+        PlacementError
+            If there is no photograph.
         """
-        if self.frame is None or not sheets:
+        if self.frame is None or not placed_photos:
             raise PlacementError('no photograph is placed yet')
-        wished = self._options.ground_resolution_m
+        wished = self.options.ground_resolution_m
         if wished == 0.0:
             wished = self.finest_resolution_m
         grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
-        corners = np.concatenate([sheet.corners_m for sheet in sheets.values()])
+        corners = np.concatenate([placed.corners_m for placed in placed_photos.values()])
         while True:
             window = grid.window_of(corners)
-            if window.width * window.height <= self._options.max_pixels:
+            if window.width * window.height <= self.options.max_pixels:
                 return grid
             coarser = 2.0 * grid.resolution_m
             self._notice(
-                f'the map would exceed {self._options.max_pixels} pixels: its pixels are now '
+                f'the map would exceed {self.options.max_pixels} pixels: its pixels are now '
                 f'{coarser:g} m wide, not {grid.resolution_m:g} m'
             )
             grid = dataclasses.replace(grid, resolution_m=coarser)

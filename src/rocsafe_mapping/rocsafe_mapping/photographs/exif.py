@@ -45,7 +45,8 @@ def with_exif(jpeg: bytes, record: ShotRecord) -> bytes:
 
     Raises
     ------
-    ValueError: if `jpeg` does not begin like a JPEG file.
+    ValueError
+        If `jpeg` does not begin like a JPEG file.
     """
     block = exif_of(record)
     segment = bytes((0xFF, APP1)) + struct.pack('>H', len(block) + 2) + block

@@ -20,7 +20,8 @@ def png_with_exif(png: bytes, record: ShotRecord) -> bytes:
 
     Raises
     ------
-    ValueError: if `png` does not begin like a PNG file.
+    ValueError
+        If `png` does not begin like a PNG file.
     """
     if not png.startswith(PNG_START):
         raise ValueError('not a PNG file: it does not begin with 89 50 4E 47')

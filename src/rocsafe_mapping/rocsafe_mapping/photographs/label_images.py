@@ -2,8 +2,8 @@
 """Label images beside a store: kept with the photographs they belong to, read again as classes.
 
 ``labels/<shot_id>.png`` has a number for each pixel, 8 or 16 bits; ``labels/table.json``, where
-there is one, tells the class and colour of each number. Labels are what a simulator knows of its
-pictures: they are no evidence, and need no receipt.
+there is one, tells the class and colour of each number. Labels come from the simulator; they are
+not evidence and need no receipt.
 """
 
 import json
@@ -43,7 +43,8 @@ class LabelKeeper:
 
     Parameters
     ----------
-    store: folder of the image store.
+    store
+        Folder of the image store.
     """
 
     def __init__(self, store: Path) -> None:
@@ -57,7 +58,8 @@ class LabelKeeper:
 
         Raises
         ------
-        StoreError: if it is no such list, or cannot be written.
+        StoreError
+            If it is no such list, or cannot be written.
         """
         try:
             rows = {int(row['number']): row for row in json.loads(text)}
@@ -74,7 +76,8 @@ class LabelKeeper:
 
         Raises
         ------
-        StoreError: if it cannot be written.
+        StoreError
+            If it cannot be written.
         """
         shot_id = self._shots.setdefault(vehicle, OrderedDict()).pop(time_ns, None)
         if shot_id is not None:
@@ -108,7 +111,8 @@ class LabelImages:
 
     Raises
     ------
-    StoreError: if the table is not understood or has too many classes.
+    StoreError
+        If the table is not understood or has too many classes.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -127,7 +131,8 @@ class LabelImages:
 
         Raises
         ------
-        StoreError: if the file is no label image.
+        StoreError
+            If the file is no label image.
         """
         path = self._folder / f'{name}.png'
         if not path.exists():

@@ -22,12 +22,18 @@ class Intrinsics:
 
     Attributes
     ----------
-    width_px, height_px: size of the image.
-    fx_px, fy_px: focal lengths.
-    cx_px, cy_px: principal point.
-    distortion_model: of sensor_msgs/CameraInfo, e.g. ``plumb_bob``; empty for none.
-    distortion: its coefficients; empty for none.
-    focal_std_share: uncertainty of the focal length over itself, 0 for a calibrated camera.
+    width_px, height_px
+        Size of the image.
+    fx_px, fy_px
+        Focal lengths.
+    cx_px, cy_px
+        Principal point.
+    distortion_model
+        Of sensor_msgs/CameraInfo, e.g. ``plumb_bob``; empty for none.
+    distortion
+        Its coefficients; empty for none.
+    focal_std_share
+        Uncertainty of the focal length over itself, 0 for a calibrated camera.
     """
 
     width_px: int
@@ -68,16 +74,24 @@ class ShotRecord:
 
     Attributes
     ----------
-    shot_id: ``<vehicle>-<sequence, 5 digits>``; a file name, so nothing else is accepted.
-    time_ns: exposure, nanoseconds since 1970 UTC (simulated time in simulation).
-    latitude_deg, longitude_deg, altitude_m: of the camera, WGS84, above the ellipsoid; NaN if
-        unknown.
-    position_covariance_m2: east, north, up; row major.
-    height_agl_m: above the ground below; NaN if unknown.
-    orientation_xyzw: quaternion from the optical frame (x right, y down, z forward) to ENU.
-    orientation_covariance_rad2: about east, north, up; row major.
-    sha256: of the image as the vehicle took it, lower-case hexadecimal.
-    lens: names the camera, where the vehicle may change it; else empty.
+    shot_id
+        ``<vehicle>-<sequence, 5 digits>``; a file name, so nothing else is accepted.
+    time_ns
+        Exposure, nanoseconds since 1970 UTC (simulated time in simulation).
+    latitude_deg, longitude_deg, altitude_m
+        Of the camera, WGS84, above the ellipsoid; NaN if unknown.
+    position_covariance_m2
+        East, north, up; row major.
+    height_agl_m
+        Above the ground below; NaN if unknown.
+    orientation_xyzw
+        Quaternion from the optical frame (x right, y down, z forward) to ENU.
+    orientation_covariance_rad2
+        About east, north, up; row major.
+    sha256
+        Of the image as the vehicle took it, lower-case hexadecimal.
+    lens
+        Names the camera, where the vehicle may change it; else empty.
     """
 
     shot_id: str
@@ -130,7 +144,8 @@ def record_of_plain(plain: Mapping[str, Any]) -> ShotRecord:
 
     Raises
     ------
-    ValueError: if a key is missing or a value is wrong.
+    ValueError
+        If a key is missing or a value is wrong.
     """
     try:
         values = {

@@ -23,9 +23,12 @@ class Tags:
 
     Attributes
     ----------
-    image, camera, gps: Exif by tag.
-    xmp: by prefix and name, e.g. ``drone-dji:GimbalYawDegree``.
-    width_px, height_px: size of the picture.
+    image, camera, gps
+        Exif by tag.
+    xmp
+        By prefix and name, e.g. ``drone-dji:GimbalYawDegree``.
+    width_px, height_px
+        Size of the picture.
     """
 
     image: Mapping[int, Any]
@@ -55,7 +58,8 @@ def read_tags(path: Path) -> tuple[Tags, bytes]:
 
     Raises
     ------
-    StoreError: if it is no picture.
+    StoreError
+        If it is no picture.
     """
     try:
         data = path.read_bytes()

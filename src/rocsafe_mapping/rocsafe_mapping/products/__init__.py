@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that a map is handed over as."""
+"""The files of a finished map: GeoTIFF, tiles, pictures, quality, errors, labels."""

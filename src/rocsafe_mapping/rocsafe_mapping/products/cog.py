@@ -55,16 +55,22 @@ def write_cog(
 
     Parameters
     ----------
-    path: of the file.
-    grid: that the windows count in.
-    window: what the file shall hold.
-    tiles: each with red, green, blue and coverage, shape (height, width, 4); or labels (height,
+    path
+        Of the file.
+    grid
+        That the windows count in.
+    window
+        What the file shall hold.
+    tiles
+        Each with red, green, blue and coverage, shape (height, width, 4); or labels (height,
         width), 0 where nothing is known, with a `palette`.
-    palette: colours of labels (red, green, blue), or none of them known; None for a picture.
+    palette
+        Colours of labels (red, green, blue), or none of them known; None for a picture.
 
     Raises
     ------
-    MappingError: if the file cannot be written.
+    MappingError
+        If the file cannot be written.
     """
     resampling = Resampling.average if palette is None else Resampling.mode
     _made(path, lambda raw: _write_raw(raw, grid, window, tiles, palette), resampling)
@@ -77,7 +83,8 @@ def write_values(
 
     Raises
     ------
-    MappingError: if the file cannot be written.
+    MappingError
+        If the file cannot be written.
     """
     _made(path, lambda raw: _write_bands(raw, grid, window, bands), Resampling.average)
 

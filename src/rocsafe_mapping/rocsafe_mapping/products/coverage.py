@@ -8,19 +8,19 @@ import numpy as np
 import shapely
 
 from rocsafe_geo.arrays import BoolArray
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
 
 def coverage(renderer: Renderer, region: shapely.Polygon | None) -> dict[str, Any]:
     """Return the area shown and, of the region or else of the outline, the share and holes."""
-    is_seen = renderer.labels != NOBODY
+    is_seen = renderer.owners != NO_PHOTO
     cell_m2 = renderer.cell_m**2
     wanted = _mask(renderer, region) if region is not None else _hull(is_seen)
     missing = wanted & ~is_seen
     count, _, statistics, _ = cv2.connectedComponentsWithStats(missing.astype(np.uint8))
     largest = max((int(statistics[n, cv2.CC_STAT_AREA]) for n in range(1, count)), default=0)
-    # A region that reaches beyond the grid of the map is not seen there.
+    # Parts of the region outside the map's grid are not seen.
     wanted_m2 = region.area if region is not None else float(wanted.sum()) * cell_m2
     return {
         'of': 'region' if region is not None else 'outline of the photographs',
@@ -34,7 +34,7 @@ def coverage(renderer: Renderer, region: shapely.Polygon | None) -> dict[str, An
 
 def _mask(renderer: Renderer, region: shapely.Polygon) -> BoolArray:
     """Return which coarse pixels lie in the region."""
-    window = renderer.label_window
+    window = renderer.owner_window
     mask = np.zeros((window.height, window.width), np.uint8)
     for ring, value in [(region.exterior, 1), *((hole, 0) for hole in region.interiors)]:
         places = renderer.coarse.places_of(np.asarray(ring.coords)[:, :2])

@@ -10,9 +10,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.sheet import Shares
 from rocsafe_mapping.mosaic.mapmaker import Alignment
 from rocsafe_mapping.products.cog import write_values
 
@@ -31,8 +31,10 @@ class ErrorMap:
 
     Attributes
     ----------
-    error_m: standard error of where something is shown, NaN where nothing is.
-    heights_m: of what is shown above the ground, NaN where no two photographs tell.
+    error_m
+        Standard error of where something is shown, NaN where nothing is.
+    heights_m
+        Of what is shown above the ground, NaN where unknown.
     """
 
     error_m: Shares
@@ -45,7 +47,7 @@ class ErrorMap:
         return shown
 
     def facts(self) -> dict[str, Any]:
-        """Return how much of the map stands up, how much is not told, and how far each is off."""
+        """Return the shares of ground, objects and unknown heights, with their errors."""
         is_told = np.isfinite(self.heights_m) & self.is_shown
         is_standing = is_told & (np.abs(np.nan_to_num(self.heights_m)) > STANDING_M)
         kinds = {
@@ -68,7 +70,7 @@ class ErrorMap:
 
 def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
     """Return how far each place of the map may be off."""
-    labels, whole = renderer.labels, renderer.label_window
+    labels, whole = renderer.owners, renderer.owner_window
     error = np.full(labels.shape, np.nan, np.float32)
     for number, name in enumerate(renderer.names):
         part = renderer.shown_window(name)
@@ -81,7 +83,7 @@ def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
         ground_m = (0.5 * (edges[:-1, :-1] + edges[1:, 1:]))[is_own]
         rise_m = renderer.relief.rise_m[place][is_own].astype(float)
         error[place][is_own] = alignment.errors_at_m(name, ground_m, rise_m)
-    heights = np.where(labels == NOBODY, np.float32(np.nan), renderer.relief.heights_m)
+    heights = np.where(labels == NO_PHOTO, np.float32(np.nan), renderer.relief.heights_m)
     return ErrorMap(error_m=error, heights_m=heights)
 
 
@@ -90,17 +92,19 @@ def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
 
     Raises
     ------
-    MappingError: if the GeoTIFF cannot be written.
-    OSError: if the picture cannot be.
+    MappingError
+        If the GeoTIFF cannot be written.
+    OSError
+        If the picture cannot be.
     """
     bands = {'standard error, m': found.error_m, 'height above the ground, m': found.heights_m}
-    write_values(folder / ERROR_TIF, renderer.coarse, renderer.label_window, bands)
+    write_values(folder / ERROR_TIF, renderer.coarse, renderer.owner_window, bands)
     write_whole(folder / ERROR_PNG, _png(found))
     return ERROR_PNG
 
 
 def _png(found: ErrorMap) -> bytes:
-    """Return the errors as colours, greyed where no two photographs tell what stands there."""
+    """Return the errors as colours, grey where the height of objects is unknown."""
     most = float(np.quantile(found.error_m[found.is_shown], BRIGHTEST))
     level = np.clip(np.nan_to_num(found.error_m) / max(most, 1e-6), 0.0, 1.0)
     colours = cv2.applyColorMap((255.0 * level).astype(np.uint8), cv2.COLORMAP_INFERNO)

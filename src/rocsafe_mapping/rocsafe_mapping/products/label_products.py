@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.label_map import UNKNOWN, label_tiles
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.drawing.sheet import Sheet
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.products.cog import write_cog
@@ -25,7 +25,7 @@ Tiles = Iterator[tuple[Window, NDArray[np.uint8]]]
 def write_labels(
     folder: Path,
     renderer: Renderer,
-    sheets: Mapping[str, Sheet],
+    placed_photos: Mapping[str, PlacedPhoto],
     images: LabelImages,
     file_name: Callable[[str], str],
 ) -> None:
@@ -33,15 +33,21 @@ def write_labels(
 
     Parameters
     ----------
-    folder: where they go.
-    renderer, sheets: of the map.
-    images: label images of the photographs.
-    file_name: returns what the file of a photograph is called, without its suffix.
+    folder
+        Where they go.
+    renderer, placed_photos
+        Of the map.
+    images
+        Label images of the photographs.
+    file_name
+        Returns what the file of a photograph is called, without its suffix.
 
     Raises
     ------
-    MappingError: if they cannot be written.
-    ValueError: if a label image is not as large as its photograph.
+    MappingError
+        If they cannot be written.
+    ValueError
+        If a label image is not as large as its photograph.
     """
     counts = np.zeros(VALUES, np.int64)
 
@@ -50,7 +56,7 @@ def write_labels(
             np.add(counts, np.bincount(labels.ravel(), minlength=VALUES), out=counts)
             yield window, labels
 
-    tiles = label_tiles(renderer, sheets, lambda name: images.of(file_name(name)), TILE_PX)
+    tiles = label_tiles(renderer, placed_photos, lambda name: images.of(file_name(name)), TILE_PX)
     colours = {label.value: label.colour for label in images.classes}
     path = folder / LABELS_TIF
     write_cog(path, renderer.grid, renderer.window, counted(tiles), palette=colours)

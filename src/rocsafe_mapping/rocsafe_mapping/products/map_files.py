@@ -11,7 +11,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_mapping.photographs.label_images import LABELS
-from rocsafe_mapping.products.handover import QUALITY_JSON, Handover
+from rocsafe_mapping.products.map_products import QUALITY_JSON, ProductOptions
 
 TILES = 'tiles'
 
@@ -22,11 +22,16 @@ class MapFiles:
 
     Attributes
     ----------
-    geotiff, quality, tiles: absolute paths; empty while there is none.
-    ground_resolution_m: side of a pixel of the GeoTIFF.
-    is_final: whether the GeoTIFF holds all photographs.
-    is_georeferenced: whether nothing contradicts the measurements.
-    stated_error_m: standard error of the ground's place; NaN while it is not known.
+    geotiff, quality, tiles
+        Absolute paths; empty while there is none.
+    ground_resolution_m
+        Side of a pixel of the GeoTIFF.
+    is_final
+        Whether the GeoTIFF holds all photographs.
+    is_georeferenced
+        Whether nothing contradicts the measurements.
+    stated_error_m
+        Standard error of the ground's place; NaN while it is not known.
     """
 
     geotiff: str = ''
@@ -48,14 +53,16 @@ def files_before(options: MosaicOptions) -> MapFiles:
     )
 
 
-def handover_of(options: MosaicOptions, maker: Mapmaker, region: SurveyArea | None) -> Handover:
+def product_options_of(
+    options: MosaicOptions, maker: Mapmaker, region: SurveyArea | None
+) -> ProductOptions:
     """Return what shall be written of a mission's map.
 
-    Label images that the collector kept beside the photographs become a map, too.
+    Label images that the collector kept beside the photographs are mapped, too.
     """
     frame = maker.frame
     labels = Path(options.store_directory) / LABELS
-    return Handover(
+    return ProductOptions(
         geotiff=Path(options.output_path).absolute(),
         folder=options.products,
         region=region.polygon(frame.frame) if region is not None and frame is not None else None,

@@ -19,8 +19,8 @@ from rasterio.vrt import WarpedVRT
 from rasterio.warp import calculate_default_transform, transform_bounds
 
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
+from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.mosaic.web_tiles import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.products.cog import CACHE_BYTES
 
 LONGEST_SIDE_PX = 2048
@@ -42,7 +42,8 @@ def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
 
     Raises
     ------
-    MappingError: if the map cannot be read or a file cannot be written.
+    MappingError
+        If the map cannot be read or a file cannot be written.
     """
     picture, world, projection, kml = (
         stem.with_suffix(suffix) for suffix in ('.png', '.pgw', '.prj', '.kml')
@@ -75,7 +76,8 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 
     Raises
     ------
-    MappingError: if it cannot be written.
+    MappingError
+        If it cannot be written.
     """
     part = part_of(path).with_suffix('.mbtiles')
     try:
@@ -96,9 +98,10 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 
 
 def _on_tiles(source: DatasetReader) -> WarpedVRT:
-    """Return a map in the web's projection, its edges those of tiles.
+    """Return a map in Web Mercator whose edges are edges of tiles.
 
-    Left to itself, GDAL lays the map up to a pixel beside its place.
+    Otherwise GDAL shifts the map
+    by up to a pixel.
     """
     wished, _, _ = calculate_default_transform(
         source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', source.width, source.height, *source.bounds

@@ -10,10 +10,10 @@ import shapely
 from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.rotation import tilt_and_yaw
-from rocsafe_mapping.alignment.state import State
-from rocsafe_mapping.alignment.survey import BY_FEATURES, BY_GPS
-from rocsafe_mapping.drawing.labels import NOBODY, Labels
+from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
+from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.model.state import State
+from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
 from rocsafe_mapping.products.coverage import coverage
@@ -43,10 +43,14 @@ def quality(
 
     Parameters
     ----------
-    alignment, state: of the photographs.
-    renderer: of the map.
-    region: that was to be covered, in local metres.
-    errors: of the map's places; found here where they are not given.
+    alignment, state
+        Of the photographs.
+    renderer
+        Of the map.
+    region
+        That was to be covered, in local metres.
+    errors
+        Of the map's places; found here where they are not given.
     """
     placed_by_gps = by_gps(alignment)
     errors = errors or error_map(alignment, renderer)
@@ -138,7 +142,7 @@ def _ties(held_out_px: FloatArray, resolution_m: float) -> dict[str, Any]:
 
 
 def _seams(alignment: Alignment, renderer: Renderer) -> dict[str, Any]:
-    """Return how far photographs disagree at seams, everywhere and where nothing stands up."""
+    """Return how far photographs disagree at seams, everywhere and where no object stands."""
     shifts, places = seam_shifts_px(renderer)
     if not len(shifts):
         return {'count': 0}
@@ -226,11 +230,11 @@ def _tiles(alignment: Alignment, renderer: Renderer, errors: ErrorMap) -> list[d
     """Return, for each tile of the map, what places it and how far it may be off."""
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
     side = max(1, QUALITY_TILE_PX // step)
-    window = renderer.label_window
+    window = renderer.owner_window
     tiles = []
     for place in window.tiles(side):
         at = place.cut(window).within(window)
-        off = _errors_by_name(renderer, renderer.labels[at], errors.error_m[at])
+        off = _errors_by_name(renderer, renderer.owners[at], errors.error_m[at])
         if off:
             is_by_gps = any(alignment.placements[n].placed_by == BY_GPS for n in off)
             tiles.append({
@@ -248,7 +252,7 @@ def _errors_by_name(
     renderer: Renderer, labels: Labels, error_m: NDArray[np.float32]
 ) -> dict[str, float]:
     """Return how far off each photograph is in what the map shows of it at a place."""
-    numbers = sorted(set(np.unique(labels).tolist()) - {NOBODY})
+    numbers = sorted(set(np.unique(labels).tolist()) - {NO_PHOTO})
     squares = {renderer.names[number]: error_m[labels == number] ** 2 for number in numbers}
     return {name: float(np.sqrt(np.mean(square))) for name, square in squares.items()}
 

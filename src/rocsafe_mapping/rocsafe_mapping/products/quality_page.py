@@ -72,7 +72,7 @@ def _verdict(document: Mapping[str, Any]) -> str:
 
 
 def _errors(errors: Mapping[str, Any], picture: str) -> str:
-    """Return how far what stands on the ground is off, and where nothing tells."""
+    """Return the errors of ground, of objects, and where heights are unknown."""
     kinds = (
         ('level ground, as two photographs tell', 'ground'),
         ('what stands on it, as two photographs tell', 'standing'),

@@ -6,7 +6,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.labels import NOBODY
+from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
 PATCH_PX = 64
@@ -14,7 +14,7 @@ MOST_PATCHES = 150
 # Flat patches and repetitive ones have no clear shift.
 LEAST_CONTRAST = 6.0
 LEAST_RESPONSE = 0.4
-# Ground is where some ties lie near and none of their points stands up more than this.
+# Ground is where ties lie near, and none of their points is higher above the surface than this.
 NEAR_M, LEAST_TIES, STANDING_M = 3.0, 2, 0.3
 
 
@@ -24,13 +24,13 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
     About `most` places are asked, by phase correlation of patches of 64 pixels (Kuglin, Hines
     1975); patches without a clear answer do not count.
     """
-    labels, window = renderer.labels, renderer.label_window
+    labels, window = renderer.owners, renderer.owner_window
     step = max(1, round(renderer.cell_m / renderer.grid.resolution_m))
     places = []
     for axis in (0, 1):
         one = labels[:-1] if axis == 0 else labels[:, :-1]
         other = labels[1:] if axis == 0 else labels[:, 1:]
-        rows, columns = np.nonzero((one != other) & (one != NOBODY) & (other != NOBODY))
+        rows, columns = np.nonzero((one != other) & (one != NO_PHOTO) & (other != NO_PHOTO))
         places += list(zip(rows, columns, one[rows, columns], other[rows, columns], strict=True))
     chosen = places[:: max(1, len(places) // most)]
     hann = cv2.createHanningWindow((PATCH_PX, PATCH_PX), cv2.CV_32F)
@@ -57,10 +57,10 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
 
 
 def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
-    """Return which places (n,) have nothing standing about them, as the ties nearby tell.
+    """Return which places (n,) have no object about them, by the ties nearby.
 
-    The ties are those of the adjustment, not the patches themselves: a patch that is shifted is
-    not called standing for that.
+    The ties of the adjustment decide, not the patches: a shifted patch alone is no sign of an
+    object.
     """
     found = np.zeros(len(places_m), bool)
     for number, place in enumerate(places_m):

@@ -22,9 +22,12 @@ class Copier:
 
     Parameters
     ----------
-    folder: of the store.
-    open_sink: opens the other place; called in the thread, again after a failure.
-    notice: is told, in one line each, of failures and refusals.
+    folder
+        Of the store.
+    open_sink
+        Opens the other place; called in the thread, again after a failure.
+    notice
+        Is told, in one line each, of failures and refusals.
     """
 
     def __init__(self, folder: Path, open_sink: Callable[[], Sink], notice: Notice) -> None:

@@ -28,8 +28,10 @@ class HttpSink:
 
     Parameters
     ----------
-    url: of the repository, without a trailing slash.
-    token: that it asks for; empty for none.
+    url
+        Of the repository, without a trailing slash.
+    token
+        That it asks for; empty for none.
     """
 
     def __init__(self, url: str, token: str = '') -> None:
@@ -49,7 +51,8 @@ class HttpSink:
 
         Raises
         ------
-        StoreError: if the repository cannot be reached or does not take it now.
+        StoreError
+            If the repository cannot be reached or does not take it now.
         """
         sha256 = hashlib.sha256(image).hexdigest()
         try:

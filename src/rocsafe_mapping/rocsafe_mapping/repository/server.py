@@ -38,14 +38,19 @@ class Repository(ThreadingHTTPServer):
 
     Parameters
     ----------
-    folder: of the image store.
-    address: host and port; port 0 is any.
-    token: that requests must bring; may be empty on loopback only.
+    folder
+        Of the image store.
+    address
+        Host and port; port 0 is any.
+    token
+        That requests must bring; may be empty on loopback only.
 
     Raises
     ------
-    StoreError: if the store cannot be opened.
-    ValueError: if others than this machine could write without a token.
+    StoreError
+        If the store cannot be opened.
+    ValueError
+        If others than this machine could write without a token.
     """
 
     daemon_threads = True
@@ -120,7 +125,7 @@ class _Handler(BaseHTTPRequestHandler):
         return self._store(record, image, path)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
-        """Say nothing: answers tell all."""
+        """Log nothing: the answers say it."""
 
     def _store(self, record: ShotRecord, image: bytes, upload: Path) -> None:
         try:

@@ -24,7 +24,8 @@ class Sink(Protocol):
 
         Raises
         ------
-        StoreError: if it is not there now: try again later.
+        StoreError
+            If it is not there now: try again later.
         """
 
     def close(self) -> None:
@@ -63,7 +64,8 @@ class S3Sink:
 
         Raises
         ------
-        StoreError: on any failure.
+        StoreError
+            On any failure.
         """
         sha256 = hashlib.sha256(image).hexdigest()
         text = json.dumps(plain_of_record(record)).encode()
@@ -97,7 +99,8 @@ def token_of_file(path: str) -> str:
 
     Raises
     ------
-    StoreError: if the file cannot be read or is empty.
+    StoreError
+        If the file cannot be read or is empty.
     """
     if not path:
         return ''
@@ -115,7 +118,8 @@ def open_sink(url: str, token: str = '') -> Sink:
 
     Raises
     ------
-    StoreError: if the scheme is not known or it cannot be opened.
+    StoreError
+        If the scheme is not known or it cannot be opened.
     """
     parts = urlsplit(url)
     if parts.scheme in ('', 'file'):

@@ -29,9 +29,12 @@ class ManifestEntry:
 
     Attributes
     ----------
-    shot_id: of the photograph; its files are named after it.
-    received_sha256: of the image as the vehicle sent it.
-    stored_sha256, stored_bytes: of the file, which has Exif added.
+    shot_id
+        Of the photograph; its files are named after it.
+    received_sha256
+        Of the image as the vehicle sent it.
+    stored_sha256, stored_bytes
+        Of the file, which has Exif added.
     """
 
     shot_id: str
@@ -59,8 +62,10 @@ class StoredShot:
 
     Attributes
     ----------
-    record, path: of the photograph.
-    sha256, size_bytes: of the stored file; empty and 0 where only the file tells.
+    record, path
+        Of the photograph.
+    sha256, size_bytes
+        Of the stored file; empty and 0 where only the file has them.
     """
 
     record: ShotRecord
@@ -73,7 +78,8 @@ class StoredShot:
 
         Raises
         ------
-        StoreError: if it cannot be read.
+        StoreError
+            If it cannot be read.
         """
         try:
             return self.path.read_bytes()
@@ -88,7 +94,8 @@ def read_store(directory: Path, notice: Notice) -> tuple[StoredShot, ...]:
 
     Raises
     ------
-    StoreError: if the manifest cannot be read; a store that does not exist yet is empty.
+    StoreError
+        If the manifest cannot be read; a store that does not exist yet is empty.
     """
     manifest = directory.absolute() / MANIFEST
     if not manifest.exists():
@@ -113,7 +120,8 @@ def read_shot(directory: Path, shot_id: str) -> StoredShot:
 
     Raises
     ------
-    StoreError: if there is no such photograph or its record cannot be read.
+    StoreError
+        If there is no such photograph or its record cannot be read.
     """
     sidecar = directory.absolute() / (shot_id + SIDECAR_SUFFIX)
     try:

@@ -17,7 +17,8 @@ from typing import Any
 
 from rocsafe_geo.storage.durable import finish_part, part_of
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_mapping.alignment.photo import footprint, ground_frame_of, photo_of_record
+from rocsafe_mapping.alignment.model.photo import footprint, ground_frame_of, photo_of_record
+from rocsafe_mapping.alignment_options import PriorOptions
 from rocsafe_mapping.errors import PlacementError, StoreError
 from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.photographs.xmp import attitude_rad
@@ -41,7 +42,8 @@ def write_listings(folder: Path, shots: Sequence[StoredShot]) -> None:
 
     Raises
     ------
-    StoreError: if one cannot be written.
+    StoreError
+        If one cannot be written.
     """
     files = {
         IMAGES_CSV: images_csv(shots),
@@ -213,7 +215,7 @@ def _ring(record: ShotRecord) -> list[list[float]] | None:
     """Return the footprint as a closed ring, anticlockwise, None where it is not known."""
     try:
         frame = ground_frame_of(record)
-        photo = photo_of_record(record, frame)
+        photo = photo_of_record(record, frame, PriorOptions())
     except PlacementError:
         return None
     corners = frame.geodetic(footprint(photo, photo.prior))

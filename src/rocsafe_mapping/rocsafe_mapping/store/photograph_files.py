@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Anyone's drone photographs: what their Exif and XMP tell, as records.
+"""Drone photographs of any maker: records from their Exif and XMP.
 
 Conventions: Exif 2.32; XMP of DJI (``drone-dji``: yaw clockwise from north, a gimbal's pitch -90
 looks straight down, RelativeAltitude above the take-off point) and of Pix4D (``Camera``: yaw,
@@ -48,11 +48,12 @@ _NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
 
 
 def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
-    """Return the photographs of a folder, by name; of one that cannot be read `notice` is told.
+    """Return the photographs of a folder, by name; `notice` hears of those that cannot be read.
 
     Raises
     ------
-    StoreError: if the folder cannot be read.
+    StoreError
+        If the folder cannot be read.
     """
     try:
         paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
@@ -89,12 +90,13 @@ def vehicle_of(tags: Tags) -> str:
 def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> ShotRecord:
     """Return the record that the tags of a photograph amount to.
 
-    What is not known is NaN. A height above the ground that no tag tells is found by
+    What is not known is NaN. A height above the ground that no tag has is found by
     `photographs_of` from the other photographs.
 
     Raises
     ------
-    ValueError: if a tag has a value that cannot be, or the focal length is not told.
+    ValueError
+        If a tag has a value that cannot be, or the focal length is unknown.
     """
     latitude, longitude = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
     yaw, pitch, roll, tilt_std, yaw_std = _attitude(tags)
@@ -124,7 +126,7 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
 def _with_heights(shots: Sequence[StoredShot]) -> tuple[StoredShot, ...]:
     """Return the photographs, each with a height above the ground.
 
-    Where no tag tells it, it is the altitude less that of the ground below the others, or less
+    Where no tag has it, it is the altitude less that of the ground below the others, or less
     0, and very uncertain: the alignment then takes the scale from the fixes.
     """
     known = [

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The image store: each photograph safely on disk, exactly once, whatever happens.
+"""The image store: keeps each photograph on disk, exactly once, also after a crash.
 
 A photograph is a JPEG file with Exif and, beside it, a JSON file with its record. It counts as
 stored when its line stands in the manifest; the line is written last, after both files are safe
-on disk, and the vehicle hears of it only then. What a killed collector leaves is put in order by
-the next one that opens the store.
+on disk, and the vehicle hears of it only then. After a crash, the next collector that opens the
+store completes or removes what is unfinished.
 """
 
 import fcntl
@@ -60,10 +60,14 @@ class Answer:
 
     Attributes
     ----------
-    status: what became of it.
-    sha256: of the image as received, lower-case hexadecimal.
-    path: of the stored image, absolute; None if rejected.
-    reason: why it was rejected, else empty.
+    status
+        What became of it.
+    sha256
+        Of the image as received, lower-case hexadecimal.
+    path
+        Of the stored image, absolute; None if rejected.
+    reason
+        Why it was rejected, else empty.
     """
 
     status: Status
@@ -77,14 +81,18 @@ class ImageStore:
 
     Parameters
     ----------
-    directory: where the store is or shall be.
-    notice: is told, in one line each, what was found out of order on opening.
-    reserve_bytes: space that a photograph must leave on the disk; a clear refusal comes before
-        the disk is full.
+    directory
+        Where the store is or shall be.
+    notice
+        Is told, in one line each, what was found unfinished on opening.
+    reserve_bytes
+        Space that a photograph must leave on the disk; a clear refusal comes before the disk is
+        full.
 
     Raises
     ------
-    StoreError: if the directory cannot be used or another process writes to it.
+    StoreError
+        If the directory cannot be used or another process writes to it.
     """
 
     def __init__(
@@ -120,7 +128,8 @@ class ImageStore:
 
         Raises
         ------
-        StoreError: if the disk fails or is full; nothing has changed, the caller may try again.
+        StoreError
+            If the disk fails or is full; nothing has changed, the caller may try again.
         """
         sha256 = hashlib.sha256(image).hexdigest()
         if sha256 != record.sha256:
@@ -148,7 +157,8 @@ class ImageStore:
 
         Raises
         ------
-        StoreError: if the disk fails or is full.
+        StoreError
+            If the disk fails or is full.
         """
         sha256 = hashlib.sha256(image).hexdigest()
         path = self._directory / REJECTED / sha256
@@ -181,7 +191,7 @@ class ImageStore:
             write_part(sidecar_path, json.dumps(plain, indent=1).encode() + b'\n')
             write_part(image_path, stored)
         except OSError:
-            # A full disk needs the space more.
+            # A full disk has no room for it.
             discard_part(sidecar_path)
             raise
         finish_part(sidecar_path)

@@ -26,7 +26,8 @@ def write_index(folder: Path, shots: Sequence[StoredShot]) -> None:
 
     Raises
     ------
-    StoreError: if it cannot be written.
+    StoreError
+        If it cannot be written.
     """
     path = folder / INDEX
     try:

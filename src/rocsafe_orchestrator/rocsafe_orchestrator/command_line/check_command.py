@@ -11,7 +11,7 @@ from rocsafe_orchestrator.errors import EXIT_COMPLETE
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
-from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacing_m
+from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacings_m
 
 
 def check(path: Path, console: Console) -> int:
@@ -49,7 +49,7 @@ def _survey_table(scenario: Scenario) -> Table:
     for other in scenario.other_cameras:
         hung = 'in a gimbal' if other.gimbal else f'pitch {other.pitch_deg:g} deg'
         table.add_row('also', f'camera {other.name}, {hung}')
-    across, along = spacing_m(survey, camera)
+    across, along = spacings_m(survey, camera)
     table.add_row(
         'viewpoints',
         f'at least {fewest_viewpoints(area, survey, camera)}, {across:.2f} x {along:.2f} m apart '

@@ -10,69 +10,33 @@ from rocsafe_orchestrator.command_line import Commands
 from rocsafe_orchestrator.errors import EXIT_SIGNAL_BASE
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class PassedOn:
     """A command that is an executable of another package, which reads the arguments itself.
 
     Attributes
     ----------
     word
-        The command, after `rocsafe`.
-    package, executable
-        The executable that carries it out.
+        The command, after `rocsafe`, and the name of the executable.
+    package
+        The package of the executable.
     summary
         Its line in `rocsafe --help`.
     """
 
     word: str
     package: str
-    executable: str
     summary: str
 
 
 PASSED_ON = (
-    PassedOn(
-        word='localize',
-        package='rocsafe_radiation',
-        executable='localize',
-        summary='estimate sources from readings',
-    ),
-    PassedOn(
-        word='map',
-        package='rocsafe_mapping',
-        executable='map',
-        summary='map a folder of photographs',
-    ),
-    PassedOn(
-        word='scene',
-        package='rocsafe_scene',
-        executable='scene',
-        summary='check, list and render scenes; write their terrain heights',
-    ),
-    PassedOn(
-        word='dataset',
-        package='rocsafe_dataset',
-        executable='dataset',
-        summary='make labelled images of a scene for training',
-    ),
-    PassedOn(
-        word='changes',
-        package='rocsafe_mapping',
-        executable='changes',
-        summary='find changes between two flights',
-    ),
-    PassedOn(
-        word='import',
-        package='rocsafe_mapping',
-        executable='import',
-        summary='import photographs into an image store',
-    ),
-    PassedOn(
-        word='repository',
-        package='rocsafe_mapping',
-        executable='repository',
-        summary='receive photographs over HTTP and store them',
-    ),
+    PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
+    PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
+    PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),
+    PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),
+    PassedOn('changes', 'rocsafe_mapping', 'find changes between two flights'),
+    PassedOn('import', 'rocsafe_mapping', 'import photographs into an image store'),
+    PassedOn('repository', 'rocsafe_mapping', 'receive photographs over HTTP and store them'),
 )
 
 
@@ -97,6 +61,6 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
     """
     from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
 
-    command = [str(find_executable(row.package, row.executable)), *arguments]
+    command = [str(find_executable(row.package, row.word)), *arguments]
     done = subprocess.run(command, env={**ONE_THREAD, **os.environ}, check=False)
     return done.returncode if done.returncode >= 0 else EXIT_SIGNAL_BASE - done.returncode

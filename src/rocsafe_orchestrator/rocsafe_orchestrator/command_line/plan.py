@@ -49,7 +49,6 @@ def _plan(arguments: argparse.Namespace) -> int:
 
     request = PlanRequest(
         files=tuple(arguments.files),
-        method=arguments.method,
         vehicles=arguments.drones,
         height_agl_m=arguments.height,
         home=arguments.home and tuple(arguments.home),
@@ -57,17 +56,21 @@ def _plan(arguments: argparse.Namespace) -> int:
         exclusions=tuple(arguments.exclude),
         seed=arguments.seed,
         survey=_given(
-            objective=arguments.objective,
             grid=arguments.grid,
             overlap_fraction=arguments.overlap,
             front_overlap_fraction=arguments.front_overlap,
             spacing_rule=arguments.spacing_rule,
-            clearance_m=arguments.clearance,
-            wind_mps=arguments.wind and tuple(arguments.wind),
-            separation_m=arguments.separation,
-            separation_by=arguments.separation_by,
             terrain_file=arguments.terrain and str(arguments.terrain),
+        ),
+        airspace=_given(
+            clearance_m=arguments.clearance,
             terrain_clearance_m=arguments.terrain_clearance,
+            wind_mps=arguments.wind and tuple(arguments.wind),
+        ),
+        separation=_given(distance_m=arguments.separation, by=arguments.separation_by),
+        effort=_given(
+            method=arguments.method or None,
+            objective=arguments.objective,
             budget_s=arguments.budget,
         ),
         vehicle=_given(

@@ -1,23 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe plan`: who photographs what, without flying."""
+"""`rocsafe plan`: plan a survey without flying."""
 
-import json
+import math
 import re
-import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
+from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.regions.area_files import read_areas
+from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
-from rocsafe_orchestrator.processes.answers import answer_of
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_planner.checked_planning import checked_plan
+from rocsafe_planner.errors import PlannerError
+from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.survey_options import Effort, SeparationOptions
+from rocsafe_planner.plan.survey_region import SurveyRegion
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import (
@@ -29,30 +37,33 @@ from rocsafe_scenario.scenario_blocks import (
 from rocsafe_scenario.scenario_file import read_scenario, region_block
 
 REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
-# A plan of the largest allowed size takes a fraction of this.
-TIMEOUT_S = 600.0
-# What a plan needs of the camera.
-_PINHOLE = {'horizontal_fov_deg', 'image_width_px', 'image_height_px'}
+# Keys of a vehicle in a scenario that the planner takes in another form, or not at all.
+OTHER_KEYS = frozenset(
+    {'home', 'end', 'endurance_s', 'reserve_fraction', 'fails_after_s', 'autopilot'}
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanRequest:
-    """What the command line asks for.
+    """Arguments of the command.
 
     Attributes
     ----------
-    files: scenarios and regions.
-    method: routing method; empty: the scenario's, else the planner's own.
-    vehicles, height_agl_m, home: of a region, which says nothing of them; without a home they
-        start at its first corner.
-    parent: folder below which the plans are written, None: nowhere.
-    exclusions: region files that no leg crosses, besides the scenario's own.
-    seed: of the search; None: the scenario's.
-    survey, vehicle: keys of the scenario's survey, and of all its vehicles, with other values.
+    files
+        Scenarios and region files.
+    vehicles, height_agl_m, home
+        Fleet and height for region files; without a home all start at the first corner.
+    parent
+        Folder below which the plans are written; None: nowhere.
+    exclusions
+        Region files that no leg crosses, beside the exclusions of the scenario.
+    seed
+        Seed of the search; None: that of the scenario.
+    survey, airspace, separation, effort, vehicle
+        Values that replace those of the scenario's blocks, by key; `vehicle` for all vehicles.
     """
 
     files: tuple[Path, ...]
-    method: str = ''
     vehicles: int = 3
     height_agl_m: float = 32.0
     home: tuple[float, float] | None = None
@@ -60,6 +71,9 @@ class PlanRequest:
     exclusions: tuple[Path, ...] = ()
     seed: int | None = None
     survey: Mapping[str, Any] = field(default_factory=dict)
+    airspace: Mapping[str, Any] = field(default_factory=dict)
+    separation: Mapping[str, Any] = field(default_factory=dict)
+    effort: Mapping[str, Any] = field(default_factory=dict)
     vehicle: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -68,22 +82,31 @@ def plan(request: PlanRequest, console: Console) -> int:
 
     Raises
     ------
-    ScenarioError: if a file is not valid.
-    OrchestratorError: if there is no plan; the planner's reason is told.
+    ScenarioError
+        If a file is not valid.
+    OrchestratorError
+        If there is no plan, with the reason of the planner.
     """
     zones = tuple(region_block(area) for path in request.exclusions for area in areas_of(path))
     scenarios = [
         (path, _with_options(_scenario(path, request), request, zones)) for path in request.files
     ]
     for path, scenario in scenarios:
-        with tempfile.TemporaryDirectory(prefix='rocsafe-plan-') as scratch:
-            folder = Path(scratch) if request.parent is None else request.parent / path.stem
-            document = planned(path, scenario, request.method, folder)
-        console.print(quality_table(path, document))
-        console.print(route_table(document))
+        found = planned(path, scenario)
+        console.print(quality_table(path, found))
+        console.print(route_table(found))
         if request.parent is not None:
-            console.print(f'written to {folder}', highlight=False, soft_wrap=True)
+            write(found, request.parent / path.stem, console)
     return EXIT_COMPLETE
+
+
+def write(plan: SurveyPlan, folder: Path, console: Console) -> None:
+    """Write the files of a plan and print where they are."""
+    try:
+        write_plan(plan, folder)
+    except ValueError as error:
+        raise OrchestratorError(str(error)) from error
+    console.print(f'written to {folder}', highlight=False, soft_wrap=True)
 
 
 def _scenario(path: Path, request: PlanRequest) -> Scenario:
@@ -117,9 +140,14 @@ def areas_of(path: Path) -> tuple[SurveyArea, ...]:
 def _with_options(
     scenario: Scenario, request: PlanRequest, zones: tuple[RegionBlock, ...]
 ) -> Scenario:
-    """Return the scenario with what the command line says besides."""
+    """Return the scenario with the values of the command line."""
+    survey = scenario.survey
+    blocks = {
+        key: getattr(survey, key).model_copy(update=getattr(request, key))
+        for key in ('airspace', 'separation', 'effort')
+    }
     changes = {
-        'survey': scenario.survey.model_copy(update=request.survey),
+        'survey': survey.model_copy(update={**request.survey, **blocks}),
         'vehicles': tuple(v.model_copy(update=request.vehicle) for v in scenario.vehicles),
         'exclusions': (*scenario.exclusions, *zones),
         'seed': scenario.seed if request.seed is None else request.seed,
@@ -127,62 +155,59 @@ def _with_options(
     return scenario.model_copy(update=changes)
 
 
-def planner_request(scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
-    """Return the request of `scenario` to the executable `plan_file`."""
-    survey, camera = scenario.survey, scenario.camera
-    method = method or survey.method
-    return {
-        'region': {'name': scenario.name, **scenario.region.model_dump(exclude={'file'})},
-        'other_regions': [
-            {'name': f'{scenario.name} {index}', **region.model_dump(exclude={'file'})}
-            for index, region in enumerate(scenario.other_regions, start=2)
-        ],
-        'exclusions': [
-            zone.model_dump(exclude={'file', 'sensors'}) for zone in scenario.exclusions
-        ],
-        'camera': camera.model_dump(include=_PINHOLE),
-        'vehicles': [_vehicle(scenario, vehicle) for vehicle in scenario.vehicles],
-        **survey.model_dump(exclude={'method'}),
-        **({'method': method} if method else {}),
-        'seed': scenario.seed,
-        'output_directory': str(folder),
-    }
-
-
-# Of a vehicle, in the planner's own words.
-KEYS_SAID_OTHERWISE = frozenset(
-    {'home', 'end', 'endurance_s', 'reserve_fraction', 'fails_after_s'}
-)
-
-
-def _vehicle(scenario: Scenario, vehicle: VehicleBlock) -> dict[str, Any]:
-    return {
-        **vehicle.model_dump(exclude={*KEYS_SAID_OTHERWISE, *LINK_KEYS}),
-        'home': [*vehicle.home, scenario.origin.ground_altitude_m],
-        'end': None if vehicle.end is None else [*vehicle.end, scenario.origin.ground_altitude_m],
-        'endurance_s': vehicle.usable_endurance_s,
-    }
-
-
-def planned(path: Path, scenario: Scenario, method: str, folder: Path) -> dict[str, Any]:
-    """Return the plan as its JSON file says it."""
-    homeless = ', '.join(vehicle.name for vehicle in scenario.vehicles if not vehicle.has_home)
-    if homeless:
-        raise ScenarioError(f'{path}: {homeless}: home must be given to plan without the vehicle')
-    asked_planner(path, 'plan_file', planner_request(scenario, method, folder))
-    document: dict[str, Any] = json.loads((folder / 'plan.json').read_text(encoding='utf-8'))
-    return document
-
-
-def asked_planner(path: Path, executable: str, request: dict[str, Any]) -> dict[str, Any]:
-    """Return the summary that an executable of the planner gives; `path` is what it is about.
+def planned(path: Path, scenario: Scenario) -> SurveyPlan:
+    """Return the checked plan of a scenario.
 
     Raises
     ------
-    OrchestratorError: if there is no plan; the planner's reason is told.
+    ScenarioError
+        If the home of a vehicle is not known.
+    OrchestratorError
+        If there is no plan, with the reason of the planner.
     """
-    found = find_executable('rocsafe_planner', executable)
+    homeless = ', '.join(vehicle.name for vehicle in scenario.vehicles if not vehicle.has_home)
+    if homeless:
+        raise ScenarioError(f'{path}: {homeless}: home must be given to plan without the vehicle')
     try:
-        return answer_of(found, request, TIMEOUT_S)
-    except OrchestratorError as error:
+        return checked_plan(survey_request(scenario))
+    except (PlannerError, ValueError) as error:
         raise OrchestratorError(f'{path}: {error}') from error
+
+
+def survey_request(scenario: Scenario) -> SurveyRequest:
+    """Return what a scenario asks of the planner."""
+    survey, camera = scenario.survey, scenario.camera
+    effort = survey.effort.model_dump(exclude=set() if survey.effort.method else {'method'})
+    return SurveyRequest(
+        regions=_regions(scenario),
+        exclusions=scenario.exclusion_areas(),
+        camera=PinholeCamera(
+            math.radians(camera.horizontal_fov_deg), camera.image_width_px, camera.image_height_px
+        ),
+        vehicles=tuple(_vehicle(scenario, vehicle) for vehicle in scenario.vehicles),
+        terrain=read_terrain(survey.terrain_file) if survey.terrain_file else None,
+        coverage=survey.coverage(),
+        airspace=survey.airspace.options(),
+        separation=SeparationOptions(**survey.separation.model_dump()),
+        effort=Effort(**effort, seed=scenario.seed),
+    )
+
+
+def _regions(scenario: Scenario) -> tuple[SurveyRegion, ...]:
+    others = [
+        SurveyRegion(area=replace(area, name=f'{scenario.name} {index}'), sensors=block.sensors)
+        for index, (area, block) in enumerate(
+            zip(scenario.other_areas(), scenario.other_regions, strict=True), start=2
+        )
+    ]
+    return (SurveyRegion(area=scenario.area(), sensors=scenario.region.sensors), *others)
+
+
+def _vehicle(scenario: Scenario, block: VehicleBlock) -> Vehicle:
+    return Vehicle(
+        **block.model_dump(exclude={*OTHER_KEYS, *LINK_KEYS}),
+        autopilot=Autopilot(**block.autopilot.model_dump()),
+        home=scenario.ground_position(block.home),
+        end=None if block.end is None else scenario.ground_position(block.end),
+        endurance_s=block.usable_endurance_s,
+    )

@@ -16,14 +16,15 @@ from rocsafe_orchestrator.command_line.numbers import (
     vehicle_speed,
     wind,
 )
-
-_AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
-_OBJECTIVES = ('longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy')
-_METHODS = (
-    'solver, boustrophedon_minmax, boustrophedon_equal, strips, christofides, '
-    'nearest_to_shortest or paper_greedy'
+from rocsafe_planner.plan.survey_options import (
+    GRIDS,
+    METHODS,
+    OBJECTIVES,
+    SEPARATIONS,
+    SPACING_RULES,
 )
 
+_AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
 # By name: what argparse is told.
 _OPTIONS: dict[str, dict[str, Any]] = {
     'out': {
@@ -48,7 +49,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'metavar': 'S',
         'help': "time to improve the plan, seconds (default: the scenario's, or none)",
     },
-    'method': {'default': '', 'help': f'{_METHODS} (default: solver)'},
+    'method': {
+        'default': '',
+        'help': f'{", ".join(METHODS[:-1])} or {METHODS[-1]} (default: {METHODS[0]})',
+    },
     'drones': {
         'type': count,
         'default': 3,
@@ -78,14 +82,14 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'help': 'overlap of successive photographs along a line (default: as --overlap)',
     },
     'spacing-rule': {
-        'choices': ('iou', 'linear'),
+        'choices': tuple(SPACING_RULES),
         'help': 'definition of the overlap: intersection over union, or part of the image side',
     },
     'grid': {
-        'choices': ('axis_aligned', 'rotated', 'best'),
+        'choices': GRIDS,
         'help': 'orientation of the grid of viewpoints',
     },
-    'objective': {'choices': _OBJECTIVES, 'help': 'quantity to minimise'},
+    'objective': {'choices': OBJECTIVES, 'help': 'quantity to minimise'},
     'clearance': {
         'type': metres,
         'metavar': 'M',
@@ -103,7 +107,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'help': 'least distance between two vehicles in the air, metres',
     },
     'separation-by': {
-        'choices': ('delay', 'layers'),
+        'choices': SEPARATIONS,
         'help': 'means of separation: delayed take-offs, or different heights',
     },
     'terrain-clearance': {

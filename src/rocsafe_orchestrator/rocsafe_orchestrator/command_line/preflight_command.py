@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe preflight`: check real vehicles before a flight."""
 
-import tempfile
 from collections.abc import Iterable
 from datetime import datetime, timezone
 from pathlib import Path
@@ -15,6 +14,7 @@ from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, Orchestrator
 from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_orchestrator.processes.launches import find_executable
 from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
+from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -103,23 +103,22 @@ def with_homes(scenario: Scenario, answers: Iterable[dict[str, Any]]) -> Scenari
 
 def planned_routes(path: Path, scenario: Scenario) -> dict[str, Any]:
     """Return what each real vehicle would fly, as the executable `preflight` reads it."""
-    with tempfile.TemporaryDirectory(prefix='rocsafe-preflight-') as scratch:
-        document = planned(path, scenario, '', Path(scratch))
+    plan = planned(path, scenario)
     ground_m = scenario.origin.ground_altitude_m
     homes = {vehicle.name: vehicle.home for vehicle in scenario.linked}
     return {
-        route['vehicle']: {
-            'home': list(homes[route['vehicle']]),
-            'waypoints': [_waypoint(viewpoint, ground_m) for viewpoint in route['viewpoints']],
+        route.vehicle.name: {
+            'home': list(homes[route.vehicle.name]),
+            'waypoints': [_waypoint(viewpoint, ground_m) for viewpoint in route.viewpoints],
         }
-        for route in document['routes']
-        if route['vehicle'] in homes and route['viewpoints']
+        for route in plan.routes
+        if route.vehicle.name in homes and route.viewpoints
     }
 
 
-def _waypoint(viewpoint: dict[str, Any], ground_m: float) -> list[float]:
-    place = (viewpoint['latitude_deg'], viewpoint['longitude_deg'])
-    return [*place, viewpoint['altitude_m'] - ground_m]
+def _waypoint(viewpoint: Viewpoint, ground_m: float) -> list[float]:
+    place = viewpoint.position
+    return [place.latitude_deg, place.longitude_deg, place.altitude_m - ground_m]
 
 
 def _table(answer: dict[str, Any]) -> Table:

@@ -38,7 +38,7 @@ def _replan(arguments: argparse.Namespace) -> int:
         visited=arguments.visited,
         lost=tuple(arguments.lost),
         aloft=tuple(tuple(words) for words in arguments.at),
-        new_places=tuple(tuple(place) for place in arguments.add),
+        new_places=tuple((latitude, longitude) for latitude, longitude in arguments.add),
         exclusions=tuple(arguments.exclude),
         folder=arguments.out,
         terrain=arguments.terrain,

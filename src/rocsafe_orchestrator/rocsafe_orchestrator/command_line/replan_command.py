@@ -1,42 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe replan`: the rest of a survey, planned anew."""
 
-import json
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from rocsafe_orchestrator.command_line.plan_command import areas_of, asked_planner
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.terrain.terrain_file import read_terrain
+from rocsafe_orchestrator.command_line.plan_command import areas_of, write
 from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
-from rocsafe_orchestrator.errors import EXIT_COMPLETE
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
+from rocsafe_planner.errors import PlannerError
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.vehicle import Aloft
+from rocsafe_planner.replanning import Situation, leaving_exclusions_m, unreachable
+from rocsafe_planner.replanning import replan as planner_replan
 from rocsafe_scenario.errors import ScenarioError
-from rocsafe_scenario.scenario_file import region_block
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplanRequest:
-    """What the command line asks for.
+    """Arguments of the command.
 
     Attributes
     ----------
-    plan: the file of the plan to go on with.
-    visited: ids of viewpoints and ranges of them, by commas.
-    lost: names of vehicles that cannot go on.
-    aloft: name, latitude, longitude and time on its battery of each vehicle in the air.
-    new_places: latitude and longitude of more places to photograph.
-    exclusions: region files that no leg crosses any more.
-    folder: where the plan's files are written; None: nowhere.
-    terrain: file of heights of a plan that follows them.
+    plan
+        File of the plan to go on with.
+    visited
+        Ids of viewpoints and ranges of them, separated by commas.
+    lost
+        Names of vehicles that cannot go on.
+    aloft
+        Name, latitude, longitude and used battery time of each vehicle in the air.
+    new_places
+        Latitude and longitude of more places to photograph.
+    exclusions
+        Region files that no leg crosses any more.
+    folder
+        Where the files of the plan are written; None: nowhere.
+    terrain
+        File of heights of a plan over terrain.
     """
 
     plan: Path
     visited: str = ''
     lost: tuple[str, ...] = ()
     aloft: tuple[tuple[str, ...], ...] = ()
-    new_places: tuple[tuple[float, ...], ...] = ()
+    new_places: tuple[tuple[float, float], ...] = ()
     exclusions: tuple[Path, ...] = ()
     folder: Path | None = None
     terrain: Path | None = None
@@ -47,76 +59,79 @@ def replan(request: ReplanRequest, console: Console) -> int:
 
     Raises
     ------
-    ScenarioError: if an argument or a file is wrong.
-    OrchestratorError: if there is no plan; the planner's reason is told.
+    ScenarioError
+        If an argument or a file is wrong.
+    OrchestratorError
+        If there is no plan, with the reason of the planner.
     """
-    with tempfile.TemporaryDirectory(prefix='rocsafe-replan-') as scratch:
-        folder = request.folder or Path(scratch)
-        summary = asked_planner(request.plan, 'replan_file', planner_request(request, folder))
-        document = json.loads((folder / 'plan.json').read_text(encoding='utf-8'))
-    console.print(quality_table(request.plan, document))
-    console.print(route_table(document))
-    if summary['unreachable']:
-        ids = ', '.join(map(str, summary['unreachable']))
+    plan = plan_of(request.plan, request.terrain)
+    situation = situation_of(request, plan)
+    try:
+        rest = planner_replan(plan, situation)
+    except (PlannerError, ValueError) as error:
+        raise OrchestratorError(f'{request.plan}: {error}') from error
+    console.print(quality_table(request.plan, rest))
+    console.print(route_table(rest))
+    left_out = unreachable(rest)
+    if left_out:
+        ids = ', '.join(map(str, left_out))
         console.print(f'in exclusions, and left out: viewpoints {ids}', soft_wrap=True)
-    for name, way_m in summary['leaving_exclusions_m'].items():
+    for name, way_m in leaving_exclusions_m(rest).items():
         text = f'{name} is in an exclusion: leaves it the shortest way, {way_m:.1f} m'
         console.print(text, soft_wrap=True, highlight=False)
     if request.folder is not None:
-        console.print(f'written to {request.folder}', highlight=False, soft_wrap=True)
+        write(rest, request.folder, console)
     return EXIT_COMPLETE
 
 
-def planner_request(request: ReplanRequest, folder: Path) -> dict[str, Any]:
-    """Return the request to the executable `replan_file`."""
-    return {
-        'plan': str(request.plan),
-        'alive': _alive(request),
-        'visited': _ids(request.visited),
-        'new_places': [list(place) for place in request.new_places],
-        'new_exclusions': [
-            region_block(area).model_dump(exclude={'file', 'sensors'})
-            for path in request.exclusions
-            for area in areas_of(path)
-        ],
-        'terrain_file': '' if request.terrain is None else str(request.terrain),
-        'output_directory': str(folder),
-    }
+def plan_of(path: Path, terrain: Path | None) -> SurveyPlan:
+    """Return the plan of a file; ScenarioError saying what is wrong with it."""
+    try:
+        return read_plan(path, read_terrain(terrain) if terrain else None)
+    except ValueError as error:
+        raise ScenarioError(str(error)) from error
 
 
-def _alive(request: ReplanRequest) -> list[dict[str, Any]]:
-    """Return the vehicles of the plan that are not lost, each where it is."""
-    names = _names(request.plan)
+def situation_of(request: ReplanRequest, plan: SurveyPlan) -> Situation:
+    """Return what has become of a plan by the arguments of the command."""
+    names = [vehicle.name for vehicle in plan.request.vehicles]
     aloft = {words[0]: words for words in request.aloft}
     strangers = [name for name in (*request.lost, *aloft) if name not in names]
     if strangers:
         raise ScenarioError(f'{strangers[0]}: must be a vehicle of the plan: {", ".join(names)}')
-    alive = []
-    for name in names:
-        place = {}
-        if name in aloft:
-            latitude, longitude, used = (_number(name, word) for word in aloft[name][1:])
-            place = {'position': [latitude, longitude], 'used_s': used}
-        if name not in request.lost:
-            alive.append({'name': name, **place})
-    return alive
+    return Situation(
+        alive={
+            name: _aloft(aloft[name]) if name in aloft else None
+            for name in names
+            if name not in request.lost
+        },
+        visited=frozenset(_ids(request.visited)),
+        new_places=tuple(_place('--add', *place) for place in request.new_places),
+        new_exclusions=tuple(a for path in request.exclusions for a in areas_of(path)),
+    )
 
 
-def _names(path: Path) -> list[str]:
+def _aloft(words: tuple[str, ...]) -> Aloft:
+    option = f'--at {words[0]}'
+    latitude, longitude, used_s = (_number(option, word) for word in words[1:])
     try:
-        document = json.loads(path.read_text(encoding='utf-8'))
-        return [route['vehicle'] for route in document['routes']]
-    except OSError as error:
-        raise ScenarioError(f'{path}: {error.strerror}') from error
-    except (KeyError, TypeError, ValueError) as error:
-        raise ScenarioError(f'{path}: is no plan.json') from error
+        return Aloft(position=_place(option, latitude, longitude), used_s=used_s)
+    except ValueError as error:
+        raise ScenarioError(f'{option}: {error}') from error
 
 
-def _number(name: str, word: str) -> float:
+def _place(option: str, latitude: float, longitude: float) -> GeoPosition:
+    try:
+        return GeoPosition(latitude, longitude)
+    except ValueError as error:
+        raise ScenarioError(f'{option}: {error}') from error
+
+
+def _number(option: str, word: str) -> float:
     try:
         return float(word)
     except ValueError as error:
-        raise ScenarioError(f'--at {name}: {word}: must be a number') from error
+        raise ScenarioError(f'{option}: {word}: must be a number') from error
 
 
 def _ids(text: str) -> list[int]:

@@ -104,7 +104,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
     _log_to(directory)
     export_scenes(scenario, directory)
     display = make_display(console, directory.name, is_quiet=request.is_quiet)
-    flight = _Flight(
+    flight = _Run(
         request=request,
         scenario=scenario,
         directory=directory,
@@ -125,7 +125,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
 
 
 @dataclass(kw_only=True)
-class _Flight:
+class _Run:
     """Builds the parts of a run."""
 
     request: RunRequest
@@ -165,7 +165,7 @@ class _Flight:
             mission = Mission(
                 crew_of(self.scenario, self.table),
                 node.deadlines,
-                planning_budget_s=self.scenario.survey.budget_s,
+                planning_budget_s=self.scenario.survey.effort.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.radiation.search.extra_rounds,
                 replans=self.scenario.replan == 'on_loss',

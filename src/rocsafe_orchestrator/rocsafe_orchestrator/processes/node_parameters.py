@@ -27,8 +27,8 @@ def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'max_viewpoints': scenario.survey.max_viewpoints,
         'export_directory': str(run.path),
     }
-    if scenario.survey.method:
-        parameters['default_method'] = scenario.survey.method
+    if scenario.survey.effort.method:
+        parameters['default_method'] = scenario.survey.effort.method
     return parameters
 
 
@@ -173,8 +173,8 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         **vehicle.model_dump(exclude=own_keys),
         'autopilot_file': vehicle.autopilot.model_dump(),
         'hover_power_w': vehicle.hover_power_w,
-        'wind_east_mps': scenario.survey.wind_mps[0],
-        'wind_north_mps': scenario.survey.wind_mps[1],
+        'wind_east_mps': scenario.survey.airspace.wind_mps[0],
+        'wind_north_mps': scenario.survey.airspace.wind_mps[1],
         **simulation,
         **camera_parameters(scenario.camera, scenario.other_cameras),
         'scene': scenario.scene,

@@ -78,7 +78,7 @@ class _Log:
     def _messages(self, kinds: frozenset[str]) -> Iterator[tuple[str, str, Any]]:
         summary = self._reader.get_summary()
         if summary is None:
-            raise RecordingError('the recording has no summary: it was not ended in good order')
+            raise RecordingError('the recording has no summary: it was not closed properly')
         topics = {
             channel.topic
             for channel in summary.channels.values()

@@ -90,7 +90,7 @@ def _require_raster(path: Path) -> None:
     try:
         with rasterio.open(path) as raster:
             if raster.crs is None:
-                raise ValueError(f'{path.name} says nothing of where it lies')
+                raise ValueError(f'{path.name} has no georeference')
     except (RasterioError, OSError) as error:
         raise ValueError(f'{path.name} cannot be read as an image') from error
 

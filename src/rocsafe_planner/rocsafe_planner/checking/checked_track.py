@@ -70,7 +70,7 @@ def _ground_m(plan: SurveyPlan, place: GeoPosition) -> float:
 def terrain_shift_m(plan: SurveyPlan) -> float:
     """Return by how much the homes lie higher than the terrain says, on average."""
     request, terrain = plan.request, plan.request.terrain
-    homes = request.ground_reference or tuple(v.home for v in request.vehicles)
+    homes = request.continuation.ground_reference or tuple(v.home for v in request.vehicles)
     known = [home for home in homes if not math.isnan(home.altitude_m)]
     if terrain is None or not known:
         return 0.0
@@ -81,7 +81,7 @@ def terrain_shift_m(plan: SurveyPlan) -> float:
 def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> RouteMotion:
     """Return how a flight moves, by the kinematics of its drawn track alone."""
     vehicle, sortie = route.vehicle, route.sorties[number]
-    performance = vehicle.performance(plan.request.wind_mps)
+    performance = vehicle.performance(plan.request.airspace.wind_mps)
     track = corners_of(plan, route, number, frame)
     photographed = {view.position for view in sortie.viewpoints}
     shots = [place in photographed for place in way(route, number)]

@@ -17,7 +17,7 @@ from rocsafe_planner.checking.checked_track import (
     way,
 )
 from rocsafe_planner.plan.plan import Route, SurveyPlan
-from rocsafe_planner.problem.vehicle import Vehicle
+from rocsafe_planner.plan.vehicle import Vehicle
 
 Fault = str
 
@@ -70,9 +70,10 @@ def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
 
 def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> Iterator[Fault]:
     """Yield viewpoints at the wrong height, and legs too near to the terrain."""
-    layer = route.flight_height_m - plan.request.height_agl_m
-    if layer < -1e-9 or (layer > 1e-9 and plan.request.separation_by != 'layers'):
-        yield f'flies {route.flight_height_m} m high: height_agl_m is {plan.request.height_agl_m}'
+    height_m = plan.request.coverage.height_agl_m
+    layer = route.flight_height_m - height_m
+    if layer < -1e-9 or (layer > 1e-9 and plan.request.separation.by != 'layers'):
+        yield f'flies {route.flight_height_m} m high: height_agl_m is {height_m}'
     for view in route.sorties[number].viewpoints:
         if abs(view.height_agl_m - route.flight_height_m) > 1e-6:
             yield f'photographs viewpoint {view.id} from {view.height_agl_m} m'
@@ -81,7 +82,7 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     terrain, frame = plan.request.terrain, frame_of(plan)
     track = plane_of(frame, way(route, number))
     share = np.linspace(0.0, 1.0, 41)[:, None]
-    limit = plan.request.terrain_clearance_m
+    limit = plan.request.airspace.terrain_clearance_m
     for leg, ((a, b), (low, high)) in enumerate(zip(pairwise(track), pairwise(ups), strict=True)):
         geodetic = frame.to_geodetic(np.column_stack([a + share * (b - a), np.zeros(len(share))]))
         ground = terrain.altitudes_m(geodetic[:, 0], geodetic[:, 1]) + terrain_shift_m(plan)

@@ -34,22 +34,22 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
     counts = Counter(view.id for route in plan.routes for view in route.viewpoints)
     twice = [number for number, count in counts.items() if count > 1]
     wanted = set(range(max(counts, default=0) + 1))
-    if plan.request.viewpoints:
-        wanted = {view.id for view in plan.request.viewpoints} - _shut_off(plan)
+    if plan.request.continuation.viewpoints:
+        wanted = {view.id for view in plan.request.continuation.viewpoints} - _shut_off(plan)
     missing = sorted(wanted.symmetric_difference(counts))
     if not counts:
         yield 'no viewpoint is visited'
     if twice or missing:
         yield f'viewpoints {missing[:5]} are not visited, {twice[:5]} more than once'
-    if len(counts) > plan.request.max_viewpoints:
-        yield f'{len(counts)} viewpoints: max_viewpoints is {plan.request.max_viewpoints}'
+    if len(counts) > plan.request.coverage.max_viewpoints:
+        yield f'{len(counts)} viewpoints: max_viewpoints is {plan.request.coverage.max_viewpoints}'
 
 
 def _shut_off(plan: SurveyPlan) -> set[int]:
     """Return given viewpoints in exclusions, or within the clearance of one."""
     frame = frame_of(plan)
     closed = _closed(plan, shapely.union_all([z.polygon(frame) for z in plan.request.exclusions]))
-    views = plan.request.viewpoints
+    views = plan.request.continuation.viewpoints
     places = shapely.points(plane_of(frame, tuple(view.position for view in views)))
     near = shapely.distance(places, closed) < ABSOLUTE_M
     missing = {view.id for view in views} - {v.id for r in plan.routes for v in r.viewpoints}
@@ -80,7 +80,7 @@ def _coverage(plan: SurveyPlan) -> Iterator[Fault]:
     frame = frame_of(plan)
     region = shapely.union_all([r.area.polygon(frame) for r in plan.request.regions])
     flown = [view for route in plan.routes for view in route.viewpoints]
-    views = [*flown, *plan.request.visited]
+    views = [*flown, *plan.request.continuation.visited]
     seen = shapely.union_all(
         shapely.polygons([plane_of(frame, view.footprint) for view in views]), grid_size=1e-4
     )
@@ -110,7 +110,7 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
             legs = [(track[0], track[0])]
         for a, b in legs:
             line = shapely.LineString(plane_of(frame, (a, b)))
-            if shapely.distance(line, zones) < plan.request.clearance_m - ABSOLUTE_M:
+            if shapely.distance(line, zones) < plan.request.airspace.clearance_m - ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies nearer to an exclusion than the clearance'
                 return
             inside = shapely.length(shapely.intersection(line, core))
@@ -133,7 +133,7 @@ def _leaves(
 
 def _closed(plan: SurveyPlan, zones: shapely.Geometry) -> shapely.Geometry:
     """Return where nobody may be: nearer than the clearance, and beyond corners up to a point."""
-    return shapely.buffer(zones, plan.request.clearance_m, join_style='mitre')
+    return shapely.buffer(zones, plan.request.airspace.clearance_m, join_style='mitre')
 
 
 def _flights(plan: SurveyPlan) -> Iterator[tuple[Route, int]]:

@@ -29,8 +29,9 @@ def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
     stated = plan.minimum_separation_m
     # Who is in the air cannot wait: two such vehicles may meet, and the plan is to say so.
     may_wait = sum(vehicle.aloft is not None for vehicle in plan.request.vehicles) < 2
-    if may_wait and stated < plan.request.separation_m - ABSOLUTE_M:
-        yield f'minimum_separation_m is {stated}: separation_m is {plan.request.separation_m}'
+    wanted = plan.request.separation.distance_m
+    if may_wait and stated < wanted - ABSOLUTE_M:
+        yield f'minimum_separation_m is {stated}: separation distance_m is {wanted}'
     if seen < stated - ABSOLUTE_M - RELATIVE * plan.longest_route_m:
         yield f'minimum_separation_m is {stated}: vehicles come within {seen} m'
 

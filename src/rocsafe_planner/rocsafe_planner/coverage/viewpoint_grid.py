@@ -16,22 +16,16 @@ import numpy as np
 import shapely
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
-from rocsafe_geo.limits import require_finite
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_planner.coverage.sight import Sight, sight
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.plan.survey_options import CoverageOptions, spacing_m
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
 _RIGHT = 0.5 * math.pi
 _SEARCH_STEP_RAD = math.radians(5.0)
 _SEARCHED_EDGES = 12
-
-SPACING_RULES: dict[str, Callable[[float], float]] = {
-    'iou': lambda overlap: (1.0 - overlap) / (1.0 + overlap),
-    'linear': lambda overlap: 1.0 - overlap,
-}
-"""Spacing as a fraction of the footprint, by name of the rule."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,45 +68,17 @@ class Coverage:
     sight: Sight
 
 
-def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:
-    """Return the distance between neighbouring viewpoints along one side of the footprint.
-
-    ``'iou'`` is the paper's w = 2h((1-y)/(1+y))tan(theta), theta half the field of view: two
-    neighbouring photographs share the fraction y of the ground that either sees. ``'linear'`` is
-    the surveyors' w = F(1-y): they share the fraction y of one. With F = 2h tan(theta), y = 0.2
-    means 33.3 % of the image side in the first and 20 % in the second.
-
-    Raises
-    ------
-    ValueError
-        If the rule is not known or the overlap is outside 0 to below 1.
-    """
-    if rule not in SPACING_RULES:
-        raise ValueError(f'spacing_rule is {rule!r}: must be one of {", ".join(SPACING_RULES)}')
-    overlap = require_finite('overlap_fraction', overlap_fraction)
-    if not 0.0 <= overlap < 1.0:
-        raise ValueError(f'overlap_fraction is {overlap:g}: must be from 0 to below 1')
-    return footprint_m * SPACING_RULES[rule](overlap)
-
-
-def coverage_spec(
-    camera: PinholeCamera,
-    height_m: float,
-    overlap_fractions: tuple[float, float],
-    rule: str,
-    grid: str,
-    max_viewpoints: int,
-) -> CoverageSpec:
-    """Return the grid's measures; overlaps (across, along) hold each with its own angle."""
-    across, along = camera.footprint_m(height_m)
+def coverage_spec(camera: PinholeCamera, options: CoverageOptions) -> CoverageSpec:
+    """Return the measures of the grid: each overlap holds with its own side of the image."""
+    across, along = camera.footprint_m(options.height_agl_m)
     return CoverageSpec(
         footprint_m=(across, along),
         spacing_m=(
-            spacing_m(across, overlap_fractions[0], rule),
-            spacing_m(along, overlap_fractions[1], rule),
+            spacing_m(across, options.overlap_fraction, options.spacing_rule),
+            spacing_m(along, options.front_overlap, options.spacing_rule),
         ),
-        grid=grid,
-        max_viewpoints=max_viewpoints,
+        grid=options.grid,
+        max_viewpoints=options.max_viewpoints,
     )
 
 

@@ -173,11 +173,12 @@ def _facts(plan: SurveyPlan) -> list[str]:
     name = plan.request.regions[0].area.name or 'survey'
     gap = 100.0 * plan.gap_fraction
     photographs = f'{plan.viewpoint_count} photographs, {100.0 * plan.covered_fraction:.1f} % of'
-    is_time = plan.request.objective == 'longest_time'
+    is_time = plan.request.effort.objective == 'longest_time'
     claim = f', at most {gap:.1f} % above optimal' if is_time else ' until all have landed'
     proof = f'no plan is shorter than {plan.lower_bound_s:.0f} s ({plan.lower_bound_method})'
+    area = f'{plan.region_area_m2 / 1e4:.2f} ha'
     return [
-        f'{name}: {photographs} {plan.region_area_m2 / 1e4:.2f} ha, method {plan.request.method}',
+        f'{name}: {photographs} {area}, method {plan.request.effort.method}',
         f'{plan.makespan_s:.0f} s{claim}: {proof}',
         *textwrap.wrap(_promises(plan), _LINE_LETTERS),
     ]
@@ -191,7 +192,7 @@ def _legend(plan: SurveyPlan, sheet: _Sheet, facts: list[str]) -> Iterator[Shape
         y += _LINE_PX
     for index, route in enumerate(plan.routes):
         yield Dot(centre=(_MARGIN_PX + 7.0, y - 5.0), radius=6.0, fill=route_color(index))
-        above = route.flight_height_m - plan.request.height_agl_m
+        above = route.flight_height_m - plan.request.coverage.height_agl_m
         high = f', {above:g} m above the others' if above > 0.0 else ''
         yield Label(place=(_MARGIN_PX + 24.0, y), text=_work(route) + high)
         y += _LINE_PX
@@ -213,17 +214,17 @@ def _work(route: Route) -> str:
 
 def _promises(plan: SurveyPlan) -> str:
     """Return what was to be small, how near vehicles come, and what is not seen."""
-    unit = OBJECTIVE_UNITS[plan.request.objective]
-    value = OBJECTIVE_VALUES[plan.request.objective](plan)
+    unit = OBJECTIVE_UNITS[plan.request.effort.objective]
+    value = OBJECTIVE_VALUES[plan.request.effort.objective](plan)
     gap = objective_gap(plan)
     proof = '' if math.isnan(gap) else f' (at most {100.0 * gap:.1f} % above optimal)'
-    parts = [f'objective {plan.request.objective} {value:.0f} {unit}{proof}']
+    parts = [f'objective {plan.request.effort.objective} {value:.0f} {unit}{proof}']
     if math.isfinite(plan.minimum_separation_m):
         parts.append(f'no two vehicles nearer than {plan.minimum_separation_m:.1f} m')
     hole = plan.largest_hole_m2
     parts.append(f'largest hole {hole:.0f} m2' if hole > 0.0 else 'no hole')
-    if plan.request.wind_mps != (0.0, 0.0):
-        east, north = plan.request.wind_mps
+    if plan.request.airspace.wind_mps != (0.0, 0.0):
+        east, north = plan.request.airspace.wind_mps
         parts.append(f'wind {east:g} m/s east, {north:g} m/s north')
     if plan.request.exclusions:
         count = len(plan.request.exclusions)

@@ -8,13 +8,13 @@ from rocsafe_geo.storage.durable import write_whole
 from rocsafe_planner.export.flight_files import flight_dji, flight_waypoints, plan_gpx
 from rocsafe_planner.export.plan_drawing import plan_drawing
 from rocsafe_planner.export.plan_geojson import plan_geojson
-from rocsafe_planner.export.plan_json import plan_document
 from rocsafe_planner.export.plan_kml import plan_kml
 from rocsafe_planner.export.plan_picture import drawing_png, drawing_svg
 from rocsafe_planner.export.plan_qgroundcontrol import flight_qgroundcontrol
+from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.flight_summary import flight_stem, flight_table
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_planner.site.document import Document
+from rocsafe_planner.plan.plan_json import plan_document
 
 _FLIGHT_SUFFIXES = ('.plan', '.waypoints', '.kmz')
 

@@ -14,12 +14,12 @@ import shapely
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_planner.export.plan_json import quality_document
 from rocsafe_planner.export.route_colors import EXCLUSION_COLOR, route_color
+from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.flight_path import flight_path
 from rocsafe_planner.plan.flight_summary import flight_summary
 from rocsafe_planner.plan.plan import Route, SurveyPlan, Viewpoint
-from rocsafe_planner.site.document import Document
+from rocsafe_planner.plan.plan_json import quality_document
 
 _DECIMALS = 9  # of a degree: a tenth of a millimetre
 

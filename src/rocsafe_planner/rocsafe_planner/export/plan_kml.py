@@ -39,7 +39,8 @@ def plan_kml(plan: SurveyPlan) -> str:
 
 def _summary(plan: SurveyPlan) -> str:
     return (
-        f'{plan.viewpoint_count} photographs at {plan.request.height_agl_m:g} m above ground, '
+        f'{plan.viewpoint_count} photographs at '
+        f'{plan.request.coverage.height_agl_m:g} m above ground, '
         f'{100.0 * plan.covered_fraction:.1f} % of {plan.region_area_m2:.0f} m2 covered, '
         f'{plan.makespan_s:.0f} s (no plan is shorter than {plan.lower_bound_s:.0f} s)'
     )

@@ -17,9 +17,9 @@ from typing import Any
 from rocsafe_geo.angle import heading_of_yaw_rad
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.flight_path import Stop, begins_aloft, flight_path, landing_place
 from rocsafe_planner.plan.plan import Route, Viewpoint
-from rocsafe_planner.site.document import Document
 
 # MAVLink common message set.
 _NAV_WAYPOINT = 16

@@ -30,4 +30,6 @@ def objective_gap(plan: SurveyPlan) -> float:
     bound = plan.objective_bound
     if math.isnan(bound):
         return math.nan
-    return OBJECTIVE_VALUES[plan.request.objective](plan) / bound - 1.0 if bound > 0.0 else 0.0
+    return (
+        OBJECTIVE_VALUES[plan.request.effort.objective](plan) / bound - 1.0 if bound > 0.0 else 0.0
+    )

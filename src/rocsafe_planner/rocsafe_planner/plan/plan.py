@@ -5,9 +5,9 @@ import math
 from dataclasses import dataclass, field
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_planner.problem.vehicle import Vehicle
-from rocsafe_planner.problem.viewpoint import Viewpoint
-from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.vehicle import Vehicle
+from rocsafe_planner.plan.viewpoint import Viewpoint
 
 __all__ = ['Bends', 'Route', 'Sortie', 'SurveyPlan', 'Viewpoint']
 

@@ -21,11 +21,11 @@ from rocsafe_geo.motion.route_motion import RouteMotion
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.terrain.relief import Relief
 from rocsafe_geo.terrain.terrain import LocalGround
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.airspace import Air, Detours
 from rocsafe_planner.problem.flight_motion import enu, flight_motion
 from rocsafe_planner.problem.flight_time import FlightTime
 from rocsafe_planner.problem.leg_times import MOST_KEPT, LegTimes, distances_m
-from rocsafe_planner.problem.vehicle import Vehicle
 
 Order = list[int]
 """Indices of points in flying order."""

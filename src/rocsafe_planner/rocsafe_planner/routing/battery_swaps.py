@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 
 from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.costs import finish_s, objective_value, vehicle_value
 from rocsafe_planner.routing.flight_search import (
@@ -22,8 +23,8 @@ from rocsafe_planner.routing.flight_search import (
     searched,
     time_of_flights,
 )
-from rocsafe_planner.routing.solver_method import Effort, Watch, optimised, search_options
-from rocsafe_planner.routing.solver_result import Optimised
+from rocsafe_planner.routing.methods import Optimised
+from rocsafe_planner.routing.solver_method import Watch, optimised, search_options
 
 # Of the time: the search that knows nothing of batteries, and each of those that do.
 _FIRST_SHARE = 0.35

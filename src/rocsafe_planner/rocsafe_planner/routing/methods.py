@@ -1,16 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """Methods that share out points among vehicles and order them, by name."""
 
+import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.boustrophedon import boustrophedon_equal, boustrophedon_minmax, strips
 from rocsafe_planner.routing.christofides import christofides
 
 # Distances that differ by rounding only are equal: the lower index wins on every machine.
 _DECIMALS = 6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optimised:
+    """Routes, and a value that no routes undercut with the argument that proves it, or NaN."""
+
+    orders: list[Order]
+    bound: float = math.nan
+    bound_name: str = ''
 
 
 def paper_greedy(problem: FleetProblem) -> list[Order]:
@@ -57,7 +69,7 @@ def solver(problem: FleetProblem) -> list[Order]:
     `optimising.optimised` is the same with a time limit, other objectives and a bound.
     """
     # Loaded when it is asked for: compiled code takes a moment that no other method needs.
-    from rocsafe_planner.routing.solver_method import Effort, optimised
+    from rocsafe_planner.routing.solver_method import optimised
 
     return optimised(problem, Effort()).orders
 

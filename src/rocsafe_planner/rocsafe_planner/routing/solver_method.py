@@ -4,8 +4,8 @@
 import math
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.boustrophedon import (
     boustrophedon_equal,
@@ -15,9 +15,9 @@ from rocsafe_planner.routing.boustrophedon import (
     strips,
 )
 from rocsafe_planner.routing.costs import objective_value
+from rocsafe_planner.routing.methods import Optimised
 from rocsafe_planner.routing.sensor_repair import with_sensors
 from rocsafe_planner.routing.solver_problem import PEAK_OBJECTIVES, routing_problem
-from rocsafe_planner.routing.solver_result import Optimised
 from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
 
 Watch = Callable[[float, float], bool]
@@ -30,29 +30,6 @@ _MOST_PROPOSALS = 4_000_000
 _ASK_S = 0.05
 # Vehicles that are tried alone.
 _MOST_ALONE = 10
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effort:
-    """How hard to try.
-
-    Attributes
-    ----------
-    objective
-        What is to be small, see `request.OBJECTIVES`.
-    budget_s
-        Wall-clock time. 0: a number of proposals that only the number of points decides, so that
-        the same problem has the same routes on every machine.
-    proposals
-        Without a budget: so many a lane instead of that number.
-    seed
-        Of all that is drawn.
-    """
-
-    objective: str = 'longest_time'
-    budget_s: float = 0.0
-    proposals: int = 0
-    seed: int = 0
 
 
 def optimised(

@@ -13,8 +13,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion import MotionLimits, leg_duration_s
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.vehicle import Vehicle
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 

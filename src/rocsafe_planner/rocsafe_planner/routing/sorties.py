@@ -5,9 +5,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.problem.flight_time import turn_s
-from rocsafe_planner.problem.vehicle import Vehicle
 
 _MOST_RECUTS = 12
 _HAIR_S = 1e-6

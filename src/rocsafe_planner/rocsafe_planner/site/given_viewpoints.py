@@ -12,8 +12,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.coverage.sight import sight
 from rocsafe_planner.coverage.viewpoint_grid import Coverage
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
-from rocsafe_planner.problem.viewpoint import Viewpoint
-from rocsafe_planner.site.request import SurveyRequest
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.viewpoint import Viewpoint
 
 
 def given_coverage(
@@ -32,10 +32,10 @@ def given_coverage(
     TooManyViewpointsError, NoWayError
         If there are more than the request allows, or none is left.
     """
-    views = request.viewpoints
-    if len(views) > request.max_viewpoints:
+    views, limit = request.continuation.viewpoints, request.coverage.max_viewpoints
+    if len(views) > limit:
         raise TooManyViewpointsError(
-            f'{len(views)} viewpoints are given: max_viewpoints is {request.max_viewpoints}'
+            f'{len(views)} viewpoints are given: max_viewpoints is {limit}'
         )
     centres = places_of(frame, [view.position for view in views])
     kept = np.ones(len(views), dtype=bool) if may_stand is None else may_stand(centres)
@@ -43,7 +43,7 @@ def given_coverage(
         raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
     numbers = np.flatnonzero(kept)
     footprints = footprints_of(frame, [views[number] for number in numbers])
-    seen = np.vstack([footprints, footprints_of(frame, request.visited)])
+    seen = np.vstack([footprints, footprints_of(frame, request.continuation.visited)])
     return Coverage(
         centres=centres[kept],
         yaw_rad=np.array([views[number].yaw_rad for number in numbers]),

@@ -5,9 +5,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import distance_m
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.airspace import Airspace
-from rocsafe_planner.problem.vehicle import Vehicle
-from rocsafe_planner.site.request import SurveyRequest
 
 MAX_HOME_DISTANCE_M = 100_000.0
 """Homes further from the first region's centre than this are a slip of the pen."""
@@ -17,7 +17,9 @@ def check_distances(request: SurveyRequest) -> None:
     """Raise ValueError if a region, home, end or vehicle is too far from the first region."""
     centre = request.regions[0].area.centroid()
     places = [(f'region {r.area.name!r}', r.area.centroid()) for r in request.regions[1:]]
-    places.extend((f'viewpoint {view.id}', view.position) for view in request.viewpoints)
+    places.extend(
+        (f'viewpoint {view.id}', view.position) for view in request.continuation.viewpoints
+    )
     for vehicle in request.vehicles:
         places.append((f'{vehicle.name} home', vehicle.home))
         if vehicle.aloft is not None:

@@ -14,11 +14,11 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.terrain.terrain import LocalGround
 from rocsafe_planner.coverage.viewpoint_grid import Coverage, CoverageSpec, cover, coverage_spec
 from rocsafe_planner.errors import MissingSensorError, TooManyViewpointsError
+from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.problem.viewpoint import Viewpoint
 from rocsafe_planner.site.given_viewpoints import given_coverage, places_of
-from rocsafe_planner.site.request import SurveyRequest
 from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
 
 MAX_TERRAIN_SITES = 2500
@@ -89,10 +89,10 @@ def survey_site(request: SurveyRequest) -> SurveySite:
     frame = frame_of(request)
     polygons = tuple(region.area.polygon(frame) for region in request.regions)
     zones = [zone.polygon(frame) for zone in request.exclusions]
-    airspace = Airspace(zones, request.clearance_m) if zones else None
-    spec = _spec_of(request)
+    airspace = Airspace(zones, request.airspace.clearance_m) if zones else None
+    spec = coverage_spec(request.camera, request.coverage)
     may_stand = airspace.holds if airspace else None
-    if request.viewpoints:
+    if request.continuation.viewpoints:
         coverage = given_coverage(request, frame, polygons, may_stand)
     else:
         coverage = cover(polygons, spec, may_stand)
@@ -117,7 +117,9 @@ def frame_of(request: SurveyRequest) -> LocalFrame:
 
 
 def _references(request: SurveyRequest) -> list[GeoPosition]:
-    return list(request.ground_reference) or [vehicle.home for vehicle in request.vehicles]
+    return list(request.continuation.ground_reference) or [
+        vehicle.home for vehicle in request.vehicles
+    ]
 
 
 def _ground_altitude_m(request: SurveyRequest) -> float:
@@ -125,17 +127,6 @@ def _ground_altitude_m(request: SurveyRequest) -> float:
     altitudes = [place.altitude_m for place in _references(request)]
     known = [altitude for altitude in altitudes if not math.isnan(altitude)]
     return sum(known) / len(known) if known else math.nan
-
-
-def _spec_of(request: SurveyRequest) -> CoverageSpec:
-    return coverage_spec(
-        request.camera,
-        request.height_agl_m,
-        (request.overlap_fraction, request.front_overlap),
-        request.spacing_rule,
-        request.grid,
-        request.max_viewpoints,
-    )
 
 
 def _problem_of(
@@ -165,8 +156,8 @@ def _problem_of(
             )
         ground = LocalGround(request.terrain, frame, _references(request))
         corners = sites if detours is None else np.vstack([sites, detours.corners])
-        relief = ground.relief(corners, request.terrain_clearance_m)
-        check_ups(vehicles, start_ups - ground.ups_m(starts), request.terrain_clearance_m)
+        relief = ground.relief(corners, request.airspace.terrain_clearance_m)
+        check_ups(vehicles, start_ups - ground.ups_m(starts), request.airspace.terrain_clearance_m)
     return FleetProblem(
         vehicles=vehicles,
         homes=homes,
@@ -175,10 +166,10 @@ def _problem_of(
         insides=insides,
         start_ups_m=None if np.isnan(start_ups).all() else start_ups,
         points=coverage.centres,
-        height_m=request.height_agl_m,
+        height_m=request.coverage.height_agl_m,
         ground=ground,
         relief=relief,
-        wind_mps=request.wind_mps,
+        wind_mps=request.airspace.wind_mps,
         detours=None if detours is None or detours.is_straight else detours,
         may_visit=_may_visit(request, coverage),
         grid_rad=float(coverage.yaw_rad[0]) - 0.5 * math.pi,
@@ -195,7 +186,8 @@ def _name(request: SurveyRequest, coverage: Coverage, frame: LocalFrame, point: 
 
 def _id(request: SurveyRequest, coverage: Coverage, point: int) -> int:
     """Return the id of the viewpoint of a point: as given, or its number."""
-    return request.viewpoints[coverage.polygon[point]].id if request.viewpoints else point
+    views = request.continuation.viewpoints
+    return views[coverage.polygon[point]].id if views else point
 
 
 def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
@@ -230,14 +222,14 @@ def _may_visit(request: SurveyRequest, coverage: Coverage) -> BoolArray | None:
 
 def needed_sensors(request: SurveyRequest) -> list[tuple[str, ...]]:
     """Return what must be carried, by region, or by viewpoint if those are given."""
-    if request.viewpoints:
-        return [view.sensors for view in request.viewpoints]
+    if request.continuation.viewpoints:
+        return [view.sensors for view in request.continuation.viewpoints]
     return [region.sensors for region in request.regions]
 
 
 def _owner(request: SurveyRequest, number: int) -> str:
-    if request.viewpoints:
-        return f'viewpoint {request.viewpoints[number].id}'
+    if request.continuation.viewpoints:
+        return f'viewpoint {request.continuation.viewpoints[number].id}'
     return f'region {request.regions[number].area.name!r}'
 
 
@@ -257,7 +249,7 @@ def _viewpoints(
         Viewpoint(
             id=_id(request, coverage, point),
             position=GeoPosition(*place),
-            height_agl_m=request.height_agl_m,
+            height_agl_m=request.coverage.height_agl_m,
             yaw_rad=yaws[point],
             footprint=tuple(GeoPosition(*corner) for corner in footprint),
             sensors=needs[owners[point]],

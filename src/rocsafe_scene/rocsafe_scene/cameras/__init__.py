@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras: over a flat picture, or in the engine."""
+"""Cameras over flat ground and in scenes of the engine."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every camera of the simulation offers."""
+"""The interface of all simulated cameras."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -7,10 +7,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_scene.painting.canvas import Image
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,7 +53,7 @@ class Camera(Protocol):
         time_ns: int = 0,
         *,
         is_quick: bool = False,
-    ) -> Image:
+    ) -> ImageArray:
         """Return the image seen from a pose at a time: blue, green, red.
 
         With `is_quick` the image may be of lower quality, as for a stream, if that is faster.

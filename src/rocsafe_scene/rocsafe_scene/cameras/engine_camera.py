@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The camera of simulated vehicles that looks into a scene."""
+"""Cameras of simulated vehicles that see a scene of the engine."""
 
 import json
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
@@ -18,7 +18,6 @@ from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer
 from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import CLASSES
-from rocsafe_scene.painting.canvas import Image
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObject
 from rocsafe_scene.scene.scene_file import read_scene
@@ -116,7 +115,7 @@ class EngineCamera:
         time_ns: int = 0,
         *,
         is_quick: bool = False,
-    ) -> Image:
+    ) -> ImageArray:
         """Return the image seen from a pose at a time: blue, green, red."""
         self._scene.set_time(time_ns)
         expose = self._camera.expose_once if is_quick else self._camera.expose

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.ground.ground_patch import Ground, GroundBounds
-from rocsafe_scene.painting.canvas import Image
 
 # Interpolation reads one texel beyond; one more for rounding.
 _MARGIN_TEXELS = 2.0
@@ -48,7 +47,7 @@ class GroundCamera:
         time_ns: int = 0,  # noqa: ARG002 - nothing moves in a picture
         *,
         is_quick: bool = False,  # noqa: ARG002 - it always is
-    ) -> Image:
+    ) -> ImageArray:
         """Return the image seen from a pose: blue, green, red; shape (height, width, 3).
 
         The ground is sampled with texels no wider than the image's pixels below the camera, so
@@ -83,7 +82,7 @@ def _around(corners: FloatArray, resolution_m: float) -> GroundBounds:
     return GroundBounds(west_m=west, south_m=south, east_m=east, north_m=north)
 
 
-def jpeg_of(image: Image, quality: int, remark: str = '') -> bytes:
+def jpeg_of(image: ImageArray, quality: int, remark: str = '') -> bytes:
     """Return `image` (blue, green, red) as a JPEG file of `quality` 1 to 100.
 
     A `remark` becomes a comment in the file, which the image store keeps.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A finished run over its scene: planned and flown routes as lines in a picture."""
+"""Planned and flown routes of a finished run, drawn into an image of its scene."""
 
 import csv
 import json

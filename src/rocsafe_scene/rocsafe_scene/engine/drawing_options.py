@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tuning of the engine: how far things are drawn in which detail, and how fine shadows are."""
+"""Tuning of the engine: levels of detail, resolution of shadows."""
 
 from dataclasses import dataclass
 

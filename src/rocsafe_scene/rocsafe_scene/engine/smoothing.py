@@ -5,9 +5,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_geo.arrays import BoolArray, IndexArray
-
-Image = NDArray[np.uint8]
+from rocsafe_geo.arrays import BoolArray, ImageArray, IndexArray
 
 # Edges with less contrast than these, absolute and relative to the brightness, are kept as they
 # are.
@@ -19,7 +17,7 @@ _BRIGHTNESS = np.array([0.114, 0.587, 0.299], np.float32)
 _LEAST_TURN = 60
 
 
-def smoothed(image: Image, numbers: NDArray[np.uint32], normals: Image) -> Image:
+def smoothed(image: ImageArray, numbers: NDArray[np.uint32], normals: ImageArray) -> ImageArray:
     """Return `image` (blue, green, red) with smooth edges of things.
 
     Parameters
@@ -63,13 +61,13 @@ def _differs(values: NDArray[np.uint32]) -> BoolArray:
     return found
 
 
-def _steps(values: Image) -> Image:
+def _steps(values: ImageArray) -> ImageArray:
     """Return how far values differ among a pixel and those to the left and above."""
     kernel = np.ones((2, 2), np.uint8)
     return np.asarray(cv2.subtract(cv2.dilate(values, kernel), cv2.erode(values, kernel)))
 
 
-def _along(bright: Image, rows: IndexArray, columns: IndexArray) -> NDArray[np.float32]:
+def _along(bright: ImageArray, rows: IndexArray, columns: IndexArray) -> NDArray[np.float32]:
     """Return the direction in which each edge runs, x right and y down, pixels, (n, 2)."""
     across_x = cv2.Sobel(bright, cv2.CV_16S, 1, 0)[rows, columns].astype(np.float32)
     across_y = cv2.Sobel(bright, cv2.CV_16S, 0, 1)[rows, columns].astype(np.float32)
@@ -79,7 +77,7 @@ def _along(bright: Image, rows: IndexArray, columns: IndexArray) -> NDArray[np.f
 
 
 def _at(
-    image: Image, rows: IndexArray, columns: IndexArray, shift: NDArray[np.float32]
+    image: ImageArray, rows: IndexArray, columns: IndexArray, shift: NDArray[np.float32]
 ) -> NDArray[np.float32]:
     """Return colours at places beside pixels, (n, 3)."""
     x = (columns + shift[:, 0]).astype(np.float32)

@@ -13,11 +13,10 @@ from typing import Any
 import cv2
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.flat_ground.scene_box import SceneBox
 from rocsafe_scene.ground.ground_patch import GroundBounds, Patch
-from rocsafe_scene.painting.canvas import Image
 
 FOLDER = Path(__file__).parent / 'photographs'
 # Name of the scene without objects: meadow everywhere.
@@ -40,9 +39,9 @@ class GroundPhotograph:
         Width of a pixel on the ground, metres.
     """
 
-    image: Image
+    image: ImageArray
     texel_m: float
-    _levels: list[Image] = field(init=False)
+    _levels: list[ImageArray] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, '_levels', [self.image])
@@ -100,7 +99,7 @@ class GroundPhotograph:
             cv2.blendLinear(above, below.image, share, 1.0 - share), below.pixel_from_ground
         )
 
-    def _level(self, resolution_m: float) -> tuple[Image, FloatArray]:
+    def _level(self, resolution_m: float) -> tuple[ImageArray, FloatArray]:
         """Return the smallest copy that is fine enough, and the matrix ground -> pixel."""
         number = max(0, int(np.floor(np.log2(resolution_m / self.texel_m))))
         while len(self._levels) <= number and min(self._levels[-1].shape[:2]) > 1:

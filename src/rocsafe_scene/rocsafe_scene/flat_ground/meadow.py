@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meadow as far as anybody flies: painted tile by tile when a camera first looks there."""
+"""Meadow without limits, painted tile by tile when a camera first sees a tile."""
 
 import math
 from collections import OrderedDict
@@ -7,18 +7,17 @@ from collections import OrderedDict
 import cv2
 import numpy as np
 
-from rocsafe_scene.ground.ground_map import natural
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.ground.ground_patch import (
     GroundBounds,
     Patch,
     require_patch_size,
     south_up_homography,
 )
-from rocsafe_scene.painting.canvas import Canvas, Image
+from rocsafe_scene.painting.canvas import Canvas, natural
 from rocsafe_scene.painting.noise import CM_PER_M, Window
 from rocsafe_scene.painting.turf import detail, turf
-from rocsafe_scene.scene.description import DEFAULT_TIME
-from rocsafe_scene.scene.sunlight import Lighting, lighting, sun_direction
+from rocsafe_scene.scene.sunlight import DEFAULT_TIME, Lighting, lighting, sun_direction
 
 TILE_PX = 512
 FINEST_OCTAVE, COARSEST_OCTAVE = 0, 9
@@ -43,7 +42,7 @@ class Meadow:
     def __init__(self, seed: int, cache_bytes: int = CACHE_BYTES) -> None:
         self._seed = seed
         self._cache_bytes = cache_bytes
-        self._tiles: OrderedDict[TileKey, Image] = OrderedDict()
+        self._tiles: OrderedDict[TileKey, ImageArray] = OrderedDict()
         self._held_bytes = 0
         latitude, longitude = _PLACE_DEG
         direction = sun_direction(DEFAULT_TIME, latitude, longitude)
@@ -74,7 +73,7 @@ class Meadow:
         homography = south_up_homography(x0 * span_m, y0 * span_m, texel_m)
         return Patch(np.vstack(rows), homography)
 
-    def _tile(self, key: TileKey) -> Image:
+    def _tile(self, key: TileKey) -> ImageArray:
         tile = self._tiles.get(key)
         if tile is None:
             tile = cv2.LUT(paint_tile(self._seed, key), self._tones)
@@ -82,7 +81,7 @@ class Meadow:
         self._tiles.move_to_end(key)
         return tile
 
-    def _keep(self, key: TileKey, tile: Image) -> None:
+    def _keep(self, key: TileKey, tile: ImageArray) -> None:
         self._tiles[key] = tile
         self._held_bytes += tile.nbytes
         while self._held_bytes > self._cache_bytes and len(self._tiles) > 1:
@@ -90,7 +89,7 @@ class Meadow:
             self._held_bytes -= dropped.nbytes
 
 
-def paint_tile(seed: int, key: TileKey) -> Image:
+def paint_tile(seed: int, key: TileKey) -> ImageArray:
     """Return the tile (octave, column, row) before it is lit: blue, green, red; row 0 south."""
     octave, column, row = key
     window = Window(column * TILE_PX, row * TILE_PX, (column + 1) * TILE_PX, (row + 1) * TILE_PX)
@@ -98,7 +97,7 @@ def paint_tile(seed: int, key: TileKey) -> Image:
     return natural(canvas.finished(detail(seed, octave, window), 0))
 
 
-def tone_table(light: Lighting) -> Image:
+def tone_table(light: Lighting) -> ImageArray:
     """Return what level ground of each painted brightness looks like in the engine.
 
     These are the formulas of ``engine/light.glsl`` for an open place without haze.

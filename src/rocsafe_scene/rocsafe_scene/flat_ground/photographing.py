@@ -8,13 +8,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.engine.renderer import Renderer
 from rocsafe_scene.flat_ground.ground_photograph import GroundPhotograph
 from rocsafe_scene.flat_ground.scene_box import SceneBox, boxes_of
 from rocsafe_scene.ground.ground_map import painted_map
 from rocsafe_scene.ground.terrain import INNER_HALF_M, OUTER_HALF_M
-from rocsafe_scene.painting.canvas import Image
 from rocsafe_scene.painting.noise import CM_PER_M
 from rocsafe_scene.scene.building import build, ground_works
 from rocsafe_scene.scene.description import SceneDescription
@@ -80,7 +80,7 @@ def _painted_as_fine(environment: Environment, options: PhotographOptions) -> En
     return replace(environment, inner=inner, outer=outer)
 
 
-def photograph_of(renderer: Renderer, options: PhotographOptions) -> Image:
+def photograph_of(renderer: Renderer, options: PhotographOptions) -> ImageArray:
     """Return the ground about the origin from straight above, north at the top."""
     side_px = options.oversampling * _TILE_PX
     width_m = _TILE_PX * options.texel_m

@@ -3,11 +3,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from rocsafe_scene.scene.environment import Piece, SceneObject
+if TYPE_CHECKING:
+    # Vehicles read boxes of files only, without the modules that build scenes.
+    from rocsafe_scene.scene.environment import Piece, SceneObject
 
 # Objects that are smaller than this in every direction get no box, metres.
 SMALLEST_BOX_M = 0.8
@@ -39,7 +41,9 @@ class SceneBox:
     size_m: tuple[float, float, float]
 
 
-def boxes_of(objects: Iterable[SceneObject], half_m: tuple[float, float]) -> tuple[SceneBox, ...]:
+def boxes_of(
+    objects: Iterable['SceneObject'], half_m: tuple[float, float]
+) -> tuple[SceneBox, ...]:
     """Return the boxes of all but small objects.
 
     Parameters
@@ -58,7 +62,10 @@ def boxes_of(objects: Iterable[SceneObject], half_m: tuple[float, float]) -> tup
     )
 
 
-def _box(thing: SceneObject, piece: Piece) -> SceneBox:
+def _box(thing: 'SceneObject', piece: 'Piece') -> SceneBox:
+    # Imported here: it takes half a second, and vehicles do not need it.
+    from scipy.spatial.transform import Rotation
+
     low, high = piece.mesh.bounds
     # The rotation may also scale, alike in all directions.
     scale = float(np.linalg.norm(piece.rotation[:, 0]))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Use of Panda3D that knows nothing of scenes: pipes, buffers, lenses, uploads."""
+"""Access to Panda3D, without knowledge of scenes: pipes, buffers, lenses, uploads."""

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Terrain, its picture and pictures of flat ground."""
+"""The ground: heights, maps of colours and classes, orthophotos."""

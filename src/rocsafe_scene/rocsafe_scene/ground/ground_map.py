@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.ground.ground_kinds import GroundWork
 from rocsafe_scene.ground.terrain import INNER_HALF_M, OUTER_HALF_M
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.mesh import Floats
-from rocsafe_scene.painting.canvas import Canvas, Image
+from rocsafe_scene.painting.canvas import Canvas, natural
 from rocsafe_scene.painting.marks import Layer
 from rocsafe_scene.painting.noise import CM_PER_M, Window
 from rocsafe_scene.painting.turf import detail, turf
@@ -23,8 +24,6 @@ _LABEL_STEP = 2
 _TILE_PX = 512
 _PAD_PX = 8
 _WORKERS = 2
-# Matrix from painted blue, green, red to the colours that the engine lights.
-_NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +45,8 @@ class GroundMap:
     west_m: float
     south_m: float
     texel_m: float
-    colours: Image
-    classes: Image
+    colours: ImageArray
+    classes: ImageArray
 
     @property
     def size_m(self) -> tuple[float, float]:
@@ -55,7 +54,7 @@ class GroundMap:
         rows, columns = self.colours.shape[:2]
         return columns * self.texel_m, rows * self.texel_m
 
-    def classes_at(self, places: Floats) -> Image:
+    def classes_at(self, places: Floats) -> ImageArray:
         """Return the class numbers at `places` (n, 2), clamped to the map."""
         texel = self.texel_m * 2**_LABEL_STEP
         rows, columns = self.classes.shape
@@ -97,7 +96,7 @@ def painted_map(
     return GroundMap(-half_m[0], -half_m[1], texel, colours, classes)
 
 
-def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> Image:
+def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> ImageArray:
     window = inner.grown(_PAD_PX)
     canvas = Canvas(window, octave, turf(seed, octave, window))
     canvas.paint(layer)
@@ -105,14 +104,9 @@ def _tile(layer: Layer, seed: int, octave: int, inner: Window) -> Image:
     return natural(painted)
 
 
-def natural(painted: Image) -> Image:
-    """Return painted colours less saturated and warmer, as the engine lights them."""
-    return np.asarray(cv2.transform(painted, _NATURAL))
-
-
 def _classes(
     works: Sequence[GroundWork], shape: tuple[int, int], texel: float, half_m: tuple[float, float]
-) -> Image:
+) -> ImageArray:
     """Return the class numbers of label texels; later entries cover earlier ones."""
     step = 2**_LABEL_STEP
     found = np.full((shape[0] // step, shape[1] // step), class_number('grass'), np.uint8)

@@ -7,9 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_scene.errors import GroundError
-from rocsafe_scene.painting.canvas import Image
 
 # Only a camera that looks at the horizon would need more.
 LARGEST_PATCH_PX = 200_000_000
@@ -45,7 +44,7 @@ class Patch:
         centres.
     """
 
-    image: Image
+    image: ImageArray
     pixel_from_ground: FloatArray
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene's ground as a GeoTIFF of heights, for planners."""
+"""Writing of the ground heights of a scene as a GeoTIFF, for planners."""
 
 import contextlib
 from pathlib import Path

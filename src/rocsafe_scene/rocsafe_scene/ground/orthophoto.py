@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A ground that is a GeoTIFF orthophoto, in any coordinate system."""
+"""Flat ground that shows a GeoTIFF orthophoto in any coordinate system."""
 
 import math
 from pathlib import Path
@@ -9,11 +9,10 @@ import numpy as np
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.ground.ground_patch import GroundBounds, Patch, require_patch_size
-from rocsafe_scene.painting.canvas import Image
 
 _BLUE_GREEN_RED = (3, 2, 1)
 
@@ -88,7 +87,7 @@ class OrthophotoGround:
         a, b, c, d, e, f = tuple(~self._file.transform)[:6]
         return np.column_stack([a * x + b * y + c, d * x + e * y + f])
 
-    def _read(self, edges: tuple[int, int, int, int], shape: tuple[int, int]) -> Image:
+    def _read(self, edges: tuple[int, int, int, int], shape: tuple[int, int]) -> ImageArray:
         from rasterio.enums import Resampling
         from rasterio.errors import RasterioError
         from rasterio.windows import Window

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hills and hollows, and what people did to them: embankments, cuttings, beds, level places."""
+"""The relief of the ground: hills, embankments, cuttings, stream beds, level places."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles, surfaces, classes and shapes."""
+"""Triangle meshes, surfaces, classes and simple shapes."""

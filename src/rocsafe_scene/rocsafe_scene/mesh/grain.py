@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tiles: the dirt and wear that lies on all things, and the leaves on the skin of crowns."""
+"""Textures: dirt and wear of all surfaces, and leaves on the surface of crowns."""
 
 from functools import lru_cache
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Courses on the ground: how far a place is from a line, and where along it."""
+"""Lines on the ground: distance of places from a line and along it, resampling."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Triangle meshes with colours, and moving them about."""
+"""Triangle meshes with colours, and their transformations."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How kinds of surface answer light."""
+"""Kinds of surfaces and how they reflect light."""
 
 from dataclasses import dataclass
 from enum import IntEnum

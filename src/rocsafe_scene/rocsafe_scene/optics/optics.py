@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.optics.distortion import Distortion, lens_to_draw, pixel_rays
 from rocsafe_scene.optics.effects import Effects
 from rocsafe_scene.optics.motion import Rates
 from rocsafe_scene.optics.sensor_response import fall_off, image_of_light, light_of, with_noise
-from rocsafe_scene.painting.canvas import Image
 
 # Motion blur sums shifted images at most this far apart, px, and at most so many.
 _BLUR_STEP_PX = 0.7
@@ -65,7 +65,9 @@ class Optics:
         gain = fall_off(x, y, self.effects.vignetting) * 2.0**self.effects.exposure_ev
         self._gain = gain.astype(np.float32)[..., None]
 
-    def develop(self, image: Image, rates: Rates | None, rng: np.random.Generator) -> Image:
+    def develop(
+        self, image: ImageArray, rates: Rates | None, rng: np.random.Generator
+    ) -> ImageArray:
         """Return the photograph made from an image by `source`.
 
         Parameters
@@ -126,7 +128,7 @@ class Optics:
         return from_column, from_row
 
 
-def blurred(image: Image, ways_px: Rates) -> Image:
+def blurred(image: ImageArray, ways_px: Rates) -> ImageArray:
     """Return `image` blurred along the path of each pixel, in linear light, centred on the pixel.
 
     Parameters

@@ -4,9 +4,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.optics.distortion import Plane
 from rocsafe_scene.optics.effects import Effects
-from rocsafe_scene.painting.canvas import Image
 
 Light = NDArray[np.float32]
 
@@ -26,12 +26,12 @@ _LIGHT_OF = _linear(np.arange(256) / 255.0).astype(np.float32)
 _VALUE_OF = np.rint(255.0 * _encoded((np.arange(_STEPS + 1) / _STEPS) ** 2)).astype(np.uint8)
 
 
-def light_of(image: Image) -> Light:
+def light_of(image: ImageArray) -> Light:
     """Return the linear light of an image, 0 to 1, by the curve of sRGB (IEC 61966-2-1)."""
     return np.asarray(_LIGHT_OF[image])
 
 
-def image_of_light(light: Light) -> Image:
+def image_of_light(light: Light) -> ImageArray:
     """Return the image of linear light; values below 0 are black, above 1 white."""
     steps = np.rint(np.sqrt(np.clip(light, 0.0, 1.0)) * np.float32(_STEPS)).astype(np.uint16)
     return np.asarray(_VALUE_OF[steps])

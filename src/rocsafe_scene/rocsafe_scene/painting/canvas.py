@@ -5,10 +5,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.painting.marks import Bounds, Dots, Layer, Points, Shape
 from rocsafe_scene.painting.noise import CM_PER_M, Field, Window
-
-Image = NDArray[np.uint8]
 
 # Fixed-point bits of OpenCV's drawing coordinates.
 _SHIFT = 6
@@ -16,12 +15,14 @@ _SHIFT = 6
 _SMALLEST_TEXELS = 0.4
 # Relative change of brightness at full grain.
 _STRONGEST_GRAIN = 0.52
+# Matrix from painted blue, green, red to the colours that the engine lights.
+_NATURAL = np.array([[0.82, 0.16, 0.02], [0.03, 0.82, 0.13], [0.02, 0.26, 0.74]])
 
 
 class Canvas:
     """Colours (blue, green, red) and grain of a window of texels; row 0 lies in the south."""
 
-    def __init__(self, window: Window, octave: int, turf: Image) -> None:
+    def __init__(self, window: Window, octave: int, turf: ImageArray) -> None:
         """Begin with `turf`, shape (rows, columns, 4), whose texels are 2^octave cm wide."""
         self._window = window
         self._texel_m = 2.0**octave / CM_PER_M
@@ -40,7 +41,7 @@ class Canvas:
             else:
                 self._glaze(mark, bounds)
 
-    def finished(self, detail: Field, pad: int) -> Image:
+    def finished(self, detail: Field, pad: int) -> ImageArray:
         """Return the picture without its `pad`: colours times (1 + grain times `detail`)."""
         rows, columns = (pad + size for size in detail.shape)
         blue, green, red, grain = cv2.split(self._layers[pad:rows, pad:columns])
@@ -61,13 +62,17 @@ class Canvas:
         return max(east - west, north - south) < _SMALLEST_TEXELS * self._texel_m
 
     def _fill(
-        self, target: Image, shape: Shape, value: tuple[int, ...], corner: tuple[int, int] = (0, 0)
+        self,
+        target: ImageArray,
+        shape: Shape,
+        value: tuple[int, ...],
+        corner: tuple[int, int] = (0, 0),
     ) -> None:
         """Fill `shape` in `target`, whose first texel is `corner` of the window."""
         fixed = [self._fixed(outline, corner) for outline in shape.outlines]
         cv2.fillPoly(target, fixed, value, cv2.LINE_AA, _SHIFT)
 
-    def _dot(self, target: Image, dots: Dots) -> None:
+    def _dot(self, target: ImageArray, dots: Dots) -> None:
         """Draw those of `dots` that meet the window."""
         west, south, east, north = self._bounds()
         x, y = dots.centres.T
@@ -107,7 +112,7 @@ class Canvas:
 
     def _blend(
         self,
-        mask: Image,
+        mask: ImageArray,
         opacity: float,
         value: tuple[int, ...],
         part: tuple[slice, slice] = (slice(None), slice(None)),
@@ -143,6 +148,11 @@ class Canvas:
         rows = slice(max(0, south - w.y0 - 2), min(height, north - w.y0 + 3))
         return rows, slice(max(0, west - w.x0 - 2), min(width, east - w.x0 + 3))
 
-    def _softened(self, mask: Image, softness_m: float) -> Image:
+    def _softened(self, mask: ImageArray, softness_m: float) -> ImageArray:
         size = 2 * int(0.5 * softness_m / self._texel_m) + 1
         return cv2.blur(mask, (size, size)) if size > 1 else mask
+
+
+def natural(painted: ImageArray) -> ImageArray:
+    """Return painted colours less saturated and warmer, as the engine lights them."""
+    return np.asarray(cv2.transform(painted, _NATURAL))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Irregular outlines, drawn from a generator."""
+"""Random irregular outlines, and smooth lines."""
 
 from collections.abc import Sequence
 

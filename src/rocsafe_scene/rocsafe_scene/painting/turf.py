@@ -4,7 +4,7 @@
 import cv2
 import numpy as np
 
-from rocsafe_scene.painting.canvas import Image
+from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.painting.noise import Field, Window, fractal_at
 
 # Amplitudes by octave, of spacing 2^k cm.
@@ -19,7 +19,7 @@ _LUSH = ((46, 72, 33), (62, 92, 42), (80, 109, 50), (99, 124, 60), (116, 134, 72
 _DRY = ((84, 92, 52), (103, 108, 62), (124, 123, 73), (142, 136, 86), (158, 148, 100))
 
 
-def turf(seed: int, octave: int, window: Window) -> Image:
+def turf(seed: int, octave: int, window: Window) -> ImageArray:
     """Return colours (blue, green, red) and grain of bare meadow, shape (rows, columns, 4)."""
     tone = fractal_at(seed + 1, _TONE, octave, window)
     tufts = fractal_at(seed + 2, _TUFTS, octave, window)
@@ -36,11 +36,11 @@ def detail(seed: int, octave: int, window: Window) -> Field:
     return fractal_at(seed + 4, _DETAIL, octave, window)
 
 
-def _bytes(values: Field) -> Image:
+def _bytes(values: Field) -> ImageArray:
     return cv2.multiply(cv2.max(values, 0.0), 255.0, dtype=cv2.CV_8U)
 
 
-def _table(stops: tuple[tuple[int, int, int], ...]) -> Image:
+def _table(stops: tuple[tuple[int, int, int], ...]) -> ImageArray:
     """Return a look-up table (1, 256, 3), blue first, through evenly spaced colours."""
     at = np.linspace(0.0, 255.0, len(stops))
     channels = [np.interp(np.arange(256.0), at, [s[part] for s in stops]) for part in (2, 1, 0)]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Things of a scene as meshes."""
+"""Makers of meshes: vehicles, buildings, plants, people, small objects."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small things: debris, drums, cones, evidence markers, tape, fences, rails and sleepers."""
+"""Small objects: debris, drums, cones, evidence markers, tape, fences, rails and sleepers."""
 
 import math
 from itertools import pairwise

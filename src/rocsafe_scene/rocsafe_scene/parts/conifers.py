@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Conifers: cones of needles on boughs, through which one sees; no skin goes round these."""
+"""Conifers: needles on boughs in a cone, without a closed surface."""
 
 import math
 from dataclasses import replace

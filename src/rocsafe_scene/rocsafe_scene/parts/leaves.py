@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Leaves one by one, and what those of each kind of plant look like."""
+"""Single leaves, and how they look for each species."""
 
 from dataclasses import dataclass
 

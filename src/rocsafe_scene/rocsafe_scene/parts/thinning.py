@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plants for the distance: fewer, larger leaves, and crowns of trees without any."""
+"""Simpler plants for large distances: fewer, larger leaves, or none on crowns of trees."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Long things out of shape: bent rails, torn sleepers, tumbled walls."""
+"""Damaged rails and sleepers, and dry stone walls."""
 
 import math
 

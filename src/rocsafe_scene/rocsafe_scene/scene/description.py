@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from rocsafe_scene.mesh.classes import class_number
+from rocsafe_scene.scene.sunlight import DEFAULT_TIME
 
-DEFAULT_TIME = datetime(2025, 6, 1, 14, 0, tzinfo=timezone.utc)
 Weather = Literal['clear', 'overcast', 'wet', 'fog', 'dusk']
 Point = tuple[float, float]
 Byte = Annotated[int, Field(ge=0, le=255)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the entries of a scene file to things that stand on the ground."""
+"""Placing of the objects of a scene file on the ground."""
 
 import itertools
 import math

@@ -10,6 +10,8 @@ import numpy as np
 
 from rocsafe_scene.mesh.mesh import Floats
 
+# Time of the sun in scenes that give none.
+DEFAULT_TIME = datetime(2025, 6, 1, 14, 0, tzinfo=timezone.utc)
 _J2000 = datetime(2000, 1, 1, 12, tzinfo=timezone.utc)
 # Sine of the sun's elevation at dusk, and the least one with which shadows are drawn.
 _DUSK_UP, _LEAST_UP = 0.12, 0.06

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import rotation_body_from_optical, rotation_enu_from_body
 from rocsafe_geo.time_units import NS_PER_S
@@ -18,7 +18,6 @@ from rocsafe_scene.optics.motion import (
     plane_depth_m,
 )
 from rocsafe_scene.optics.optics import Optics
-from rocsafe_scene.painting.canvas import Image
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
 
@@ -54,7 +53,7 @@ class CameraPicture:
 
     camera: str
     time_ns: int
-    image: Image
+    image: ImageArray
     truth: Truth | None
     position_enu: Enu
     rotation_enu_from_optical: FloatArray

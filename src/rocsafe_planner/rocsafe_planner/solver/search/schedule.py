@@ -16,43 +16,7 @@ from rocsafe_planner.solver.model.tables import Floats, Ints
 from rocsafe_planner.solver.search.giant_tour import braid, cut, tour_of
 from rocsafe_planner.solver.search.outcome import SearchOptions
 from rocsafe_planner.solver.search.population import Lane, Manner, Pacer, Plan
-
-CHUNK = 16384
-"""Proposals between two looks at the clock."""
-LEAST_CYCLE, MIDDLE_CYCLE = 5_000, 20_000
-"""Proposals a customer of a cycle from hot to cold: least and most."""
-LARGE_LEAST_CYCLE, MOST_CYCLE = 30_000, 120_000
-"""The same of large problems."""
-MANY_CYCLES, FEW_CYCLES = 12, 4
-"""Into how many a search is divided where it is long enough: small problems gain by crosses, large
-ones by cooling slowly."""
-LARGE, LONG = 500, 100
-"""Customers in all, and of each vehicle, from which on a problem is large: nearly that of one
-traveller, whose way is found by many cheap moves."""
-SHORT_CYCLE, LONGER_CYCLE = 2_500, 25
-"""Most of a small problem, and how many more for each customer: few customers settle soon, and
-crosses then find more than longer cycles would."""
-FOUNDERS = 4
-"""Cycles from a construction before plans are crossed."""
-MEMBERS = 10
-"""Plans that are kept for crossing."""
-TOURS = 0.5
-"""How often they are crossed as tours instead of route by route."""
-SMALL_RUINS = (600, 1500)
-"""Of 4096 proposals, how many are ruin and recreate in cycles where there is a table of legs."""
-LARGE_RUINS = (40, 120)
-"""How many where there are many customers besides: ten times the proposals do more."""
-HASTY_RUINS, HASTE = 200, 5000
-"""How many where there are fewer than so many proposals a customer in all."""
-PATIENCE = 100_000
-"""Proposals a customer in all from which on cycles become sharper."""
-FLOORS, PATIENT_FLOORS = (0.1, 0.2), (0.01, 0.03, 0.1)
-"""Worths of short routes. The less they are worth, the nearer comes the longest route to the
-least, and the longer the others stay hot."""
-SHARPER, PATIENT_SHARPER = (3.0,), (3.0, 4.0)
-"""Power of two by which the width of a cycle shrinks."""
-RATES = (6e6, 2.5e6)
-"""Proposals a second that are counted on before any were made: with a table of legs, without."""
+from rocsafe_planner.solver.search.tuning import USUAL, CycleTuning
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,12 +57,20 @@ class Schedule:
     away
         (n, 2) where customers are, seen from the home of all vehicles, if these are alike: then
         plans are also crossed as tours.
+    tuning
+        Numbers of the schedule.
     """
 
     def __init__(
-        self, options: SearchOptions, customers: int, first: Plan, away: Floats | None = None
+        self,
+        options: SearchOptions,
+        customers: int,
+        first: Plan,
+        away: Floats | None = None,
+        tuning: CycleTuning = USUAL,
     ) -> None:
         self.options = options
+        self.tuning = tuning
         self.first = first
         self.away = away
         self.members: list[tuple[float, Plan]] = []
@@ -107,25 +79,25 @@ class Schedule:
         self.made = 0
         self.began = options.clock()
         self.choices = np.random.Generator(np.random.PCG64(options.seed))
-        self.usual_rate = RATES[customers > DENSE_SITES]
+        self.usual_rate = tuning.sparse_rate if customers > DENSE_SITES else tuning.rate
         total = options.proposals or options.budget_s * self.usual_rate
-        share = total / customers
-        self.is_large = customers >= max(LARGE, LONG * len(first[1]))
-        least = LARGE_LEAST_CYCLE if self.is_large else LEAST_CYCLE
-        self.is_single = share < 4 * least
-        self.hot_start = share > 2000
-        self.has_time = share > HASTE
-        is_patient = share > PATIENCE
-        self.floors = PATIENT_FLOORS if is_patient else FLOORS
-        self.sharper = PATIENT_SHARPER if is_patient else SHARPER
-        most = (
-            MOST_CYCLE
-            if self.is_large
-            else min(MIDDLE_CYCLE, SHORT_CYCLE + LONGER_CYCLE * customers)
+        self.share = total / customers
+        self.is_large = customers >= max(
+            tuning.large_customers, tuning.large_route * len(first[1])
         )
-        cycles = FEW_CYCLES if self.is_large else MANY_CYCLES
-        cycle = min(max(share / cycles, least), most)
+        least = tuning.large_least_cycle if self.is_large else tuning.least_cycle
+        self.is_single = self.share < tuning.single_cycles * least
+        cycles = tuning.large_cycles if self.is_large else tuning.cycles
+        cycle = min(max(self.share / cycles, least), self._most_cycle())
         self.full = total if self.is_single else customers * cycle
+
+    def _most_cycle(self) -> int:
+        """Return the most proposals a customer of a cycle."""
+        tuning = self.tuning
+        if self.is_large:
+            return tuning.large_most_cycle
+        longest = tuning.short_cycle + tuning.longer_cycle * self.customers
+        return min(tuning.middle_cycle, longest)
 
     def more(self) -> bool:
         """Answer whether another round is due."""
@@ -150,7 +122,7 @@ class Schedule:
 
     def next_round(self) -> list[Cycle]:
         """Return a cycle for each lane, equally long."""
-        crosses = self.done >= FOUNDERS and len(self.members) >= 2
+        crosses = self.done >= self.tuning.founders and len(self.members) >= 2
         wanted = self.full / 2 if crosses else self.full
         left = self._left()
         proposals = left if left < 1.5 * wanted else wanted
@@ -159,12 +131,13 @@ class Schedule:
     def _cycle(self, proposals: int, crosses: bool) -> Cycle:
         """Return one cycle."""
         self.done += 1
-        hot = 0.0 if self.hot_start else -2.0
+        tuning = self.tuning
+        hot = tuning.first_hot if self.share > tuning.hot_share else tuning.later_hot
         if not crosses:
             return Cycle(plan=self.first, manner=self._manner(hot), proposals=proposals)
         one, other = self._parents()
-        manner = self._manner(float(self.choices.choice([-1.0, -2.0, -3.0])))
-        if self.away is not None and self.choices.random() < TOURS:
+        manner = self._manner(float(self.choices.choice(tuning.crossed_hots)))
+        if self.away is not None and self.choices.random() < tuning.tours:
             tours = [tour_of(plan, self.away, self.choices) for plan in (one, other)]
             tour = braid(tours[0], tours[1], self.choices)
             return Cycle(plan=one, manner=manner, proposals=proposals, tour=tour)
@@ -189,33 +162,38 @@ class Schedule:
 
     def _manner(self, hot: float) -> Manner:
         """Return how to anneal from a temperature on."""
+        tuning = self.tuning
+        is_long = self.share > tuning.long_share
         return Manner(
             hot=hot,
-            cold=-5.5,
-            floor=float(self.choices.choice(self.floors)),
-            width=float(self.choices.choice([0.01, 0.02])),
-            sharper=float(self.choices.choice(self.sharper)),
+            cold=tuning.cold,
+            floor=float(self.choices.choice(tuning.long_floors if is_long else tuning.floors)),
+            width=float(self.choices.choice(tuning.widths)),
+            sharper=float(self.choices.choice(tuning.long_sharper if is_long else tuning.sharper)),
             ruins=self._ruins(),
-            long=int(self.choices.choice([0, 3])),
+            long=int(self.choices.choice(tuning.longs)),
         )
 
     def _ruins(self) -> int:
-        """Return how many of 4096 proposals are to be ruin and recreate.
+        """Return how many of 4096 proposals are ruin and recreate.
 
-        One takes the time of some thirty others. They lead out of the traps of small and
-        clustered problems; large ones need the others first.
+        They lead out of the local optima of small and clustered problems; large ones need the
+        other moves first.
         """
+        tuning = self.tuning
         if self.customers > DENSE_SITES:
-            return 10 if self.is_single else 40
+            return tuning.sparse_single_ruins if self.is_single else tuning.sparse_ruins
         if self.is_large:
-            return int(self.choices.choice(LARGE_RUINS))
-        return int(self.choices.choice(SMALL_RUINS)) if self.has_time else HASTY_RUINS
+            return int(self.choices.choice(tuning.large_ruins))
+        if self.share > tuning.hasty_share:
+            return int(self.choices.choice(tuning.ruins))
+        return tuning.hasty_ruins
 
     def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:
         """Return the pacer of a cycle of the present round."""
         counted = self.options.proposals is not None
         return Pacer(
-            chunk=min(CHUNK, cycle.proposals),
+            chunk=min(self.tuning.chunk, cycle.proposals),
             proposals=cycle.proposals if counted else None,
             clock=self.options.clock,
             duration_s=max(min(cycle.proposals / self._rate(), self._left_s()), 1e-3),
@@ -228,7 +206,7 @@ class Schedule:
             return
         self.members.append((value, plan))
         self.members.sort(key=lambda member: member[0])
-        del self.members[MEMBERS:]
+        del self.members[self.tuning.members :]
 
     def advance(self, proposals: int) -> None:
         """Take note of how many proposals each lane has made so far."""

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The block: all photographs of a map, their pairs and their poses, while they come in.
+
+A photograph is first placed by its fix, then matched with its neighbours and adjusted with them
+while all others are held. From time to time, and at the end, all photographs are adjusted
+together from the beginning: that result depends on the set of photographs alone.
+"""
+
+import dataclasses
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_mapping.alignment.adjustment.clock_lag import without_lag
+from rocsafe_mapping.alignment.adjustment.least_squares import adjusted
+from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
+from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.matching.pair_table import PairTable, ReadGray
+from rocsafe_mapping.alignment.model.photo import Photo, Pose
+from rocsafe_mapping.alignment.model.state import State
+from rocsafe_mapping.alignment.steps import Solution, pose_beside, solve_block, without_yaw
+from rocsafe_mapping.alignment_options import AlignmentOptions
+
+BY_FEATURES, BY_GPS = 'features', 'gps'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Placement:
+    """Where a photograph was put, and by what.
+
+    Attributes
+    ----------
+    pose
+        Of its camera.
+    placed_by
+        ``features`` when tied to others, ``gps`` when only its own measurements place it.
+    """
+
+    pose: Pose
+    placed_by: str
+
+
+class Block:
+    """All photographs, their pairs and their poses.
+
+    Parameters
+    ----------
+    read_gray
+        Returns the grey picture of a photograph by name.
+    options
+        Of the alignment.
+    """
+
+    def __init__(self, read_gray: ReadGray, options: AlignmentOptions) -> None:
+        self.options = options
+        self.pair_table = PairTable(read_gray, options)
+        self._photos: dict[str, Photo] = {}
+        self._unbelieved: frozenset[str] = frozenset()
+        self.lags_s: Mapping[str, float] = {}
+        self._rejected: set[tuple[str, str]] = set()
+        self.state = State(poses={})
+
+    def __len__(self) -> int:
+        return len(self._photos)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._photos
+
+    @property
+    def photos(self) -> Mapping[str, Photo]:
+        """The photographs by name; wrong yaws have no weight, late fixes are corrected."""
+        photos = {name: self.photo(name) for name in self._photos}
+        return without_lag(photos, self.lags_s, self.options.clock)
+
+    @property
+    def used_pairs(self) -> tuple[Pair, ...]:
+        """Pairs that agree with the others, both photographs placed by features."""
+        placed = self.state.poses
+        return tuple(
+            pair
+            for key, pair in self.pair_table.found.items()
+            if key not in self._rejected and placed.keys() >= set(key)
+        )
+
+    def add(self, photo: Photo) -> None:
+        """Take in a photograph, placed by its fix."""
+        self._photos[photo.name] = photo
+        self.pair_table.add(photo)
+
+    def remove(self, name: str) -> None:
+        """Forget a photograph that was added but never tied."""
+        del self._photos[name]
+        self.pair_table.remove(name)
+
+    def photo(self, name: str) -> Photo:
+        """Return a photograph with the fix that it was given; a wrong yaw has no weight."""
+        return without_yaw(self._photos[name], self._unbelieved)
+
+    def place(self, name: str) -> frozenset[str]:
+        """Adjust a tied photograph with its neighbours; return the names of those that moved."""
+        partners = self.pair_table.partners(name)
+        if not partners:
+            return frozenset()
+        placed = partners & set(self.state.poses)
+        fresh = ({name} | partners) - placed
+        near = fresh | placed
+        found = self.pair_table.found
+        pairs = [pair for key, pair in found.items() if near >= set(key)]
+        first = initial_poses(self._photos, pairs, self.options.initial)
+        poses = dict(self.state.poses)
+        for other in sorted(fresh & set(first.poses)):
+            # The first poses lie anywhere: only their shape is used, beside known poses.
+            poses[other] = pose_beside(first.poses, poses, other, placed)
+        free = near & set(poses)
+        pairs = [
+            pair
+            for key, pair in found.items()
+            if key not in self._rejected and free & set(key) and poses.keys() >= set(key)
+        ]
+        state = dataclasses.replace(self.state, poses=poses)
+        self.state = adjusted(self.photos, pairs, state, self.options, free)
+        return frozenset(free)
+
+    def place_all(self) -> None:
+        """Adjust all photographs from the beginning."""
+        self.adopt(self.global_solution()())
+
+    def global_solution(self) -> Callable[[], Solution]:
+        """Return the adjustment of all photographs, to be carried out, also by another thread."""
+        photos, pairs = dict(self._photos), tuple(self.pair_table.found.values())
+        return lambda: solve_block(photos, pairs, self.options)
+
+    def adopt(self, solution: Solution) -> None:
+        """Take over a solution; photographs that came since keep their place among the others."""
+        before = self.state
+        self._unbelieved, self.lags_s = solution.unbelieved, solution.lags_s
+        self._rejected = {
+            key for key, pair in self.pair_table.found.items() if pair in solution.rejected
+        }
+        self.state = solution.state
+        for name in sorted(before.poses.keys() - solution.state.poses.keys()):
+            self.place(name)
+
+    def placements(self, names: Collection[str] | None = None) -> dict[str, Placement]:
+        """Return where every photograph is, or some of them."""
+        return {
+            name: Placement(pose=self.state.poses[name], placed_by=BY_FEATURES)
+            if name in self.state.poses
+            else Placement(pose=self._corrected(name), placed_by=BY_GPS)
+            for name in (self._photos if names is None else names)
+        }
+
+    def _corrected(self, name: str) -> Pose:
+        """Return the prior pose, moved as the fixes of tied photographs nearby were wrong."""
+        options = self.options.adjustment
+        prior = self._photos[name].prior
+        offs = []
+        for other, pose in self.state.poses.items():
+            fix = self._photos[other].prior.centre
+            away = float(np.linalg.norm(fix[:2] - prior.centre[:2]))
+            if away < options.correcting_reach * prior.centre[2]:
+                offs.append((away, other, pose.centre[:2] - fix[:2]))
+        if len(offs) < options.correcting_fixes:
+            return prior
+        nearest = sorted(offs, key=lambda off: off[:2])[: options.correcting_fixes]
+        shift = np.median([off for _, _, off in nearest], axis=0)
+        return Pose(centre=prior.centre + np.array([*shift, 0.0]), rotation=prior.rotation)

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""First poses of photographs from their pairs: turns and heights, then places.
+
+Points of the ground are complex numbers. With its prior attitude, a pixel of photograph i points
+along the slope a (metres over the ground for each metre down) and shows the ground point c + h
+e^(i delta) a; c is the nadir, h the height, delta the error of the yaw. A pair gives a_j = m a_i +
+b with m = (h_i / h_j) e^(i (delta_i - delta_j)): log m is linear in the log heights and the errors
+of yaw. With both known, the places c are linear, too. Heights and places are not solved together:
+with robust fixes all heights would go to zero.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_mapping.alignment.initial.pair_graph import (
+    ComplexArray,
+    Edge,
+    averaged,
+    chained,
+    groups_of,
+    spanned,
+)
+from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.model.photo import Photo, Pose, rays_of_pixels
+from rocsafe_mapping.alignment_options import InitialOptions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InitialPoses:
+    """Where the adjustment begins.
+
+    Attributes
+    ----------
+    poses
+        Of the photographs that pairs tie together; of none that stands alone.
+    pairs
+        Those of the pairs that agree with each other.
+    groups
+        Names of the photographs that hang together, largest group first.
+    is_yaw_believed
+        Whether the yaws of each group agree with its fixes.
+    """
+
+    poses: Mapping[str, Pose]
+    pairs: tuple[Pair, ...]
+    groups: tuple[tuple[str, ...], ...]
+    is_yaw_believed: tuple[bool, ...]
+
+
+def initial_poses(
+    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+) -> InitialPoses:
+    """Return first poses of all photographs in `pairs`, contradicting pairs left out."""
+    found = _poses(photos, pairs, options)
+    for _ in range(options.most_passes):
+        if len(found.pairs) == len(pairs):
+            break
+        # Without the rejected pairs a group may fall apart, and values change.
+        pairs = found.pairs
+        found = _poses(photos, pairs, options)
+    return found
+
+
+def _poses(
+    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+) -> InitialPoses:
+    poses: dict[str, Pose] = {}
+    kept: list[Pair] = []
+    groups, believed = [], []
+    for names in groups_of(pairs):
+        index = {name: number for number, name in enumerate(names)}
+        edges = [_edge(photos, pair, index) for pair in pairs if pair.first in index]
+        turns, heights, is_turned = _turned(photos, names, edges, options)
+        places, is_believed, is_placed = _placed(photos, names, edges, (turns, heights), options)
+        for name, turn, height, place in zip(names, turns, heights, places, strict=True):
+            poses[name] = _pose(photos[name], turn, height, place)
+        agrees = is_turned & is_placed
+        kept += [edge.pair for edge, is_kept in zip(edges, agrees, strict=True) if is_kept]
+        groups.append(names)
+        believed.append(is_believed)
+    return InitialPoses(
+        poses=poses, pairs=tuple(kept), groups=tuple(groups), is_yaw_believed=tuple(believed)
+    )
+
+
+def _edge(photos: Mapping[str, Photo], pair: Pair, index: Mapping[str, int]) -> Edge:
+    used = ~pair.is_held_out
+    first = _slopes(photos[pair.first], pair.first_px[used])
+    second = _slopes(photos[pair.second], pair.second_px[used])
+    first_middle, second_middle = complex(first.mean()), complex(second.mean())
+    spread = first - first_middle
+    factor = complex(np.vdot(spread, second - second_middle) / np.vdot(spread, spread).real)
+    return Edge(
+        pair=pair,
+        first=index[pair.first],
+        second=index[pair.second],
+        factor=factor,
+        first_middle=first_middle,
+        second_middle=second_middle,
+    )
+
+
+def _slopes(photo: Photo, pixels: FloatArray) -> ComplexArray:
+    """Return where pixels lie on the ground in heights, with the prior attitude; complex."""
+    rays = rays_of_pixels(photo.camera, pixels) @ photo.prior.rotation.T
+    drop = np.maximum(-rays[:, 2], 1e-3)
+    slopes: ComplexArray = (rays[:, 0] + 1j * rays[:, 1]) / drop
+    return slopes
+
+
+def _turned(
+    photos: Mapping[str, Photo], names: Sequence[str], edges: list[Edge], options: InitialOptions
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return each photograph's turn and height, and which pairs agree with them."""
+    guess = spanned(len(names), edges)
+    log_prior = np.log([photos[name].prior.centre[2] for name in names])
+    turns = averaged(edges, guess.imag, options.angle_scale_rad, options, wrapped=True)
+    logs = averaged(edges, guess.real, options.log_scale, options, wrapped=False)
+    off = np.array([_misfit(edge, turns, logs) for edge in edges])
+    largest = options.largest_turn_rad, options.largest_log_scale
+    agrees = np.all(np.abs(off) < largest, axis=1)
+    turns -= _common_turn(turns, photos, names)
+    logs += np.median(log_prior - logs)
+    return turns, np.exp(logs), agrees
+
+
+def _misfit(edge: Edge, turns: FloatArray, logs: FloatArray) -> tuple[float, float]:
+    log = np.log(edge.factor)
+    turn = turns[edge.first] - turns[edge.second] - log.imag
+    scale = logs[edge.first] - logs[edge.second] - log.real
+    return _wrap(turn), float(scale)
+
+
+def _wrap(angle: float) -> float:
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+def _common_turn(turns: FloatArray, photos: Mapping[str, Photo], names: Sequence[str]) -> float:
+    """Return the turn that most of the yaws agree on, as a circular median."""
+    known = np.array([photos[name].has_yaw for name in names])
+    votes = turns[known] if np.any(known) else turns
+    costs = np.abs(np.angle(np.exp(1j * (votes[:, np.newaxis] - votes)))).sum(axis=0)
+    return float(votes[int(np.argmin(costs))])
+
+
+def _placed(
+    photos: Mapping[str, Photo],
+    names: Sequence[str],
+    edges: Sequence[Edge],
+    turned: tuple[FloatArray, FloatArray],
+    options: InitialOptions,
+) -> tuple[ComplexArray, bool, BoolArray]:
+    """Return the nadirs, whether the yaws agree with the fixes, and which pairs agree.
+
+    Changes the turns and heights (`turned`) where the fixes show that all have a common error.
+    """
+    turns, heights = turned
+    fixes = np.array([complex(*photos[name].prior.centre[:2]) for name in names])
+    std_m = np.array([photos[name].horizontal_std_m for name in names])
+    steps = heights * np.exp(1j * turns)
+    shifts = np.array(
+        [
+            steps[edge.first] * edge.first_middle - steps[edge.second] * edge.second_middle
+            for edge in edges
+        ]
+    )
+    free, agrees = chained(len(names), edges, shifts, float(np.median(heights)), options)
+    turn, scale = _laid_on_fixes(free, fixes, std_m, options.rounds)
+    guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
+    if np.median(guesses) > options.guessed_height_share and len(names) > 2:
+        heights *= scale
+        free = free * scale
+    has_yaw = any(photos[name].has_yaw for name in names)
+    spread_m = float(np.sqrt(np.mean(np.abs(free - free.mean()) ** 2)))
+    turn_std = float(np.median(std_m)) / max(spread_m * math.sqrt(len(names)), 1e-9)
+    is_believed = has_yaw and abs(turn) < max(options.yaw_disbelief_rad, 4.0 * turn_std)
+    if not is_believed and turn_std < options.yaw_disbelief_rad:
+        turns += turn
+        free = free * np.exp(1j * turn)
+    return free + _robust_middle(fixes - free, std_m, options.rounds), is_believed, agrees
+
+
+def _laid_on_fixes(
+    places: ComplexArray, fixes: ComplexArray, std_m: FloatArray, rounds: int
+) -> tuple[float, float]:
+    """Return the turn and the scale that lay `places` best on `fixes`, robustly."""
+    weight: FloatArray = np.ones(len(places))
+    factor = 1.0 + 0.0j
+    for _ in range(rounds):
+        middle = np.average(places, weights=weight), np.average(fixes, weights=weight)
+        spread, wanted = places - middle[0], fixes - middle[1]
+        size = max(float(np.sum(weight * np.abs(spread) ** 2)), 1e-9)
+        factor = complex(np.sum(weight * np.conj(spread) * wanted) / size)
+        off = np.abs(spread * factor - wanted) / std_m
+        weight = 1.0 / (1.0 + (off / 2.0) ** 2)
+    return float(np.angle(factor)), abs(factor)
+
+
+def _robust_middle(values: ComplexArray, std_m: FloatArray, rounds: int) -> complex:
+    middle = complex(np.median(values.real), np.median(values.imag))
+    for _ in range(rounds):
+        weight = 1.0 / (std_m**2 + (np.abs(values - middle) / 2.0) ** 2)
+        middle = complex(np.average(values, weights=weight))
+    return middle
+
+
+def _pose(photo: Photo, turn: float, height_m: float, place: complex) -> Pose:
+    cos, sin = math.cos(turn), math.sin(turn)
+    about_up = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    return Pose(
+        centre=np.array([place.real, place.imag, height_m]),
+        rotation=about_up @ photo.prior.rotation,
+    )

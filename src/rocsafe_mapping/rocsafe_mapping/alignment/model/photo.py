@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A photograph to be aligned: its camera, and its pose as measured on board.
+
+Local frame: east and north in metres about an origin on the ground, up in metres above the
+ground. The curvature of the earth is left out of `up`, so that level ground is level everywhere.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.pinhole import rotation_of_quaternion
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mapping.alignment_options import PriorOptions
+from rocsafe_mapping.errors import PlacementError
+from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
+
+# A yaw less certain than this is not used.
+UNKNOWN_YAW_STD_RAD = math.radians(60.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose:
+    """Where a camera is and how it looks.
+
+    Attributes
+    ----------
+    centre
+        East, north, up in metres, shape (3,).
+    rotation
+        From the optical frame to east-north-up, shape (3, 3).
+    """
+
+    centre: FloatArray
+    rotation: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Photo:
+    """A photograph to be aligned.
+
+    Attributes
+    ----------
+    name
+        Unique among the photographs of a map.
+    vehicle
+        That took it.
+    lens
+        Names the camera; photographs of one lens share its calibration.
+    camera
+        Without distortion: points are straightened before they come here.
+    focal_std_share
+        Uncertainty of the focal length over itself; 0 for a calibrated camera.
+    prior
+        Pose as measured on board.
+    horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad
+        Its uncertainty.
+    time_ns
+        Of exposure.
+    """
+
+    name: str
+    vehicle: str
+    lens: str
+    camera: Intrinsics
+    focal_std_share: float
+    prior: Pose
+    horizontal_std_m: float
+    vertical_std_m: float
+    tilt_std_rad: float
+    yaw_std_rad: float
+    time_ns: int = 0
+
+    @property
+    def has_yaw(self) -> bool:
+        """Whether the prior says where the top of the image points."""
+        return self.yaw_std_rad < UNKNOWN_YAW_STD_RAD
+
+    @property
+    def ground_resolution_m(self) -> float:
+        """Side of the ground that a pixel shows straight below, by the prior."""
+        return float(self.prior.centre[2]) / self.camera.fx_px
+
+
+@dataclass(frozen=True, slots=True)
+class GroundFrame:
+    """Ties local metres to the earth.
+
+    Attributes
+    ----------
+    frame
+        East-north-up about the origin, which lies on the ground.
+    """
+
+    frame: LocalFrame
+
+    def local(self, latitude_deg: float, longitude_deg: float) -> FloatArray:
+        """Return (east, north) in metres of a position, shape (2,)."""
+        ground = self.frame.origin.altitude_m
+        return self.frame.to_enu([latitude_deg], [longitude_deg], [ground])[0, :2]
+
+    def geodetic(self, ground_m: FloatArray) -> FloatArray:
+        """Return latitude and longitude in degrees of points (n, 2) on the ground."""
+        enu = np.column_stack([ground_m, np.zeros(len(ground_m))])
+        return self.frame.to_geodetic(enu)[:, :2]
+
+
+def ground_frame_of(record: ShotRecord) -> GroundFrame:
+    """Return the frame about the ground below a photograph.
+
+    Raises
+    ------
+    PlacementError
+        If it has no position.
+    """
+    if not math.isfinite(record.latitude_deg + record.longitude_deg):
+        raise PlacementError(f'{record.shot_id} was taken without a fix')
+    altitude_m = record.altitude_m - record.height_agl_m
+    ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
+    return GroundFrame(
+        LocalFrame(GeoPosition(record.latitude_deg, record.longitude_deg, ground_m))
+    )
+
+
+def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> Photo:
+    """Return the photograph of `record` in `frame`.
+
+    Raises
+    ------
+    PlacementError
+        If its position, height or attitude is unknown.
+    """
+    height_m = record.height_agl_m
+    if not math.isfinite(record.latitude_deg + record.longitude_deg):
+        raise PlacementError(f'{record.shot_id} was taken without a fix')
+    if not 0.0 < height_m < math.inf:
+        raise PlacementError(f'{record.shot_id}: height_agl_m = {height_m} is no height')
+    try:
+        rotation = rotation_of_quaternion(record.orientation_xyzw)
+    except ValueError as error:
+        raise PlacementError(f'{record.shot_id} has no orientation: {error}') from error
+    east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    up_m, up_std_m = _up(record, frame, options)
+    _require_downward(record, rotation, options.longest_reach)
+    turn = record.orientation_covariance_rad2
+    fix = record.position_covariance_m2
+    lens = f'{record.lens or record.vehicle}/{record.camera.width_px}x{record.camera.height_px}'
+    return Photo(
+        name=record.shot_id,
+        vehicle=record.vehicle,
+        lens=lens,
+        camera=record.camera,
+        focal_std_share=record.camera.focal_std_share,
+        prior=Pose(centre=np.array([east, north, up_m]), rotation=rotation),
+        horizontal_std_m=_std(
+            0.5 * (fix[0] + fix[4]), options.horizontal_std_m, options.least_position_std_m
+        ),
+        vertical_std_m=up_std_m,
+        tilt_std_rad=_std(
+            0.5 * (turn[0] + turn[4]), options.tilt_std_rad, options.least_angle_std_rad
+        ),
+        yaw_std_rad=_std(turn[8], options.yaw_std_rad, options.least_angle_std_rad),
+        time_ns=record.time_ns,
+    )
+
+
+def _up(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> tuple[float, float]:
+    """Return how high a camera is above the frame's origin, metres, and its uncertainty.
+
+    The altitude is used, as heights above the ground refer to different ground. Where the two
+    differ too much for nearly level ground, the height above the ground is used, which keeps the
+    scale right; the difference is added to its uncertainty.
+    """
+    variance = record.position_covariance_m2[8]
+    std_m = _std(variance, options.vertical_std_m, options.least_position_std_m)
+    up_m = record.altitude_m - frame.frame.origin.altitude_m
+    if not math.isfinite(up_m):
+        return record.height_agl_m, std_m
+    relief_m = abs(up_m - record.height_agl_m)
+    if relief_m > options.largest_relief_share * record.height_agl_m:
+        return record.height_agl_m, math.hypot(std_m, relief_m)
+    return up_m, std_m
+
+
+def camera_matrix(camera: Intrinsics) -> FloatArray:
+    """Return the intrinsic matrix (3, 3): optical coordinates to homogeneous pixels."""
+    return np.array(
+        [
+            [camera.fx_px, 0.0, camera.cx_px],
+            [0.0, camera.fy_px, camera.cy_px],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def rays_of_pixels(camera: Intrinsics, pixels: FloatArray) -> FloatArray:
+    """Return the optical directions (n, 3), third part 1, of pixels (n, 2)."""
+    x = (pixels[:, 0] - camera.cx_px) / camera.fx_px
+    y = (pixels[:, 1] - camera.cy_px) / camera.fy_px
+    return np.column_stack([x, y, np.ones(len(pixels))])
+
+
+def footprint(photo: Photo, pose: Pose, focal_factor: float = 1.0) -> FloatArray:
+    """Return (east, north) of the image's corners on level ground, metres, shape (4, 2).
+
+    Order: top left, top right, bottom right, bottom left. Rays near the horizon end at five
+    heights from the camera. `focal_factor` is the focal length over the believed one.
+    """
+    right, bottom = photo.camera.width_px - 0.5, photo.camera.height_px - 0.5
+    corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
+    rays = rays_of_pixels(photo.camera, corners) / (focal_factor, focal_factor, 1.0)
+    rays = rays @ pose.rotation.T
+    steepness = np.maximum(-rays[:, 2], 0.2 * np.hypot(rays[:, 0], rays[:, 1]))
+    reach: FloatArray = rays[:, :2] / np.maximum(steepness, 1e-9)[:, np.newaxis] * pose.centre[2]
+    return pose.centre[:2] + reach
+
+
+def _require_downward(record: ShotRecord, rotation: FloatArray, longest_reach: float) -> None:
+    """Raise PlacementError unless all of the image shows ground that is not too far away."""
+    camera = record.camera
+    right, bottom = camera.width_px - 0.5, camera.height_px - 0.5
+    corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
+    rays = rays_of_pixels(camera, corners) @ rotation.T
+    if not np.all(rays[:, 2] < 0.0):
+        raise PlacementError(f'{record.shot_id} looks at or above the horizon')
+    if np.max(np.hypot(rays[:, 0], rays[:, 1]) / -rays[:, 2]) > longest_reach:
+        raise PlacementError(f'{record.shot_id} looks farther than {longest_reach:g} heights')
+
+
+def _std(variance: float, default: float, least: float) -> float:
+    """Return the standard deviation of `variance`; 0 or NaN mean unknown (NavSatFix)."""
+    if not 0.0 < variance < math.inf:
+        return default
+    return max(math.sqrt(variance), least)

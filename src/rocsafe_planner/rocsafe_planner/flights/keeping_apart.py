@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Routes of vehicles that keep apart: they wait on the ground, or fly in layers of height."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.flights.flight_track import FlightTrack
+from rocsafe_planner.flights.routes import route_of, routes_of
+from rocsafe_planner.flights.separation import (
+    Placed,
+    delays_apart,
+    flying_order,
+    minimum_separation_m,
+)
+from rocsafe_planner.plan.plan import Route
+from rocsafe_planner.problem.fleet_problem import Order
+from rocsafe_planner.site.survey_site import SurveySite
+
+MAX_LAYERS = 8
+"""Layers that are tried; the highest flies that many separations higher, less one."""
+
+MAX_TURNS = 12
+"""Flights of a vehicle that are tried as its first."""
+
+Orders = list[Order]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptApart:
+    """Routes, how high each vehicle flies above the others, and the least distance of any two."""
+
+    routes: tuple[Route, ...]
+    layers_m: tuple[float, ...]
+    separation_m: float
+
+
+def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
+    """Return the routes of these orders, apart as the site's request wants it.
+
+    Where batteries are changed, flights may take their turns in another order.
+    """
+    apart = _kept_apart(site, orders)
+    turned = _turned(site, apart.routes) if any(r.delay_s for r in apart.routes) else orders
+    if turned == orders:
+        return apart
+    other = _kept_apart(site, turned)
+    return min(apart, other, key=lambda one: max(route.finish_s for route in one.routes))
+
+
+def _kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
+    request = site.request
+    is_wanted = request.separation.distance_m > 0.0
+    layers = (0.0,) * len(orders)
+    routes = routes_of(site, orders)
+    if is_wanted and request.separation.by == 'layers':
+        layers = _layers(site, orders, routes)
+        site = in_layers(site, layers)
+        routes = routes_of(site, orders)
+    flying = [k for k, route in enumerate(routes) if route.sorties]
+    tracks = [_track(site, k, routes[k]) for k in flying]
+    delays = (
+        delays_apart(tracks, request.separation.distance_m) if is_wanted else [0.0] * len(tracks)
+    )
+    late = dict(zip(flying, delays, strict=True))
+    delayed = tuple(
+        dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
+    )
+    return KeptApart(
+        routes=delayed, layers_m=layers, separation_m=minimum_separation_m(tracks, delays)
+    )
+
+
+def _turned(site: SurveySite, routes: tuple[Route, ...]) -> Orders:
+    """Return the orders of routes whose flights take the turns that let them take off earliest.
+
+    In the order in which places are given, each vehicle tries all turns of its flights.
+    """
+    orders = [_points(site, route) for route in routes]
+    flying = [k for k, route in enumerate(routes) if route.sorties]
+    tracks = {k: FlightTrack(site.problem, k, orders[k]) for k in flying}
+    placed = Placed(site.request.separation.distance_m)
+    for k in (flying[i] for i in flying_order(list(tracks.values()))):
+        best = (math.inf, tracks[k], orders[k])
+        for flights in _turns(routes[k], orders[k]):
+            track = FlightTrack(site.problem, k, flights)
+            delay_s = placed.delay_s(track, best[0])
+            if delay_s < best[0]:
+                best = (delay_s, track, flights)
+            if best[0] == 0.0:
+                break
+        orders[k] = best[2]
+        placed.add(best[1], best[0])
+    return [[point for flight in flights for point in flight] for flights in orders]
+
+
+def _turns(route: Route, flights: Orders) -> list[Orders]:
+    """Return the flights, and them again beginning with each that begins and ends at home."""
+    vehicle = route.vehicle
+    first = 0 if vehicle.aloft is None else 1
+    # One flight may be both: the first of a vehicle in the air, and the one that ends elsewhere.
+    last = max(first, len(flights) - (1 if vehicle.is_open or vehicle.end is not None else 0))
+    head, free, tail = flights[:first], flights[first:last], flights[last:]
+    turns = [free[k:] + free[:k] for k in range(min(len(free), MAX_TURNS))]
+    return [[*head, *turn, *tail] for turn in turns or [free]]
+
+
+def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
+    """Return the site with vehicles that fly so much higher."""
+    problem = dataclasses.replace(site.problem, layers_m=layers_m)
+    return dataclasses.replace(site, problem=problem)
+
+
+def _layers(site: SurveySite, orders: Orders, routes: tuple[Route, ...]) -> tuple[float, ...]:
+    """Return the height above the others at which each vehicle lands earliest.
+
+    In the order in which places are given each vehicle takes the layer in which it lands first,
+    waiting included; the lowest of those that are equal.
+    """
+    step = site.request.separation.distance_m
+    placed = Placed(step)
+    layers = [0.0] * len(orders)
+    flying = [k for k, route in enumerate(routes) if route.sorties]
+    tracks = [_track(site, k, routes[k]) for k in flying]
+    for k in (flying[i] for i in flying_order(tracks)):
+        best = (math.inf, 0.0, 0.0, tracks[flying.index(k)])
+        for number in range(MAX_LAYERS):
+            layer = number * step
+            trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
+            try:
+                track = _track(trial, k, route_of(trial, k, orders[k]))
+            except BeyondEnduranceError:
+                break
+            delay = placed.delay_s(track, best[0] - track.duration_s)
+            if delay + track.duration_s < best[0] - 1e-9:
+                best = (delay + track.duration_s, delay, layer, track)
+            if best[1] == 0.0:
+                break
+        layers[k] = best[2]
+        placed.add(best[3], best[1])
+    return tuple(layers)
+
+
+def _track(site: SurveySite, vehicle: int, route: Route) -> FlightTrack:
+    return FlightTrack(site.problem, vehicle, _points(site, route))
+
+
+def _points(site: SurveySite, route: Route) -> Orders:
+    """Return the points of each of a route's flights."""
+    points = {view.id: point for point, view in enumerate(site.viewpoints)}
+    return [[points[view.id] for view in sortie.viewpoints] for sortie in route.sorties]

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documents agree with the code."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTS = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md'))]
+
+
+def test_tables_are_current():
+    """``make docs`` would change nothing."""
+    pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+    import interface_tables
+
+    text = interface_tables.DOCUMENT.read_text()
+    assert interface_tables.with_tables(text) == text
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=lambda path: path.name)
+def test_named_targets_paths_and_links_exist(document):
+    """Every make target, file and folder of this repository that is named exists."""
+    text = document.read_text()
+    targets = set(re.findall(r'^([a-z-]+):', (ROOT / 'Makefile').read_text(), re.M))
+    assert set(re.findall(r'(?:`|^    |&& )make ([a-z-]+)', text, re.M)) <= targets
+    paths = re.findall(r'`((?:src|config|test|benchmarks|requirements|tools)/[\w./-]*)`', text)
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+    links = re.findall(r'\]\((?!https?:|#)([^)#]+)', text)
+    assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+def test_readme_is_short_and_says_what_has_not_flown():
+    """At most 120 lines; a reader must not believe that hardware was flown."""
+    text = (ROOT / 'README.md').read_text()
+    assert len(text.splitlines()) <= 120
+    assert 'No hardware has been flown' in text
+
+
+def test_exit_codes_are_those_of_the_command():
+    """The table of exit codes has every code of ``rocsafe --help``."""
+    from rocsafe_orchestrator.cli import EPILOG
+
+    told = set(re.findall(r'\b(\d+)\b', EPILOG.split('exit codes:')[1]))
+    commands = (ROOT / 'docs/commands.md').read_text()
+    table = commands.split('| exit code | means |')[1].split('\n\n')[0]
+    first_columns = ' '.join(re.findall(r'^\| ([\d, ]+) \|', table, re.M))
+    assert set(re.findall(r'\d+', first_columns)) == told
