@@ -139,11 +139,16 @@ def test_refusal_carries_the_words_of_the_autopilot():
     air.copters[1].is_paused = False
     commands.resume(air.now_s)
     assert done(air, commands) == ''
-    air.copters[1].mode = 6
-    air.wait(2.0)
+    commands.return_home(air.now_s)
+    assert done(air, commands) == ''
     commands.resume(air.now_s)
     assert done(air, commands) == ''
     assert air.copters[1].mode == AUTO
+    # Not from a return that we did not command.
+    air.copters[1].mode = 6
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='not ours to command: it is in RTL'):
+        commands.resume(air.now_s)
 
 
 @pytest.mark.parametrize('unread', [{'home': None}, {'landed': Landed.UNDEFINED}, {}])
@@ -250,7 +255,7 @@ def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(900.0),))))
     air.wait(delay_s)
     commands = air.drones[1].commands
-    commands.push_fence(Fence(inclusions=(ring(120.0),)))
+    commands.push_fence(Fence(inclusions=(ring(120.0),)), air.now_s)
     words = []
     while not any('outside' in word for word in words):
         assert air.now_s < 100.0

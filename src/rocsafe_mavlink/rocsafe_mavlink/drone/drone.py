@@ -211,7 +211,12 @@ class Drone:
         checks = self.checks(assignment.plan, now_s)
         _require_passed(checks)
         commands = self.session.commands()
-        self.session.flight, sent = fly(assignment.plan, commands, self.vehicle, now_s)
+
+        def may_not_arm(_vehicle: VehicleTelemetry, at_s: float) -> str:
+            return failures(self.checks(assignment.plan, at_s))
+
+        flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
+        self.session.flight = flight
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
         self._record.begin(assignment)
         self.session.send(sent)
