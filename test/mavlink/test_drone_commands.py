@@ -18,13 +18,14 @@ from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.flight.fence import Circle, Fence, fence_items, fence_of
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.flight.preflight import CheckVerdict, FlightLimits, VehicleSettings, preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed
+from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
 from rocsafe_mavlink.wire.dialect import Message
 
@@ -245,6 +246,71 @@ def ring(half_m):
     """Return the corners of a square about home."""
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return tuple(offset(PLACE, half_m * east, half_m * north) for east, north in corners)
+
+
+def test_circles_are_part_of_a_fence():
+    """Within one and out of another; a leg may cross a circle though its ends are outside."""
+    fence = Fence(
+        inner_circles=(Circle(center=PLACE, radius_m=100.0),),
+        outer_circles=(Circle(center=offset(PLACE, 0.0, 50.0), radius_m=10.0),),
+    )
+    assert fence_of(fence_items(fence)) == Fence(
+        inner_circles=fence.inner_circles,
+        outer_circles=tuple(
+            replace(one, center=fence_of(fence_items(fence)).outer_circles[0].center)
+            for one in fence.outer_circles
+        ),
+    )
+    assert fence.holds(offset(PLACE, 99.0, 0.0))
+    assert not fence.holds(offset(PLACE, 101.0, 0.0))
+    assert not fence.holds(offset(PLACE, 0.0, 41.0))
+    ends = [offset(PLACE, east, 45.0) for east in (-40.0, 40.0)]
+    assert all(map(fence.holds, ends))
+    assert not fence.holds_leg(*ends)
+
+
+def test_large_polygon_of_the_autopilot_is_read():
+    """It has more corners than are sent from here."""
+    corners = [
+        (math.sin(number / 50 * math.pi), math.cos(number / 50 * math.pi)) for number in range(100)
+    ]
+    big = Fence(inclusions=(tuple(offset(PLACE, 80 * e, 80 * n) for e, n in corners),))
+    with pytest.raises(ValueError, match='at most 80 corners'):
+        fence_items(big)
+    items = [
+        MissionItem(
+            command=5001,
+            x_e7=round(corner.latitude_deg * 1e7),
+            y_e7=round(corner.longitude_deg * 1e7),
+            parameters=(100.0, 0.0, 0.0, 0.0),
+        )
+        for corner in big.inclusions[0]
+    ]
+    assert fence_of(items).holds(PLACE)
+    assert not fence_of(items).holds(offset(PLACE, 90.0, 0.0))
+    with pytest.raises(ValueError, match='not the 100 corners'):
+        fence_of(items[:99])
+    with pytest.raises(ValueError, match='5007'):
+        fence_of([MissionItem(command=5007)])
+
+
+def test_fence_that_cannot_be_read_forbids_the_flight():
+    """A bow-tie: what the autopilot makes of it is not known."""
+    air = Air()
+    tie = [ring(200.0)[number] for number in (0, 2, 1, 3)]
+    air.copters[1].missions.stored[1] = [
+        MissionItem(
+            command=5001,
+            frame=0,
+            x_e7=round(corner.latitude_deg * 1e7),
+            y_e7=round(corner.longitude_deg * 1e7),
+            parameters=(4.0, 0.0, 0.0, 0.0),
+        )
+        for corner in tie
+    ]
+    air.wait(60.0)
+    with pytest.raises(ValueError, match='within fence is cannot be read: a polygon'):
+        air.fly()
 
 
 @pytest.mark.parametrize('delay_s', [0.0, 0.1, 0.2, 0.3, 0.5, 5.0])

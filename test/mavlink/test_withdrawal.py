@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Commands are withdrawn where pilot or failsafe has the vehicle; only verified missions fly."""
 
+import math
+
 import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from builtin_interfaces.msg import Time
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, LOITER, RTL
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
+from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -266,3 +273,32 @@ def test_checks_are_repeated_before_the_motors_start():
     assert 400 not in air.copters[1].commands
     assert 'self-test is not passed' in air.flight().reason
     assert 'charge is 20%' in air.flight().reason
+
+
+@pytest.mark.parametrize(
+    ('mode', 'words'),
+    [
+        (LOITER, 'taken over: switched to LOITER by its pilot or another station'),
+        (GUIDED, 'taken over: switched to GUIDED by its pilot or another station'),
+        (RTL, 'switched to RTL by itself, its pilot or another station'),
+    ],
+)
+def test_takeover_is_told(mode, words):
+    """The published text names the mode, and says that it was not ours; a hold is ours."""
+    air = flying()
+    commands, drone = air.drones[1].commands, air.drones[1]
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert drone.status(air.now_s).text.startswith(('mode AUTO; alt', 'mode BRAKE; alt'))
+    air.copters[1].mode = mode
+    air.wait(2.0)
+    assert words in drone.status(air.now_s).text
+    assert drone.status(air.now_s).text.startswith('mode ')
+
+
+def test_position_and_speed_of_a_vehicle_that_has_not_told_them_are_nan():
+    """As the contract says: zeros are a place in the sea."""
+    status = Air().drones[1].status(0.0)
+    message = state_message(status, 'rav1', Time(), (0, 0))
+    assert math.isnan(message.position.latitude)
+    assert math.isnan(message.speed_mps)

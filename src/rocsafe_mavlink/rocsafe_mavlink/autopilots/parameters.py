@@ -30,6 +30,9 @@ class Parameter(Enum):
     LINK_LOSS_ACTION = 'link-loss action'
     LOW_BATTERY_ACTION = 'low-battery action'
     FENCE_ENABLED = 'fence'
+    FENCE_TYPES = 'kinds of fence'
+    FENCE_RADIUS_M = 'radius of the fence'
+    FENCE_HEIGHT_M = 'height of the fence'
     YAW_BEHAVIOUR = 'heading on the way'
     STATION = 'station that may command'
 
@@ -43,6 +46,9 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_ACTION: (('FS_GCS_ENABLE', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('BATT_FS_LOW_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('FENCE_ENABLE', 1.0),),
+        Parameter.FENCE_TYPES: (('FENCE_TYPE', 1.0),),
+        Parameter.FENCE_RADIUS_M: (('FENCE_RADIUS', 1.0),),
+        Parameter.FENCE_HEIGHT_M: (('FENCE_ALT_MAX', 1.0),),
         Parameter.YAW_BEHAVIOUR: (('WP_YAW_BEHAVIOR', 1.0),),
         Parameter.STATION: (('MAV_GCS_SYSID', 1.0), ('SYSID_MYGCS', 1.0)),
     },
@@ -53,6 +59,8 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_ACTION: (('NAV_DLL_ACT', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('COM_LOW_BAT_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('GF_ACTION', 1.0),),
+        Parameter.FENCE_RADIUS_M: (('GF_MAX_HOR_DIST', 1.0),),
+        Parameter.FENCE_HEIGHT_M: (('GF_MAX_VER_DIST', 1.0),),
     },
 }
 

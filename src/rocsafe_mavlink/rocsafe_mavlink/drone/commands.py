@@ -170,7 +170,9 @@ class DroneCommands:
         readout = self._session.readout
         if readout.fence is None and not readout.fence_error:
             raise CommandRefusedError('its fence is still being read')
-        if readout.fence is not None and not readout.fence.holds(place):
+        if readout.fence is None:
+            raise CommandRefusedError(f'its fence cannot be read: {readout.fence_error}')
+        if not readout.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
     def _begin(self, write: Writer, *, preempts: bool = False) -> None:

@@ -145,7 +145,7 @@ class Readout:
             return []
         if self.fence is None and not self.fence_error:
             return self._begin(MissionType.FENCE, now_s)
-        return [] if vehicle.is_armed else self._read_parameters(kind, now_s)
+        return self._read_parameters(kind, now_s)
 
     def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
         download = Download(target=self.target, mission_type=kind)
@@ -160,9 +160,15 @@ class Readout:
         if done.mission_type == MissionType.MISSION:
             self.mission = self.mission.read(done.items)
         elif done.stage is DownloadStage.DONE:
-            self.fence = _fence(done.items)
+            self._keep_fence(done.items)
         else:
             self.fence_error = done.error
+
+    def _keep_fence(self, items: tuple[MissionItem, ...]) -> None:
+        try:
+            self.fence = fence_of(items)
+        except ValueError as error:
+            self.fence_error = str(error)
 
     def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         if kind is None:
@@ -171,11 +177,3 @@ class Readout:
             self.parameters = ParameterReader(autopilot=kind.number, target=self.target, found={})
         self.parameters, sent = self.parameters.on_tick(now_s)
         return sent
-
-
-def _fence(items: tuple[MissionItem, ...]) -> Fence:
-    try:
-        return fence_of(items)
-    except ValueError:
-        # The items make no polygon: the autopilot does not keep to it either.
-        return Fence()

@@ -20,6 +20,8 @@ from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
 
 # Value of a setting that was asked for and may still be answered.
 NOT_READ = 'not read yet'
+# Bits of ArduPilot's FENCE_TYPE.
+FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT = 1, 2
 # For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
@@ -144,7 +146,8 @@ def route_checks(
     if vehicle.home is None:
         return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = _place(vehicle.home)
-    return (*_plan_checks(plan, home, limits), _fence_check(plan, home, known))
+    way = (*_plan_checks(plan, home, limits), *_fence_limits(plan, home, known.parameters))
+    return (*way, _fence_check(plan, home, known))
 
 
 def failures(checks: tuple[Check, ...]) -> str:
@@ -278,8 +281,8 @@ def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -
 def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> Check:
     name, limit = 'within fence', 'none outside'
     if known.fence is None:
-        verdict = CheckVerdict.WARN if known.fence_error else CheckVerdict.FAIL
-        return Check(name, verdict, known.fence_error or NOT_READ, limit)
+        error = f'cannot be read: {known.fence_error}' if known.fence_error else NOT_READ
+        return Check(name, CheckVerdict.FAIL, error, limit)
     places = [waypoint.position for waypoint in plan.waypoints]
     outside = sum(not known.fence.holds(place) for place in places)
     if outside:
@@ -287,6 +290,36 @@ def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) ->
     legs = list(pairwise([home, *places, home]))
     outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
     return _check(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
+
+
+def _fence_limits(
+    plan: FlightPlan, home: GeoPosition, reader: ParameterReader | None
+) -> list[Check]:
+    """Return the checks of the fence that parameters make: a cylinder about home."""
+    if reader is None:
+        return []
+    enabled = reader.value(Parameter.FENCE_ENABLED)
+    if enabled == 0.0 or (math.isnan(enabled) and reader.is_over):
+        return []
+    furthest_m = max(distance_m(home, waypoint.position) for waypoint in plan.waypoints)
+    highest_m = max(waypoint.height_m for waypoint in plan.waypoints)
+    types = reader.value(Parameter.FENCE_TYPES)
+    has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.autopilot]
+    if has_types and math.isnan(types):
+        text = _setting_text(reader, Parameter.FENCE_TYPES)
+        return [_check(Parameter.FENCE_TYPES.value, False, text, 'read')]
+    checks = []
+    for bit, parameter, reached_m in (
+        (FENCE_HEIGHT_BIT, Parameter.FENCE_HEIGHT_M, highest_m),
+        (FENCE_CIRCLE_BIT, Parameter.FENCE_RADIUS_M, furthest_m),
+    ):
+        if has_types and not int(types) & bit:
+            continue
+        limit_m, text = reader.value(parameter), _setting_text(reader, parameter)
+        # A PX4 has no such fence where its limit is 0.
+        is_held = reached_m < limit_m or (limit_m == 0.0 and not has_types)
+        checks.append(_check(parameter.value, is_held, text, f'more than {reached_m:.0f} m'))
+    return checks
 
 
 def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> list[Check]:
