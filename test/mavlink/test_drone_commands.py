@@ -381,3 +381,72 @@ def test_orders_that_make_no_sense_are_refused():
     with pytest.raises(CommandRefusedError, match='speed_mps'):
         commands.change_speed(math.inf, air.now_s)
     assert isinstance(air.sent[-1], Message)
+
+
+@pytest.mark.parametrize(
+    ('found', 'failed'),
+    [
+        ({'FS_GCS_ENABLE': 1.0}, set()),
+        ({'FS_GCS_ENABLE': 3.0}, set()),
+        ({'FS_GCS_ENABLE': 2.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 5.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 7.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_OPTIONS': 2.0}, {'exceptions from the link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_OPTIONS': 16.0}, set()),
+        ({'FS_GCS_ENABLE': 1.0, 'MAV_GCS_SYSID': 254.0}, {'station that may command'}),
+        ({'FS_GCS_ENABLE': 1.0, 'MAV_GCS_SYSID': 250.0}, set()),
+    ],
+)
+def test_only_a_return_passes_where_a_return_is_required(found, failed):
+    """Landing, braking or going on is no return, nor is one that another station hides."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found=found, asks=6)
+    known = VehicleSettings(parameters=reader, station=250)
+    limits = FlightLimits(must_return_on_link_loss=True)
+    checks = preflight(ready(), COPTER, None, limits, 100.0, known)
+    assert {check.name for check in checks if check.verdict is CheckVerdict.FAIL} == failed
+
+
+@pytest.mark.parametrize('value', [0.0, 1.0, 3.0, 5.0])
+def test_px4_returns_by_one_action_only(value):
+    """Holding, landing or stopping the motors is no return."""
+    reader = ParameterReader(autopilot=12, target=TARGET, found={'NAV_DLL_ACT': value}, asks=6)
+    limits = FlightLimits(must_return_on_link_loss=True)
+    knowledge = VehicleSettings(parameters=reader)
+    checks = preflight(ready(), MULTICOPTER, None, limits, 100.0, knowledge)
+    assert {check.name: check.verdict for check in checks}['link-loss action'] is CheckVerdict.FAIL
+
+
+@pytest.mark.parametrize(
+    ('found', 'warned'),
+    [
+        ({'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}, set()),
+        ({'ARMING_SKIPCHK': 0.0, 'RTL_ALT_M': 30.0, 'FS_THR_ENABLE': 1.0}, set()),
+        (
+            {'ARMING_CHECK': 0.0, 'RTL_ALT': 30000.0, 'FS_THR_ENABLE': 0.0},
+            {'checks before arming', 'height of the return', 'radio-loss action'},
+        ),
+        ({'MAV_GCS_SYSID': 255.0}, {'station that may command'}),
+    ],
+)
+def test_settings_that_make_a_failsafe_worse_are_warned_of(found, warned):
+    """In both spellings of the names, whose meaning differs."""
+    good = {'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}
+    told = found if 'ARMING_SKIPCHK' in found else {**good, **found}
+    known = VehicleSettings(
+        parameters=ParameterReader(autopilot=3, target=TARGET, found=told, asks=6), station=255
+    )
+    checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, known)
+    names = {'checks before arming', 'height of the return', 'radio-loss action'}
+    names |= {'station that may command'}
+    found_bad = {check.name for check in checks if check.verdict is CheckVerdict.WARN}
+    assert found_bad & names == warned
+
+
+def test_fence_that_another_station_changed_is_seen():
+    """On the ground it is read again and again; also one that could not be read before."""
+    air = Air()
+    air.wait(46.0)
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(100.0),))))
+    air.wait(40.0)
+    with pytest.raises(ValueError, match='outside'):
+        air.fly()

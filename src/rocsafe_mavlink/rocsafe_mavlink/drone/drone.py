@@ -180,7 +180,8 @@ class Drone:
             If the vehicle was never heard, or its kind is not known.
         """
         session = self.session
-        settings, limits = session.readout.settings, self.spec.limits
+        settings = replace(session.readout.settings, station=session.us[0])
+        limits = self.spec.limits
         return preflight(self.vehicle, session.autopilot(), plan, limits, now_s, settings)
 
     def checks_of_plan(self, now_s: float) -> tuple[Check, ...]:
