@@ -373,7 +373,9 @@ def _fence_limits(
     has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.autopilot]
     if has_types and math.isnan(types):
         text = _setting_text(reader, Parameter.FENCE_TYPES)
-        return [_check(Parameter.FENCE_TYPES.value, False, text, 'read')]
+        # Old or reduced firmware does not answer: its owner is told.
+        verdict = CheckVerdict.WARN if reader.is_over else CheckVerdict.FAIL
+        return [Check(Parameter.FENCE_TYPES.value, verdict, text, 'read')]
     checks = []
     for bit, parameter, reached_m in (
         (FENCE_HEIGHT_BIT, Parameter.FENCE_HEIGHT_M, highest_m),
@@ -384,7 +386,10 @@ def _fence_limits(
         limit_m, text = reader.value(parameter), _setting_text(reader, parameter)
         # A PX4 has no such fence where its limit is 0.
         is_held = reached_m < limit_m or (limit_m == 0.0 and not has_types)
-        checks.append(_check(parameter.value, is_held, text, f'more than {reached_m:.0f} m'))
+        is_untold = math.isnan(limit_m) and reader.is_over
+        verdict = CheckVerdict.WARN if is_untold else CheckVerdict.FAIL
+        verdict = CheckVerdict.PASS if is_held else verdict
+        checks.append(Check(parameter.value, verdict, text, f'more than {reached_m:.0f} m'))
     return checks
 
 
