@@ -18,13 +18,14 @@ from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.fence import Fence, fence_items, fence_of
+from rocsafe_mavlink.flight.fence import Circle, Fence, fence_items, fence_of
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.flight.preflight import CheckVerdict, FlightLimits, VehicleSettings, preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed
+from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
 from rocsafe_mavlink.wire.dialect import Message
 
@@ -139,11 +140,16 @@ def test_refusal_carries_the_words_of_the_autopilot():
     air.copters[1].is_paused = False
     commands.resume(air.now_s)
     assert done(air, commands) == ''
-    air.copters[1].mode = 6
-    air.wait(2.0)
+    commands.return_home(air.now_s)
+    assert done(air, commands) == ''
     commands.resume(air.now_s)
     assert done(air, commands) == ''
     assert air.copters[1].mode == AUTO
+    # Not from a return that we did not command.
+    air.copters[1].mode = 6
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='not ours to command: it is in RTL'):
+        commands.resume(air.now_s)
 
 
 @pytest.mark.parametrize('unread', [{'home': None}, {'landed': Landed.UNDEFINED}, {}])
@@ -242,6 +248,71 @@ def ring(half_m):
     return tuple(offset(PLACE, half_m * east, half_m * north) for east, north in corners)
 
 
+def test_circles_are_part_of_a_fence():
+    """Within one and out of another; a leg may cross a circle though its ends are outside."""
+    fence = Fence(
+        inner_circles=(Circle(center=PLACE, radius_m=100.0),),
+        outer_circles=(Circle(center=offset(PLACE, 0.0, 50.0), radius_m=10.0),),
+    )
+    assert fence_of(fence_items(fence)) == Fence(
+        inner_circles=fence.inner_circles,
+        outer_circles=tuple(
+            replace(one, center=fence_of(fence_items(fence)).outer_circles[0].center)
+            for one in fence.outer_circles
+        ),
+    )
+    assert fence.holds(offset(PLACE, 99.0, 0.0))
+    assert not fence.holds(offset(PLACE, 101.0, 0.0))
+    assert not fence.holds(offset(PLACE, 0.0, 41.0))
+    ends = [offset(PLACE, east, 45.0) for east in (-40.0, 40.0)]
+    assert all(map(fence.holds, ends))
+    assert not fence.holds_leg(*ends)
+
+
+def test_large_polygon_of_the_autopilot_is_read():
+    """It has more corners than are sent from here."""
+    corners = [
+        (math.sin(number / 50 * math.pi), math.cos(number / 50 * math.pi)) for number in range(100)
+    ]
+    big = Fence(inclusions=(tuple(offset(PLACE, 80 * e, 80 * n) for e, n in corners),))
+    with pytest.raises(ValueError, match='at most 80 corners'):
+        fence_items(big)
+    items = [
+        MissionItem(
+            command=5001,
+            x_e7=round(corner.latitude_deg * 1e7),
+            y_e7=round(corner.longitude_deg * 1e7),
+            parameters=(100.0, 0.0, 0.0, 0.0),
+        )
+        for corner in big.inclusions[0]
+    ]
+    assert fence_of(items).holds(PLACE)
+    assert not fence_of(items).holds(offset(PLACE, 90.0, 0.0))
+    with pytest.raises(ValueError, match='not the 100 corners'):
+        fence_of(items[:99])
+    with pytest.raises(ValueError, match='5007'):
+        fence_of([MissionItem(command=5007)])
+
+
+def test_fence_that_cannot_be_read_forbids_the_flight():
+    """A bow-tie: what the autopilot makes of it is not known."""
+    air = Air()
+    tie = [ring(200.0)[number] for number in (0, 2, 1, 3)]
+    air.copters[1].missions.stored[1] = [
+        MissionItem(
+            command=5001,
+            frame=0,
+            x_e7=round(corner.latitude_deg * 1e7),
+            y_e7=round(corner.longitude_deg * 1e7),
+            parameters=(4.0, 0.0, 0.0, 0.0),
+        )
+        for corner in tie
+    ]
+    air.wait(60.0)
+    with pytest.raises(ValueError, match='within fence is cannot be read: a polygon'):
+        air.fly()
+
+
 @pytest.mark.parametrize('delay_s', [0.0, 0.1, 0.2, 0.3, 0.5, 5.0])
 def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
     """Be the fence that it replaces unread, half read, or known: none is taken for the new one."""
@@ -250,7 +321,7 @@ def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(900.0),))))
     air.wait(delay_s)
     commands = air.drones[1].commands
-    commands.push_fence(Fence(inclusions=(ring(120.0),)))
+    commands.push_fence(Fence(inclusions=(ring(120.0),)), air.now_s)
     words = []
     while not any('outside' in word for word in words):
         assert air.now_s < 100.0
@@ -310,3 +381,72 @@ def test_orders_that_make_no_sense_are_refused():
     with pytest.raises(CommandRefusedError, match='speed_mps'):
         commands.change_speed(math.inf, air.now_s)
     assert isinstance(air.sent[-1], Message)
+
+
+@pytest.mark.parametrize(
+    ('found', 'failed'),
+    [
+        ({'FS_GCS_ENABLE': 1.0}, set()),
+        ({'FS_GCS_ENABLE': 3.0}, set()),
+        ({'FS_GCS_ENABLE': 2.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 5.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 7.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_OPTIONS': 2.0}, {'exceptions from the link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_OPTIONS': 16.0}, set()),
+        ({'FS_GCS_ENABLE': 1.0, 'MAV_GCS_SYSID': 254.0}, {'station that may command'}),
+        ({'FS_GCS_ENABLE': 1.0, 'MAV_GCS_SYSID': 250.0}, set()),
+    ],
+)
+def test_only_a_return_passes_where_a_return_is_required(found, failed):
+    """Landing, braking or going on is no return, nor is one that another station hides."""
+    reader = ParameterReader(autopilot=3, target=TARGET, found=found, asks=6)
+    known = VehicleSettings(parameters=reader, station=250)
+    limits = FlightLimits(must_return_on_link_loss=True)
+    checks = preflight(ready(), COPTER, None, limits, 100.0, known)
+    assert {check.name for check in checks if check.verdict is CheckVerdict.FAIL} == failed
+
+
+@pytest.mark.parametrize('value', [0.0, 1.0, 3.0, 5.0])
+def test_px4_returns_by_one_action_only(value):
+    """Holding, landing or stopping the motors is no return."""
+    reader = ParameterReader(autopilot=12, target=TARGET, found={'NAV_DLL_ACT': value}, asks=6)
+    limits = FlightLimits(must_return_on_link_loss=True)
+    knowledge = VehicleSettings(parameters=reader)
+    checks = preflight(ready(), MULTICOPTER, None, limits, 100.0, knowledge)
+    assert {check.name: check.verdict for check in checks}['link-loss action'] is CheckVerdict.FAIL
+
+
+@pytest.mark.parametrize(
+    ('found', 'warned'),
+    [
+        ({'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}, set()),
+        ({'ARMING_SKIPCHK': 0.0, 'RTL_ALT_M': 30.0, 'FS_THR_ENABLE': 1.0}, set()),
+        (
+            {'ARMING_CHECK': 0.0, 'RTL_ALT': 30000.0, 'FS_THR_ENABLE': 0.0},
+            {'checks before arming', 'height of the return', 'radio-loss action'},
+        ),
+        ({'MAV_GCS_SYSID': 255.0}, {'station that may command'}),
+    ],
+)
+def test_settings_that_make_a_failsafe_worse_are_warned_of(found, warned):
+    """In both spellings of the names, whose meaning differs."""
+    good = {'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}
+    told = found if 'ARMING_SKIPCHK' in found else {**good, **found}
+    known = VehicleSettings(
+        parameters=ParameterReader(autopilot=3, target=TARGET, found=told, asks=6), station=255
+    )
+    checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, known)
+    names = {'checks before arming', 'height of the return', 'radio-loss action'}
+    names |= {'station that may command'}
+    found_bad = {check.name for check in checks if check.verdict is CheckVerdict.WARN}
+    assert found_bad & names == warned
+
+
+def test_fence_that_another_station_changed_is_seen():
+    """On the ground it is read again and again; also one that could not be read before."""
+    air = Air()
+    air.wait(46.0)
+    air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(100.0),))))
+    air.wait(40.0)
+    with pytest.raises(ValueError, match='outside'):
+        air.fly()

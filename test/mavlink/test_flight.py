@@ -10,6 +10,7 @@ from test.mavlink.telemetry import after, heartbeat, ready
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, RTL
+from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly
@@ -373,7 +374,7 @@ def fence_check(**known):
 
 
 def test_fence_is_read_before_a_flight():
-    """Until then the flight waits; a vehicle that keeps none, or does not tell, is warned of."""
+    """Until then the flight waits; one that cannot be read forbids it, with words."""
     unread = fence_check()
     assert (unread.verdict, unread.value, unread.may_pass_soon) == (
         CheckVerdict.FAIL,
@@ -382,7 +383,10 @@ def test_fence_is_read_before_a_flight():
     )
     assert fence_check(fence=Fence()).verdict is CheckVerdict.PASS
     silent = fence_check(fence_error='no answer to a count')
-    assert (silent.verdict, silent.value) == (CheckVerdict.WARN, 'no answer to a count')
+    assert (silent.verdict, silent.value) == (
+        CheckVerdict.FAIL,
+        'cannot be read: no answer to a count',
+    )
 
 
 def test_leg_across_an_exclusion_is_outside():
@@ -392,6 +396,29 @@ def test_leg_across_an_exclusion_is_outside():
     check = fence_check(fence=Fence(exclusions=(tuple(near),)))
     assert (check.verdict, check.may_pass_soon) == (CheckVerdict.FAIL, False)
     assert 'legs partly outside' in check.value
+
+
+@pytest.mark.parametrize(
+    ('found', 'failed'),
+    [
+        ({}, {}),
+        ({'FENCE_ALT_MAX': 25.0}, {'height of the fence': 'FENCE_ALT_MAX = 25'}),
+        ({'FENCE_RADIUS': 120.0}, {'radius of the fence': 'FENCE_RADIUS = 120'}),
+        ({'FENCE_RADIUS': 120.0, 'FENCE_TYPE': 1.0}, {}),
+        ({'FENCE_RADIUS': 120.0, 'FENCE_ENABLE': 0.0}, {}),
+        ({'FENCE_TYPE': None}, {}),
+        ({'FENCE_RADIUS': None}, {}),
+    ],
+)
+def test_fence_of_parameters_is_kept(found, failed):
+    """Height and radius about home, as far as they are on; unanswered they are warned of."""
+    on = {'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 7.0, 'FENCE_RADIUS': 300.0, 'FENCE_ALT_MAX': 100.0}
+    told = {name: value for name, value in {**on, **found}.items() if value is not None}
+    reader = ParameterReader(autopilot=3, target=TARGET, found=told, asks=6)
+    known = VehicleSettings(fence=Fence(), parameters=reader)
+    checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, known)
+    values = {check.name: check.value for check in checks if check.verdict is CheckVerdict.FAIL}
+    assert values == failed
 
 
 def test_ready_vehicle_passes():

@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Commands are withdrawn where pilot or failsafe has the vehicle; only verified missions fly."""
 
+import math
+
 import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from builtin_interfaces.msg import Time
+from test.fakes.fake_autopilot import HOME
 from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, LOITER, RTL
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
+from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -184,3 +194,111 @@ def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():
     assert air.flight().outcome is FlightOutcome.REJECTED
     assert 'the autopilot was started again' in air.flight().reason
     assert 400 not in air.copters[1].commands
+
+
+ORDERS = {
+    'hold': lambda commands, now_s: commands.hold(now_s),
+    'resume': lambda commands, now_s: commands.resume(now_s),
+    'return home': lambda commands, now_s: commands.return_home(now_s),
+    'land': lambda commands, now_s: commands.land(now_s),
+    'speed': lambda commands, now_s: commands.change_speed(5.0, now_s),
+    'go to': lambda commands, now_s: commands.go_to(GeoPosition(*HOME), 30.0, now_s),
+    'new route': lambda commands, now_s: commands.replace_route(plan(4), now_s),
+    'fence': lambda commands, now_s: commands.push_fence(Fence(), now_s),
+    'rally': lambda commands, now_s: commands.push_rally([GeoPosition(*HOME)], 30.0, now_s),
+}
+
+
+@pytest.mark.parametrize('order', ORDERS)
+@pytest.mark.parametrize(
+    ('take_over', 'words'),
+    [
+        (lambda copter: setattr(copter, 'mode', LOITER), 'it is in LOITER'),
+        (lambda copter: setattr(copter, 'mode', RTL), 'it is in RTL'),
+        (lambda copter: copter.lose_battery(), 'failsafe: battery, in RTL'),
+    ],
+    ids=['pilot', 'silent return', 'failsafe'],
+)
+def test_every_command_is_refused_while_somebody_else_has_the_vehicle(order, take_over, words):
+    """With the name of the mode; nothing at all is sent that changes anything."""
+    air = flying()
+    take_over(air.copters[1])
+    air.wait(2.0)
+    before = changes(air)
+    with pytest.raises(CommandRefusedError, match=f'not ours to command: {words}'):
+        ORDERS[order](air.drones[1].commands, air.now_s)
+    air.wait(5.0)
+    assert changes(air) == before
+
+
+@pytest.mark.parametrize('order', ['hold', 'resume', 'return home', 'land', 'speed', 'go to'])
+def test_no_command_is_repeated_against_the_pilot(order):
+    """Its answer is lost, and the pilot takes over before it is repeated."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    if order == 'resume':
+        commands.hold(air.now_s)
+        air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    copter._on_command = lambda message: copter.commands.append(message['command'])
+    before = len(copter.commands)
+    ORDERS[order](commands, air.now_s)
+    air.until(lambda: len(copter.commands) > before, 5.0)
+    copter.mode = LOITER
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert 'withdrawn: the vehicle was switched to LOITER' in commands.outcome(commands.count)
+    assert len(copter.commands) == before + 1
+
+
+def test_motors_that_the_pilot_started_are_left_to_him():
+    """He arms by his stick while the mission is sent: the flight begins with no command."""
+    air = Air()
+    air.wait(46.0)
+    air.fly()
+    air.until(lambda: is_uploading(air, 2))
+    air.copters[1].is_armed = True
+    air.copters[1]._armed_s = air.now_s + 60.0
+    air.wait(30.0)
+    assert changes(air) == []
+    assert 'somebody else started the motors' in air.flight().reason
+
+
+def test_checks_are_repeated_before_the_motors_start():
+    """The autopilot fails its self-test from the middle of the upload on: no flight begins."""
+    air = Air()
+    air.wait(46.0)
+    air.fly()
+    air.until(lambda: is_uploading(air, 2))
+    air.copters[1]._sys_status = lambda: {'battery_remaining': 20}
+    air.until(lambda: air.flight().is_over, 60.0)
+    assert 400 not in air.copters[1].commands
+    assert 'self-test is not passed' in air.flight().reason
+    assert 'charge is 20%' in air.flight().reason
+
+
+@pytest.mark.parametrize(
+    ('mode', 'words'),
+    [
+        (LOITER, 'taken over: switched to LOITER by its pilot or another station'),
+        (GUIDED, 'taken over: switched to GUIDED by its pilot or another station'),
+        (RTL, 'switched to RTL by itself, its pilot or another station'),
+    ],
+)
+def test_takeover_is_told(mode, words):
+    """The published text names the mode, and says that it was not ours; a hold is ours."""
+    air = flying()
+    commands, drone = air.drones[1].commands, air.drones[1]
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert drone.status(air.now_s).text.startswith(('mode AUTO; alt', 'mode BRAKE; alt'))
+    air.copters[1].mode = mode
+    air.wait(2.0)
+    assert words in drone.status(air.now_s).text
+    assert drone.status(air.now_s).text.startswith('mode ')
+
+
+def test_position_and_speed_of_a_vehicle_that_has_not_told_them_are_nan():
+    """As the contract says: zeros are a place in the sea."""
+    status = Air().drones[1].status(0.0)
+    message = state_message(status, 'rav1', Time(), (0, 0))
+    assert math.isnan(message.position.latitude)
+    assert math.isnan(message.speed_mps)

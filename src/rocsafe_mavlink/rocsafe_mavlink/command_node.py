@@ -92,16 +92,16 @@ class CommandServices:
         place = position_of_point(request.position)
         self._drone.commands.go_to(place, request.height_m, now_s)
 
-    def _push_fence(self, request: Any, _now_s: float) -> None:
+    def _push_fence(self, request: Any, now_s: float) -> None:
         fence = Fence(
             inclusions=tuple(map(ring_of, request.inclusions)),
             exclusions=tuple(map(ring_of, request.exclusions)),
         )
-        self._drone.commands.push_fence(fence)
+        self._drone.commands.push_fence(fence, now_s)
 
-    def _push_rally(self, request: Any, _now_s: float) -> None:
+    def _push_rally(self, request: Any, now_s: float) -> None:
         points = [position_of_point(point) for point in request.points]
-        self._drone.commands.push_rally(points, request.height_m)
+        self._drone.commands.push_rally(points, request.height_m, now_s)
 
     def _on_preflight(self, _request: Any, response: Any) -> Any:
         try:

@@ -28,8 +28,8 @@ from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
-from rocsafe_mavlink.knowledge.telemetry import Contact
-from rocsafe_ros.conversions import position_of_point
+from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
+from rocsafe_ros.conversions import point_of_position, position_of_point
 
 STATES = {
     FlightState.UNKNOWN: VehicleState.UNKNOWN,
@@ -180,7 +180,19 @@ def state_message(
         battery_fraction=seen.charge,
         distance_flown_m=seen.distance_m,
         text=seen.text,
+        position=_point(seen.motion),
+        speed_mps=_speed_mps(seen.motion),
     )
+
+
+def _point(motion: Motion | None) -> GeoPoint:
+    if motion is None:
+        return GeoPoint(latitude=math.nan, longitude=math.nan, altitude=math.nan)
+    return point_of_position(motion.position)
+
+
+def _speed_mps(motion: Motion | None) -> float:
+    return math.nan if motion is None else math.hypot(*motion.velocity_enu_mps[:2])
 
 
 def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:

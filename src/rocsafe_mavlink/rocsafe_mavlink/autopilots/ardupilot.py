@@ -34,7 +34,10 @@ COPTER = Autopilot(
         22: 'FLOWHOLD',
         23: 'FOLLOW',
         24: 'ZIGZAG',
+        25: 'SYSTEMID',
+        26: 'AUTOROTATE',
         27: 'AUTO_RTL',
+        28: 'TURTLE',
     },
     modes={
         Verb.GUIDED: GUIDED,

@@ -30,8 +30,15 @@ class Parameter(Enum):
     LINK_LOSS_ACTION = 'link-loss action'
     LOW_BATTERY_ACTION = 'low-battery action'
     FENCE_ENABLED = 'fence'
+    FENCE_TYPES = 'kinds of fence'
+    FENCE_RADIUS_M = 'radius of the fence'
+    FENCE_HEIGHT_M = 'height of the fence'
     YAW_BEHAVIOUR = 'heading on the way'
     STATION = 'station that may command'
+    LINK_LOSS_EXCEPTIONS = 'exceptions from the link-loss action'
+    RETURN_HEIGHT_M = 'height of the return'
+    ARMING_CHECKS = 'checks before arming'
+    RADIO_LOSS_ACTION = 'radio-loss action'
 
 
 # Names of each parameter, the newest first, with the factor from their unit to SI.
@@ -43,8 +50,16 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_ACTION: (('FS_GCS_ENABLE', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('BATT_FS_LOW_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('FENCE_ENABLE', 1.0),),
+        Parameter.FENCE_TYPES: (('FENCE_TYPE', 1.0),),
+        Parameter.FENCE_RADIUS_M: (('FENCE_RADIUS', 1.0),),
+        Parameter.FENCE_HEIGHT_M: (('FENCE_ALT_MAX', 1.0),),
         Parameter.YAW_BEHAVIOUR: (('WP_YAW_BEHAVIOR', 1.0),),
         Parameter.STATION: (('MAV_GCS_SYSID', 1.0), ('SYSID_MYGCS', 1.0)),
+        Parameter.LINK_LOSS_EXCEPTIONS: (('FS_OPTIONS', 1.0),),
+        Parameter.RETURN_HEIGHT_M: (('RTL_ALT_M', 1.0), ('RTL_ALT', 0.01)),
+        # The newer one names what is left out, the older one what is checked.
+        Parameter.ARMING_CHECKS: (('ARMING_SKIPCHK', 1.0), ('ARMING_CHECK', 1.0)),
+        Parameter.RADIO_LOSS_ACTION: (('FS_THR_ENABLE', 1.0),),
     },
     PX4: {
         Parameter.CRUISE_SPEED_MPS: (('MPC_XY_CRUISE', 1.0),),
@@ -53,6 +68,11 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_ACTION: (('NAV_DLL_ACT', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('COM_LOW_BAT_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('GF_ACTION', 1.0),),
+        Parameter.LINK_LOSS_EXCEPTIONS: (('COM_DLL_EXCEPT', 1.0),),
+        Parameter.RETURN_HEIGHT_M: (('RTL_RETURN_ALT', 1.0),),
+        Parameter.RADIO_LOSS_ACTION: (('NAV_RCL_ACT', 1.0),),
+        Parameter.FENCE_RADIUS_M: (('GF_MAX_HOR_DIST', 1.0),),
+        Parameter.FENCE_HEIGHT_M: (('GF_MAX_VER_DIST', 1.0),),
     },
 }
 

@@ -7,12 +7,10 @@ Nothing here is ever called by the suite itself, but by services and actions.
 from collections.abc import Callable, Sequence
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.fence import Fence, rally_items
-from rocsafe_mavlink.flight.flight_outcome import FAILSAFES
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, mission_of
 from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
@@ -20,15 +18,14 @@ from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
-# Modes into which only commands of ours bring a vehicle.
-OUR_MODES = (Verb.MISSION, Verb.HOLD, Verb.GUIDED)
 Writer = Callable[[VehicleCommands], CommandSequence]
 
 
 class DroneCommands:
     """Commands to one vehicle.
 
-    Hold, return and land may replace a command under way; others wait for its end. Every method
+    Hold, return and land may replace a command under way; others wait for its end. In the air none
+    is taken while the pilot or a failsafe has the vehicle, see `Custody`. Every method
     raises `CommandRefusedError`, saying why, if the command cannot be given at all; how a given
     one ends is told by `outcome`.
 
@@ -60,12 +57,12 @@ class DroneCommands:
 
     def hold(self, now_s: float) -> None:
         """Stop where it is, within the mission if one is flown."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.hold(self._session.telemetry), preempts=True)
 
     def resume(self, now_s: float) -> None:
         """Continue the mission."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s)
         session = self._session
         if not session.is_flying:
             # The flight of an earlier bridge is found by these.
@@ -79,22 +76,22 @@ class DroneCommands:
 
     def return_home(self, now_s: float) -> None:
         """Give up the route, fly home and land."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.return_home(), preempts=True)
 
     def land(self, now_s: float) -> None:
         """Give up the route and land where it is."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.land(), preempts=True)
 
     def change_speed(self, speed_mps: float, now_s: float) -> None:
         """Fly faster or slower from now on."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s)
         self._begin(lambda commands: commands.change_speed(speed_mps))
 
     def go_to(self, place: GeoPosition, height_m: float, now_s: float) -> None:
         """Fly to a place, `height_m` above home, and stay there."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s)
         try:
             home = require_reachable(place, height_m, self._session.telemetry.home, self._limits)
         except ValueError as error:
@@ -102,14 +99,16 @@ class DroneCommands:
         self._require_within_fence(place)
         self._begin(lambda commands: commands.go_to(place, height_m, home))
 
-    def push_fence(self, fence: Fence) -> None:
+    def push_fence(self, fence: Fence, now_s: float) -> None:
         """Replace the polygons of the fence."""
+        self._require_not_others(now_s)
         self._begin(lambda commands: commands.push_fence(fence))
         # It is read again as it lies there then: until that is done no flight begins.
         self._session.readout.forget_fence()
 
-    def push_rally(self, points: Sequence[GeoPosition], height_m: float) -> None:
+    def push_rally(self, points: Sequence[GeoPosition], height_m: float, now_s: float) -> None:
         """Replace the rally points."""
+        self._require_not_others(now_s)
         try:
             items = rally_items(points, height_m)
         except ValueError as error:
@@ -118,10 +117,9 @@ class DroneCommands:
 
     def replace_route(self, plan: FlightPlan, now_s: float) -> None:
         """Fly another plan in the place of the one under way."""
-        self.require_in_air(now_s)
+        self._require_ours(now_s)
         if not self._session.is_flying:
             raise CommandRefusedError('no flight is under way')
-        self._require_ours()
         failed = failures(self.route_checks(plan))
         if failed:
             raise CommandRefusedError(failed)
@@ -152,21 +150,29 @@ class DroneCommands:
             words = 'another mission lies on it' if is_read else 'its mission is still being read'
             raise CommandRefusedError(words)
 
-    def _require_ours(self) -> None:
-        """Refuse a new route to a vehicle that its pilot or a failsafe has."""
+    def _require_ours(self, now_s: float, *, is_always_taken: bool = False) -> None:
+        """Refuse a command to a vehicle on the ground, or one that its pilot or a failsafe has."""
+        self.require_in_air(now_s)
+        self._require_not_others(now_s, is_always_taken=is_always_taken)
+
+    def _require_not_others(self, now_s: float, *, is_always_taken: bool = False) -> None:
+        """Refuse a command while the pilot or a failsafe has the vehicle in the air."""
         session = self._session
-        autopilot, vehicle, flight = session.autopilot(), session.telemetry, session.flight
-        if flight is not None and flight.cause in FAILSAFES:
-            raise CommandRefusedError(f'it is not ours to command: {flight.cause.value}')
-        if not any(autopilot.is_in(vehicle, verb) for verb in OUR_MODES):
-            mode = autopilot.mode_name(vehicle.custom_mode)
-            raise CommandRefusedError(f'it is not ours to command: it is in {mode}')
+        kind = session.known_autopilot()
+        if kind is None:
+            raise CommandRefusedError('its kind of autopilot is not known')
+        vehicle = session.telemetry
+        refusal = session.custody.refusal(vehicle, kind, now_s, is_always_taken=is_always_taken)
+        if refusal:
+            raise CommandRefusedError(refusal)
 
     def _require_within_fence(self, place: GeoPosition) -> None:
         readout = self._session.readout
         if readout.fence is None and not readout.fence_error:
             raise CommandRefusedError('its fence is still being read')
-        if readout.fence is not None and not readout.fence.holds(place):
+        if readout.fence is None:
+            raise CommandRefusedError(f'its fence cannot be read: {readout.fence_error}')
+        if not readout.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
     def _begin(self, write: Writer, *, preempts: bool = False) -> None:

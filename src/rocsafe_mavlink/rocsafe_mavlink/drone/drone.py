@@ -180,7 +180,8 @@ class Drone:
             If the vehicle was never heard, or its kind is not known.
         """
         session = self.session
-        settings, limits = session.readout.settings, self.spec.limits
+        settings = replace(session.readout.settings, station=session.us[0])
+        limits = self.spec.limits
         return preflight(self.vehicle, session.autopilot(), plan, limits, now_s, settings)
 
     def checks_of_plan(self, now_s: float) -> tuple[Check, ...]:
@@ -211,7 +212,12 @@ class Drone:
         checks = self.checks(assignment.plan, now_s)
         _require_passed(checks)
         commands = self.session.commands()
-        self.session.flight, sent = fly(assignment.plan, commands, self.vehicle, now_s)
+
+        def may_not_arm(_vehicle: VehicleTelemetry, at_s: float) -> str:
+            return failures(self.checks(assignment.plan, at_s))
+
+        flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
+        self.session.flight = flight
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
         self._record.begin(assignment)
         self.session.send(sent)

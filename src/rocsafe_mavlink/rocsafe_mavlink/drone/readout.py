@@ -5,6 +5,7 @@ Reading changes nothing of what a vehicle does: message rates that are missing a
 settings and fence are read on the ground, the mission of a vehicle that is found in the air.
 """
 
+import math
 from dataclasses import dataclass, field
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
@@ -21,6 +22,8 @@ from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 
 Target = tuple[int, int]
+# Another station may change the fence at any time: on the ground it is read again so often.
+FENCE_READ_AGAIN_S = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +70,7 @@ class Readout:
     fence_error: str = ''
     _download: Download | None = None
     _was_lost: bool = False
+    _fence_read_s: float = -math.inf
 
     @property
     def settings(self) -> VehicleSettings:
@@ -143,9 +147,11 @@ class Readout:
             return self._begin(MissionType.MISSION, now_s)
         if activity.is_commanded:
             return []
-        if self.fence is None and not self.fence_error:
+        is_old = not vehicle.is_armed and now_s - self._fence_read_s > FENCE_READ_AGAIN_S
+        if is_old or (self.fence is None and not self.fence_error):
+            self._fence_read_s = now_s
             return self._begin(MissionType.FENCE, now_s)
-        return [] if vehicle.is_armed else self._read_parameters(kind, now_s)
+        return self._read_parameters(kind, now_s)
 
     def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
         download = Download(target=self.target, mission_type=kind)
@@ -160,9 +166,15 @@ class Readout:
         if done.mission_type == MissionType.MISSION:
             self.mission = self.mission.read(done.items)
         elif done.stage is DownloadStage.DONE:
-            self.fence = _fence(done.items)
+            self._keep_fence(done.items)
         else:
-            self.fence_error = done.error
+            self.fence, self.fence_error = None, done.error
+
+    def _keep_fence(self, items: tuple[MissionItem, ...]) -> None:
+        try:
+            self.fence, self.fence_error = fence_of(items), ''
+        except ValueError as error:
+            self.fence, self.fence_error = None, str(error)
 
     def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         if kind is None:
@@ -171,11 +183,3 @@ class Readout:
             self.parameters = ParameterReader(autopilot=kind.number, target=self.target, found={})
         self.parameters, sent = self.parameters.on_tick(now_s)
         return sent
-
-
-def _fence(items: tuple[MissionItem, ...]) -> Fence:
-    try:
-        return fence_of(items)
-    except ValueError:
-        # The items make no polygon: the autopilot does not keep to it either.
-        return Fence()

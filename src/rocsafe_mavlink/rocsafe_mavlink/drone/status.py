@@ -210,7 +210,10 @@ def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s
     vehicle, flight = inputs.vehicle, inputs.session.flight
     if vehicle.autopilot is None:
         return 'never heard'
-    parts = []
+    kind, custody = inputs.session.known_autopilot(), inputs.session.custody
+    parts = [] if kind is None else [f'mode {kind.mode_name(vehicle.custom_mode)}']
+    if custody.takeover and custody.failsafe is None:
+        parts.append(custody.takeover)
     if prediction is not None:
         place, silent_s = prediction.position, now_s - vehicle.heartbeat_s
         parts.append(

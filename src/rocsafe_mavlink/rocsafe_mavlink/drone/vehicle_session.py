@@ -12,6 +12,7 @@ from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.registry import autopilot_of
 from rocsafe_mavlink.drone.readout import Activity, Readout, Target
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.custody import Custody
 from rocsafe_mavlink.flight.flight import FlightStage, MissionFlight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.events import Event, EventKind
@@ -53,6 +54,8 @@ class VehicleSession:
         Present or last sequence of commands of the operator.
     sequence_count
         Number of sequences of the operator so far.
+    custody
+        Who has the vehicle in the air.
     texts
         Joins texts that come in several messages.
     """
@@ -65,6 +68,7 @@ class VehicleSession:
     flight: MissionFlight | None = None
     sequence: CommandSequence | None = None
     sequence_count: int = 0
+    custody: Custody = field(default_factory=Custody)
     texts: TextJoiner = field(default_factory=TextJoiner)
     _outgoing: list[Message] = field(default_factory=list)
 
@@ -146,6 +150,9 @@ class VehicleSession:
             self.sequence, sent = sequence.on_tick(self.telemetry, now_s)
             self.send(sent)
             self._note_verified(sequence, self.sequence)
+            is_new = self.sequence.is_over and not sequence.is_over
+            if is_new and not self.sequence.error:
+                self.custody = self.custody.obeyed(self.sequence.mode)
         activity = Activity(
             is_beginning=self.flight is not None and self.flight.is_beginning,
             is_commanded=self.sequence is not None and not self.sequence.is_over,
@@ -185,6 +192,7 @@ class VehicleSession:
     def _take(self, message: Message, now_s: float) -> list[Event]:
         self.telemetry, events = reduce(self.telemetry, message, now_s, self.separation_m)
         self.readout.rates.hear(message.name, now_s)
+        self._look(message, now_s)
         if any(event.kind is EventKind.REBOOTED for event in events):
             self.readout.forget()
             self._restarted()
@@ -196,6 +204,17 @@ class VehicleSession:
             self.send(sent)
         self.send(self.readout.on_message(message, now_s))
         return events
+
+    def _look(self, message: Message, now_s: float) -> None:
+        """Note who has the vehicle."""
+        kind = self.known_autopilot()
+        if message.name == 'STATUSTEXT':
+            self.custody = self.custody.heard(str(message['text']), now_s)
+        elif kind is not None:
+            flight = None if self.flight is None else self.flight.sequence
+            begun = [one.expected_modes for one in (flight, self.sequence) if one is not None]
+            expected = frozenset[int]().union(*begun)
+            self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
 
     def _restarted(self) -> None:
         """Withdraw what was under way when the autopilot was started again."""

@@ -4,8 +4,10 @@
 Every command that changes what a vehicle does, and every upload of a mission, a fence or rally
 points, is begun and repeated by `CommandSequence.on_tick`, which is given what is known of the
 vehicle at that moment. So a sequence is withdrawn as soon as the pilot, another station or a
-failsafe takes the vehicle over: no further step begins, and no command is repeated. A step may
-name further conditions under which it must not begin or be repeated.
+failsafe takes the vehicle over: no further step begins, and no command is repeated. Before each
+command a heartbeat must have come since the last one was sent; only the first command of a
+sequence that makes a flight safer is sent at once. A step may name further conditions under which
+it must not begin or be repeated.
 
 A step is a command that must be accepted and then show in the telemetry, or a list of items that
 must be read back as it was sent. The first step that fails, and its alternative if it has one,
@@ -17,21 +19,25 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.flight.flight_outcome import failsafe_of
-from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import Transfer, TransferStage
+from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM
 from rocsafe_mavlink.wire.dialect import Message
 
 # A mode that was accepted shows in a heartbeat within this time, even if two of them are lost.
 SHOWS_WITHIN_S = 3.5
+# A step waits so long for an obstacle to go away, e.g. a gap in the telemetry.
+OBSTACLE_LASTS_S = 10.0
 Shown = Callable[[VehicleTelemetry], bool]
-Refusal = Callable[[VehicleTelemetry], str]
+Refusal = Callable[[VehicleTelemetry, float], str]
 
 
-def _never(_vehicle: VehicleTelemetry) -> str:
+def _never(_vehicle: VehicleTelemetry, _now_s: float) -> str:
     return ''
 
 
@@ -48,7 +54,9 @@ class CommandStep:
     is_shown_unanswered
         Whether the telemetry shows the effect although no answer came; None: as `is_shown`.
     refusal
-        Returns why the command must not be sent or repeated; empty if it may.
+        Returns why the command must not be sent or repeated at a steady time; empty if it may.
+    obstacle
+        Returns why the command must wait; if it lasts, the step fails with these words.
     modes
         Custom modes to which the command may lead.
     accepted_s
@@ -61,6 +69,7 @@ class CommandStep:
     is_shown: Shown | None = None
     is_shown_unanswered: Shown | None = None
     refusal: Refusal = _never
+    obstacle: Refusal = _never
     modes: frozenset[int] = frozenset()
     accepted_s: float = -1.0
     otherwise: 'CommandStep | None' = None
@@ -68,6 +77,15 @@ class CommandStep:
     @property
     def verified_mission(self) -> None:
         """A command uploads no mission."""
+
+    @property
+    def starts_motors(self) -> bool:
+        """Whether it is the command to start the motors."""
+        return self.call.command['command'] == COMPONENT_ARM_DISARM
+
+    def sends_command(self, now_s: float) -> bool:
+        """Whether the command is repeated or given up at `now_s`."""
+        return self.call.is_due(now_s)
 
     def begin(self, now_s: float) -> tuple['CommandStep', list[Message]]:
         """Send the command."""
@@ -112,12 +130,13 @@ class TransferStep:
     ----------
     moving
         The transfer.
-    refusal
-        Returns why the transfer must not begin; empty if it may.
+    refusal, obstacle
+        As in `CommandStep`.
     """
 
     moving: Transfer
     refusal: Refusal = _never
+    obstacle: Refusal = _never
 
     @property
     def verified_mission(self) -> tuple[MissionItem, ...] | None:
@@ -134,6 +153,15 @@ class TransferStep:
     @property
     def otherwise(self) -> None:
         """A transfer has no alternative."""
+
+    @property
+    def starts_motors(self) -> bool:
+        """A transfer starts no motors."""
+        return False
+
+    def sends_command(self, _now_s: float) -> bool:
+        """A transfer sends no command."""
+        return False
 
     def begin(self, now_s: float) -> tuple['TransferStep', list[Message]]:
         """Offer the items."""
@@ -177,6 +205,8 @@ class CommandSequence:
         Name of the request, for people.
     target
         (system, component) of the vehicle.
+    autopilot
+        Its kind.
     steps
         Steps that are not done yet; the first is under way, or is the one that failed.
     is_begun
@@ -185,29 +215,34 @@ class CommandSequence:
         Why the sequence failed; empty if it has not.
     verified_mission
         Mission that was uploaded by this sequence and read back as it was sent; None: none yet.
-    is_withdrawable
-        Whether the sequence ends where somebody else takes the vehicle over.
+    is_always_taken
+        Whether the sequence makes a flight safer (hold, return home, land): it begins at once,
+        and a critical status alone does not withdraw it.
     is_withdrawn
-        Whether it ended so.
+        Whether it ended because somebody else took the vehicle over, or it was not heard.
     mode
         Custom mode in which the last step left the vehicle, or the first step found it.
     was_armed
         Whether its motors ran then.
     look_after_s
-        The next step waits for a heartbeat after this steady time.
+        The next command waits for a heartbeat after this steady time.
+    obstructed_s
+        Steady time since when an obstacle keeps the step from beginning; infinite: none does.
     """
 
     name: str
     target: tuple[int, int]
+    autopilot: Autopilot
     steps: tuple[Step, ...]
     is_begun: bool = False
     error: str = ''
     verified_mission: tuple[MissionItem, ...] | None = None
-    is_withdrawable: bool = True
+    is_always_taken: bool = False
     is_withdrawn: bool = False
     mode: int = -1
     was_armed: bool = False
     look_after_s: float = -math.inf
+    obstructed_s: float = math.inf
 
     @property
     def is_over(self) -> bool:
@@ -220,7 +255,7 @@ class CommandSequence:
         if not is_ours or self.is_over:
             return self, []
         is_text = message.name == 'STATUSTEXT'
-        if is_text and self.is_withdrawable and failsafe_of(str(message['text'])):
+        if is_text and failsafe_of(str(message['text'])):
             return self.withdrawn(str(message['text'])), []
         if not self.is_begun:
             return self, []
@@ -229,51 +264,84 @@ class CommandSequence:
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
-        going, sent = self._looked_at(vehicle), list[Message]()
-        while not going.is_over:
-            if not going.is_begun and vehicle.heartbeat_s < going.look_after_s:
+        going, sent = self._looked_at(vehicle, now_s), list[Message]()
+        while going._may_go_on(vehicle, now_s):
+            step, more, is_new = going.steps[0], list[Message](), not going.is_begun
+            is_sending = is_new or step.sends_command(now_s)
+            refusal = step.refusal(vehicle, now_s) if is_sending else ''
+            if refusal and not step.is_done(vehicle):
+                return replace(going, error=refusal), sent
+            obstacle = step.obstacle(vehicle, now_s) if is_sending else ''
+            going = going._obstructed(obstacle, now_s)
+            if obstacle:
                 return going, sent
-            if not going.is_begun:
-                begun, more = going._begin(vehicle, now_s)
-                return begun, sent + more
-            step, more = going.steps[0].on_tick(now_s)
+            step, more = step.begin(now_s) if is_new else step.on_tick(now_s)
             sent += more
-            advanced = replace(going, steps=(step, *going.steps[1:]))._advanced(vehicle, now_s)
-            if len(advanced.steps) == len(going.steps) and advanced.is_begun:
-                return advanced, sent
+            look_after_s = now_s if is_sending else going.look_after_s
+            steps = (step, *going.steps[1:])
+            going = replace(going, steps=steps, is_begun=True, look_after_s=look_after_s)
+            advanced = going._advanced(vehicle, now_s)
+            if is_new or (len(advanced.steps) == len(going.steps) and advanced.is_begun):
+                return (going if is_new else advanced), sent
             going = advanced
         return going, sent
 
+    def _obstructed(self, obstacle: str, now_s: float) -> 'CommandSequence':
+        since_s = min(self.obstructed_s, now_s) if obstacle else math.inf
+        is_lasting = now_s - since_s > OBSTACLE_LASTS_S
+        return replace(self, obstructed_s=since_s, error=obstacle if is_lasting else '')
+
+    @property
+    def expected_modes(self) -> frozenset[int]:
+        """Custom modes to which the step under way may lead."""
+        return frozenset() if self.is_over else self.steps[0].modes
+
     def withdrawn(self, reason: str) -> 'CommandSequence':
         """Return the sequence ended without another command, unless it is over."""
-        if self.is_over or not self.is_withdrawable:
+        if self.is_over:
             return self
         return replace(self, error=f'withdrawn: {reason}', is_withdrawn=True)
 
-    def _looked_at(self, vehicle: VehicleTelemetry) -> 'CommandSequence':
+    def _may_go_on(self, vehicle: VehicleTelemetry, now_s: float) -> bool:
+        """Whether the vehicle was heard recently enough for what is to be done next."""
+        if self.is_over or vehicle.contact(now_s) is not Contact.FRESH:
+            return False
+        step = self.steps[0]
+        is_command = not self.is_begun and isinstance(step, CommandStep)
+        if is_command or step.sends_command(now_s):
+            return vehicle.heartbeat_s > self.look_after_s
+        return True
+
+    def _looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
         """Return the sequence after a look at the vehicle, withdrawn if somebody took it over."""
         if self.is_over:
             return self
+        looked = self
         if self.mode < 0:
-            return replace(self, mode=vehicle.custom_mode, was_armed=vehicle.is_armed)
-        step = self.steps[0]
-        refusal = step.refusal(vehicle) if self.is_begun else ''
-        if refusal and not step.is_done(vehicle):
-            return replace(self, error=refusal)
-        modes = {self.mode, *(step.modes if self.is_begun else ())}
-        if self.was_armed and not vehicle.is_armed:
-            return self.withdrawn('the motors were stopped')
-        # On the ground modes change by themselves: a PX4 leaves a mode that it cannot fly in.
-        if not vehicle.is_armed or vehicle.custom_mode in modes:
-            return self
-        return self.withdrawn(f'the vehicle was switched to mode {vehicle.custom_mode}')
+            after_s = self.look_after_s if self.is_always_taken else now_s
+            mode, is_armed = vehicle.custom_mode, vehicle.is_armed
+            looked = replace(self, mode=mode, was_armed=is_armed, look_after_s=after_s)
+        reason = looked._taken_over(vehicle, now_s)
+        return looked.withdrawn(reason) if reason else looked
 
-    def _begin(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
-        refusal = self.steps[0].refusal(vehicle)
-        if refusal:
-            return replace(self, error=refusal), []
-        step, sent = self.steps[0].begin(now_s)
-        return replace(self, steps=(step, *self.steps[1:]), is_begun=True), sent
+    def _taken_over(self, vehicle: VehicleTelemetry, now_s: float) -> str:
+        """Return why the vehicle is not ours any more; empty if it is."""
+        if vehicle.contact(now_s) is Contact.LOST:
+            return 'the vehicle is not heard'
+        if self.was_armed and not vehicle.is_armed:
+            return 'the motors were stopped'
+        # On the ground modes change by themselves: a PX4 leaves a mode that it cannot fly in.
+        if not vehicle.is_armed:
+            return ''
+        step = self.steps[0]
+        if not self.was_armed and not (self.is_begun and step.starts_motors):
+            return 'somebody else started the motors'
+        mode = self.autopilot.mode_name(vehicle.custom_mode)
+        if vehicle.custom_mode not in {self.mode, *(step.modes if self.is_begun else ())}:
+            return f'the vehicle was switched to {mode}'
+        if vehicle.is_in_failsafe and not self.is_always_taken:
+            return f'a failsafe has the vehicle, in {mode}'
+        return ''
 
     def _advanced(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
         """Return the sequence after a look at its first step: failed, done, or still under way."""

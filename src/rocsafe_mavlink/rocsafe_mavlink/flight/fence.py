@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fences and rally points as items: they are transferred like a mission, with own types."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,85 +13,149 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.protocols.mission_item import GLOBAL, GLOBAL_RELATIVE, MissionItem
 from rocsafe_mavlink.wire.units import deg_of_e7, e7_of_deg
 
-INCLUSION_VERTEX, EXCLUSION_VERTEX, RALLY_POINT = 5001, 5002, 5100
+RETURN_POINT, INCLUSION_VERTEX, EXCLUSION_VERTEX = 5000, 5001, 5002
+INCLUSION_CIRCLE, EXCLUSION_CIRCLE, RALLY_POINT = 5003, 5004, 5100
+# Of latitude; a circle of a fence is small enough for a plane.
+METRES_A_DEGREE = 111_195.0
 LARGEST_CORNER_COUNT = 80
 Ring = tuple[GeoPosition, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Circle:
+    """A circle of a fence; its radius is in metres."""
+
+    center: GeoPosition
+    radius_m: float
+
+    def __post_init__(self) -> None:
+        require_positive('radius_m', self.radius_m, 'm')
+
+    def _local(self, place: GeoPosition) -> tuple[float, float]:
+        """Return metres east and north of the centre."""
+        shrink = math.cos(math.radians(self.center.latitude_deg))
+        turn_deg = math.remainder(place.longitude_deg - self.center.longitude_deg, 360.0)
+        north_deg = place.latitude_deg - self.center.latitude_deg
+        return METRES_A_DEGREE * shrink * turn_deg, METRES_A_DEGREE * north_deg
+
+    def covers(self, *way: GeoPosition) -> bool:
+        """Whether all of a straight way is within the circle."""
+        return all(math.hypot(*self._local(place)) <= self.radius_m for place in way)
+
+    def touches(self, *way: GeoPosition) -> bool:
+        """Whether a part of a straight way is within the circle."""
+        local = [self._local(place) for place in way]
+        shape = Point(local[0]) if len(local) == 1 else LineString(local)
+        return bool(shape.distance(Point(0.0, 0.0)) <= self.radius_m)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fence:
-    """Polygons of a geofence.
+    """Polygons and circles of a geofence.
 
     Attributes
     ----------
     inclusions
-        The vehicle stays within each of these.
+        The vehicle stays within each of these polygons.
     exclusions
-        The vehicle stays out of each of these.
+        The vehicle stays out of each of these polygons.
+    inner_circles
+        The vehicle stays within each of these circles.
+    outer_circles
+        The vehicle stays out of each of these circles.
     """
 
     inclusions: tuple[Ring, ...] = ()
     exclusions: tuple[Ring, ...] = ()
+    inner_circles: tuple[Circle, ...] = ()
+    outer_circles: tuple[Circle, ...] = ()
 
     def __post_init__(self) -> None:
-        rings = (*self.inclusions, *self.exclusions)
-        for ring in rings:
+        for ring in (*self.inclusions, *self.exclusions):
             if len(ring) < 3 or not _polygon(ring).is_valid:
                 raise ValueError(
                     f'a polygon of a fence with {len(ring)} corners: must have 3 or more, and '
                     'not cross itself'
                 )
-        if sum(map(len, rings)) > LARGEST_CORNER_COUNT:
-            raise ValueError(f'a fence has at most {LARGEST_CORNER_COUNT} corners in all')
 
     def holds(self, place: GeoPosition) -> bool:
         """Whether a vehicle may be at `place`."""
-        return self._holds(Point(*_lon_lat(place)))
+        return self._holds(Point(*_lon_lat(place)), place)
 
     def holds_leg(self, start: GeoPosition, end: GeoPosition) -> bool:
         """Whether a vehicle may fly straight from `start` to `end`."""
-        return self._holds(LineString([_lon_lat(start), _lon_lat(end)]))
+        return self._holds(LineString([_lon_lat(start), _lon_lat(end)]), start, end)
 
-    def _holds(self, shape: BaseGeometry) -> bool:
-        within = all(_polygon(ring).covers(shape) for ring in self.inclusions)
-        return within and not any(_polygon(ring).intersects(shape) for ring in self.exclusions)
+    def _holds(self, shape: BaseGeometry, *way: GeoPosition) -> bool:
+        return (
+            all(_polygon(ring).covers(shape) for ring in self.inclusions)
+            and all(circle.covers(*way) for circle in self.inner_circles)
+            and not any(_polygon(ring).intersects(shape) for ring in self.exclusions)
+            and not any(circle.touches(*way) for circle in self.outer_circles)
+        )
 
 
 def fence_items(fence: Fence) -> tuple[MissionItem, ...]:
-    """Return the items of `fence`: each corner holds the corner count of its polygon."""
-    return tuple(
-        MissionItem(
-            command=command,
-            frame=GLOBAL,
-            x_e7=e7_of_deg(corner.latitude_deg),
-            y_e7=e7_of_deg(corner.longitude_deg),
-            parameters=(float(len(ring)), 0.0, 0.0, 0.0),
-        )
+    """Return the items of `fence`: each corner holds the corner count of its polygon.
+
+    Raises
+    ------
+    ValueError
+        If it has more corners than autopilots hold.
+    """
+    if sum(map(len, (*fence.inclusions, *fence.exclusions))) > LARGEST_CORNER_COUNT:
+        raise ValueError(f'a fence has at most {LARGEST_CORNER_COUNT} corners in all')
+    polygons = [
+        _item(command, corner, float(len(ring)))
         for command, rings in (
             (INCLUSION_VERTEX, fence.inclusions),
             (EXCLUSION_VERTEX, fence.exclusions),
         )
         for ring in rings
         for corner in ring
-    )
+    ]
+    circles = [
+        _item(command, circle.center, circle.radius_m)
+        for command, found in (
+            (INCLUSION_CIRCLE, fence.inner_circles),
+            (EXCLUSION_CIRCLE, fence.outer_circles),
+        )
+        for circle in found
+    ]
+    return (*polygons, *circles)
 
 
 def fence_of(items: Sequence[MissionItem]) -> Fence:
-    """Return the polygons among the items of a fence; circles are not read.
+    """Return the fence in the items of an autopilot; a return point forbids nothing.
 
     Raises
     ------
     ValueError
-        If the corners do not add up to polygons.
+        Saying what cannot be read, so that nobody takes the fence for another.
     """
     rings: dict[int, list[Ring]] = {INCLUSION_VERTEX: [], EXCLUSION_VERTEX: []}
-    corners = [item for item in items if item.command in rings]
-    while corners:
-        count = max(1, int(corners[0].parameters[0]))
-        ring, corners = corners[:count], corners[count:]
-        rings[ring[0].command].append(tuple(map(_place, ring)))
+    circles: dict[int, list[Circle]] = {INCLUSION_CIRCLE: [], EXCLUSION_CIRCLE: []}
+    left = [item for item in items if item.command != RETURN_POINT]
+    while left:
+        first = left[0]
+        if first.command in circles:
+            circles[first.command].append(
+                Circle(center=_place(first), radius_m=first.parameters[0])
+            )
+            left = left[1:]
+            continue
+        if first.command not in rings:
+            raise ValueError(f'item {first.command} of a fence is not known')
+        count = max(1, round(first.parameters[0]))
+        ring, left = left[:count], left[count:]
+        if len(ring) < count or any(_kind(corner) != _kind(first) for corner in ring):
+            raise ValueError(f'a polygon of a fence has not the {count} corners that it names')
+        rings[first.command].append(tuple(map(_place, ring)))
     return Fence(
-        inclusions=tuple(rings[INCLUSION_VERTEX]), exclusions=tuple(rings[EXCLUSION_VERTEX])
+        inclusions=tuple(rings[INCLUSION_VERTEX]),
+        exclusions=tuple(rings[EXCLUSION_VERTEX]),
+        inner_circles=tuple(circles[INCLUSION_CIRCLE]),
+        outer_circles=tuple(circles[EXCLUSION_CIRCLE]),
     )
 
 
@@ -106,6 +171,20 @@ def rally_items(points: Sequence[GeoPosition], height_m: float) -> tuple[Mission
             z_m=height_m,
         )
         for point in points
+    )
+
+
+def _kind(item: MissionItem) -> tuple[int, float]:
+    return item.command, item.parameters[0]
+
+
+def _item(command: int, place: GeoPosition, parameter: float) -> MissionItem:
+    return MissionItem(
+        command=command,
+        frame=GLOBAL,
+        x_e7=e7_of_deg(place.latitude_deg),
+        y_e7=e7_of_deg(place.longitude_deg),
+        parameters=(parameter, 0.0, 0.0, 0.0),
     )
 
 

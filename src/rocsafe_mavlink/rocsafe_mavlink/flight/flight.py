@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
-from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep
+from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
+from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
@@ -19,7 +20,6 @@ from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import compare
-from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM
 from rocsafe_mavlink.wire.dialect import Message
 
 GIVE_UP_LOST_S = 600.0
@@ -147,6 +147,9 @@ class MissionFlight:
             return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
         if self.stage is FlightStage.DISARMING or not _may_be_armed(sequence, vehicle):
             return ended._end(FlightOutcome.REJECTED, ended.reason), []
+        if not is_commanded(vehicle, self.autopilot):
+            # Its pilot may have armed it: he keeps it.
+            return ended._end(FlightOutcome.REJECTED, ended.reason), []
         disarming, sent = self.commands.disarm().on_tick(vehicle, now_s)
         return replace(ended, stage=FlightStage.DISARMING, sequence=disarming), sent
 
@@ -190,9 +193,26 @@ class MissionFlight:
 
 
 def fly(
-    plan: FlightPlan, commands: VehicleCommands, vehicle: VehicleTelemetry, now_s: float
+    plan: FlightPlan,
+    commands: VehicleCommands,
+    vehicle: VehicleTelemetry,
+    now_s: float,
+    may_not_arm: Refusal | None = None,
 ) -> Answer:
     """Begin a flight from the ground; `preflight` must have passed.
+
+    Parameters
+    ----------
+    plan
+        What is to be flown.
+    commands
+        Commands for the vehicle.
+    vehicle
+        The vehicle as it is known now.
+    now_s
+        Steady time.
+    may_not_arm
+        As in `VehicleCommands.start_flight`.
 
     Raises
     ------
@@ -204,7 +224,7 @@ def fly(
     if vehicle.home is None:
         raise ValueError('the vehicle has not told its home')
     mission = mission_of(plan, commands.autopilot)
-    sequence = commands.start_flight(mission, vehicle.home)
+    sequence = commands.start_flight(mission, vehicle.home, may_not_arm)
     flight = MissionFlight(commands=commands, mission=mission, sequence=sequence)
     return flight.on_tick(vehicle, now_s)
 
@@ -234,4 +254,4 @@ def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:
     step = failed.steps[0]
     if not isinstance(step, CommandStep):
         return False
-    return vehicle.is_armed or step.call.command['command'] == COMPONENT_ARM_DISARM
+    return vehicle.is_armed or (failed.is_begun and step.starts_motors)

@@ -11,8 +11,10 @@ from enum import Enum
 from itertools import pairwise
 
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
+from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_plan import FlightPlan
 from rocsafe_mavlink.knowledge.fix import fix_fault
@@ -20,6 +22,15 @@ from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
 
 # Value of a setting that was asked for and may still be answered.
 NOT_READ = 'not read yet'
+# Link-loss actions that bring a vehicle home: FS_GCS_ENABLE 1 (RTL), 3 and 4 (SmartRTL, else RTL
+# or landing), 6 (landing sequence of the mission, else RTL); NAV_DLL_ACT 2 (return).
+RETURNING = {ARDUPILOT: frozenset({1.0, 3.0, 4.0, 6.0}), PX4: frozenset({2.0})}
+# Bits by which a vehicle goes on with its mission without a link: of FS_OPTIONS, COM_DLL_EXCEPT.
+GOES_ON_BIT = {ARDUPILOT: 2, PX4: 1}
+# System that QGroundControl and Mission Planner have unless somebody changes it.
+USUAL_STATION = 255
+# Bits of ArduPilot's FENCE_TYPE.
+FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT = 1, 2
 # For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
@@ -103,11 +114,14 @@ class VehicleSettings:
         Polygons of its fence; None: not read.
     fence_error
         Why its fence cannot be read; empty while it may be.
+    station
+        Our own system; -1: not known.
     """
 
     parameters: ParameterReader | None = None
     fence: Fence | None = None
     fence_error: str = ''
+    station: int = -1
 
 
 def preflight(
@@ -125,7 +139,7 @@ def preflight(
     known = knowledge or VehicleSettings()
     checks = [
         *_vehicle_checks(vehicle, autopilot, limits, now_s),
-        *_setting_checks(known.parameters, limits),
+        *_setting_checks(known.parameters, limits, known.station),
     ]
     if vehicle.home is None:
         return (*checks, Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'))
@@ -144,7 +158,8 @@ def route_checks(
     if vehicle.home is None:
         return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = _place(vehicle.home)
-    return (*_plan_checks(plan, home, limits), _fence_check(plan, home, known))
+    way = (*_plan_checks(plan, home, limits), *_fence_limits(plan, home, known.parameters))
+    return (*way, _fence_check(plan, home, known))
 
 
 def failures(checks: tuple[Check, ...]) -> str:
@@ -208,16 +223,21 @@ def _vehicle_checks(
     ]
 
 
-def _setting_checks(reader: ParameterReader | None, limits: FlightLimits) -> list[Check]:
+def _setting_checks(
+    reader: ParameterReader | None, limits: FlightLimits, station: int
+) -> list[Check]:
     """Return the checks of what the vehicle does by itself when something goes wrong."""
     must_return = limits.must_return_on_link_loss
     if reader is None:
         verdict = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
         return [Check('settings', verdict, NOT_READ, 'read')]
     return [
-        _setting(reader, Parameter.LINK_LOSS_ACTION, is_required=must_return),
-        _setting(reader, Parameter.LOW_BATTERY_ACTION, is_required=False),
-        _setting(reader, Parameter.FENCE_ENABLED, is_required=False),
+        *_link_loss_checks(reader, station, is_required=must_return),
+        _setting(reader, Parameter.LOW_BATTERY_ACTION),
+        _setting(reader, Parameter.RADIO_LOSS_ACTION),
+        _setting(reader, Parameter.FENCE_ENABLED),
+        *_return_checks(reader, limits),
+        *_arming_checks(reader),
         *_heading_checks(reader),
     ]
 
@@ -234,15 +254,64 @@ def _heading_checks(reader: ParameterReader) -> list[Check]:
     return [Check(Parameter.YAW_BEHAVIOUR.value, verdict, text, limit)]
 
 
-def _setting(reader: ParameterReader, parameter: Parameter, *, is_required: bool) -> Check:
-    value, text = reader.value(parameter), _setting_text(reader, parameter)
+def _link_loss_checks(reader: ParameterReader, station: int, *, is_required: bool) -> list[Check]:
+    """Return the checks that the vehicle comes back if this bridge falls silent."""
+    bad = CheckVerdict.FAIL if is_required else CheckVerdict.WARN
+    action = reader.value(Parameter.LINK_LOSS_ACTION)
+    checks = [
+        _judged(
+            reader,
+            Parameter.LINK_LOSS_ACTION,
+            CheckVerdict.PASS if action in RETURNING[reader.autopilot] else bad,
+            'one that returns' if is_required else 'one that returns, or chosen otherwise',
+        )
+    ]
+    exceptions = reader.value(Parameter.LINK_LOSS_EXCEPTIONS)
+    if math.isfinite(exceptions) and int(exceptions) & GOES_ON_BIT[reader.autopilot]:
+        limit = f'without bit {GOES_ON_BIT[reader.autopilot]}, by which its mission goes on'
+        checks.append(_judged(reader, Parameter.LINK_LOSS_EXCEPTIONS, bad, limit))
+    heard = reader.value(Parameter.STATION)
+    if math.isfinite(heard) and station >= 0:
+        is_ours, is_usual = heard == station, heard == USUAL_STATION
+        verdict = bad if not is_ours else CheckVerdict.WARN if is_usual else CheckVerdict.PASS
+        limit = f'{station}, our own, or the vehicle does not notice that this bridge is silent'
+        if is_ours and is_usual:
+            limit = 'one that no other station has: a station with 255 hides a silent bridge'
+        checks.append(_judged(reader, Parameter.STATION, verdict, limit))
+    return checks
+
+
+def _return_checks(reader: ParameterReader, limits: FlightLimits) -> list[Check]:
+    """Return the check of the height at which the vehicle comes home by itself."""
+    height_m = reader.value(Parameter.RETURN_HEIGHT_M)
+    # 0: it comes home at the height at which it is.
+    is_good = height_m == 0.0 or limits.lowest_m <= height_m <= limits.highest_m
+    verdict = CheckVerdict.PASS if is_good else CheckVerdict.WARN
+    limit = f'{limits.lowest_m:g} to {limits.highest_m:g} m'
+    return [_judged(reader, Parameter.RETURN_HEIGHT_M, verdict, limit)]
+
+
+def _arming_checks(reader: ParameterReader) -> list[Check]:
+    """Return the check that an ArduPilot's own checks before arming are all on."""
+    if Parameter.ARMING_CHECKS not in SPELLINGS[reader.autopilot]:
+        return []
+    complete = 0.0 if reader.spelling(Parameter.ARMING_CHECKS) == 'ARMING_SKIPCHK' else 1.0
+    is_all = reader.value(Parameter.ARMING_CHECKS) == complete
+    verdict = CheckVerdict.PASS if is_all else CheckVerdict.WARN
+    return [_judged(reader, Parameter.ARMING_CHECKS, verdict, f'{complete:g}: all of them')]
+
+
+def _setting(reader: ParameterReader, parameter: Parameter) -> Check:
+    value = reader.value(parameter)
     is_on = math.isfinite(value) and value != 0.0
-    verdict = (
-        CheckVerdict.PASS if is_on else CheckVerdict.FAIL if is_required else CheckVerdict.WARN
-    )
-    return Check(
-        parameter.value, verdict, text, 'on' if is_required else 'on, or chosen to be off'
-    )
+    verdict = CheckVerdict.PASS if is_on else CheckVerdict.WARN
+    return _judged(reader, parameter, verdict, 'on, or chosen to be off')
+
+
+def _judged(
+    reader: ParameterReader, parameter: Parameter, verdict: CheckVerdict, limit: str
+) -> Check:
+    return Check(parameter.value, verdict, _setting_text(reader, parameter), limit)
 
 
 def _setting_text(reader: ParameterReader, parameter: Parameter) -> str:
@@ -278,8 +347,8 @@ def _home_check(planned: GeoPosition, home: GeoPosition, limits: FlightLimits) -
 def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> Check:
     name, limit = 'within fence', 'none outside'
     if known.fence is None:
-        verdict = CheckVerdict.WARN if known.fence_error else CheckVerdict.FAIL
-        return Check(name, verdict, known.fence_error or NOT_READ, limit)
+        error = f'cannot be read: {known.fence_error}' if known.fence_error else NOT_READ
+        return Check(name, CheckVerdict.FAIL, error, limit)
     places = [waypoint.position for waypoint in plan.waypoints]
     outside = sum(not known.fence.holds(place) for place in places)
     if outside:
@@ -287,6 +356,41 @@ def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) ->
     legs = list(pairwise([home, *places, home]))
     outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
     return _check(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
+
+
+def _fence_limits(
+    plan: FlightPlan, home: GeoPosition, reader: ParameterReader | None
+) -> list[Check]:
+    """Return the checks of the fence that parameters make: a cylinder about home."""
+    if reader is None:
+        return []
+    enabled = reader.value(Parameter.FENCE_ENABLED)
+    if enabled == 0.0 or (math.isnan(enabled) and reader.is_over):
+        return []
+    furthest_m = max(distance_m(home, waypoint.position) for waypoint in plan.waypoints)
+    highest_m = max(waypoint.height_m for waypoint in plan.waypoints)
+    types = reader.value(Parameter.FENCE_TYPES)
+    has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.autopilot]
+    if has_types and math.isnan(types):
+        text = _setting_text(reader, Parameter.FENCE_TYPES)
+        # Old or reduced firmware does not answer: its owner is told.
+        verdict = CheckVerdict.WARN if reader.is_over else CheckVerdict.FAIL
+        return [Check(Parameter.FENCE_TYPES.value, verdict, text, 'read')]
+    checks = []
+    for bit, parameter, reached_m in (
+        (FENCE_HEIGHT_BIT, Parameter.FENCE_HEIGHT_M, highest_m),
+        (FENCE_CIRCLE_BIT, Parameter.FENCE_RADIUS_M, furthest_m),
+    ):
+        if has_types and not int(types) & bit:
+            continue
+        limit_m, text = reader.value(parameter), _setting_text(reader, parameter)
+        # A PX4 has no such fence where its limit is 0.
+        is_held = reached_m < limit_m or (limit_m == 0.0 and not has_types)
+        is_untold = math.isnan(limit_m) and reader.is_over
+        verdict = CheckVerdict.WARN if is_untold else CheckVerdict.FAIL
+        verdict = CheckVerdict.PASS if is_held else verdict
+        checks.append(Check(parameter.value, verdict, text, f'more than {reached_m:.0f} m'))
+    return checks
 
 
 def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> list[Check]:

@@ -56,10 +56,21 @@ class VehicleCommands:
     target: tuple[int, int]
     us: tuple[int, int]
 
-    def start_flight(self, mission: Mission, home: Home) -> CommandSequence:
+    def start_flight(
+        self, mission: Mission, home: Home, may_not_arm: Refusal | None = None
+    ) -> CommandSequence:
         """Return the sequence that uploads a mission, arms and starts; `home` is the planned one.
 
         Refused after arming if the home has moved: heights would not be those of the plan.
+
+        Parameters
+        ----------
+        mission
+            What is to be flown.
+        home
+            Home before the flight.
+        may_not_arm
+            Repeats the pre-flight checks before the motors are started; None: there are none.
         """
         autopilot = self.autopilot
         return self._sequence(
@@ -69,9 +80,11 @@ class VehicleCommands:
             replace(
                 self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
                 refusal=self._not_in(autopilot.arms_in),
+                obstacle=_unless_armed(may_not_arm),
             ),
             replace(
-                self._mode(Verb.MISSION), refusal=lambda vehicle: home_moved(home, vehicle.home)
+                self._mode(Verb.MISSION),
+                refusal=lambda vehicle, _now_s: home_moved(home, vehicle.home),
             ),
             replace(
                 self._do(calls.start_mission(self.target)),
@@ -83,13 +96,13 @@ class VehicleCommands:
     def disarm(self) -> CommandSequence:
         """Return the sequence that stops the motors, which autopilots refuse in flight."""
         step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return replace(self._sequence('disarm', step), is_withdrawable=False)
+        return self._sequence('disarm', step)
 
     def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
         """Return the sequence that stops the vehicle: within its mission if it flies one."""
         if self.autopilot.is_in(vehicle, Verb.MISSION):
-            return self._sequence('hold', self._pause())
-        return self._sequence('hold', self._mode(Verb.HOLD))
+            return self._urgent('hold', self._pause())
+        return self._urgent('hold', self._mode(Verb.HOLD))
 
     def resume(self, vehicle: VehicleTelemetry) -> CommandSequence:
         """Return the sequence that continues the mission."""
@@ -99,11 +112,11 @@ class VehicleCommands:
 
     def return_home(self) -> CommandSequence:
         """Return the sequence that flies home and lands there."""
-        return self._sequence('return home', self._mode(Verb.RETURN))
+        return self._urgent('return home', self._mode(Verb.RETURN))
 
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
-        return self._sequence('land', self._mode(Verb.LAND))
+        return self._urgent('land', self._mode(Verb.LAND))
 
     def change_speed(self, speed_mps: float) -> CommandSequence:
         """Return the sequence that sets the speed over ground.
@@ -146,7 +159,12 @@ class VehicleCommands:
         )
 
     def _sequence(self, name: str, *steps: Step) -> CommandSequence:
-        return CommandSequence(name=name, target=self.target, steps=steps)
+        return CommandSequence(
+            name=name, target=self.target, autopilot=self.autopilot, steps=steps
+        )
+
+    def _urgent(self, name: str, *steps: Step) -> CommandSequence:
+        return replace(self._sequence(name, *steps), is_always_taken=True)
 
     def _do(self, command: Message, is_shown: Shown | None = None) -> CommandStep:
         return CommandStep(call=CommandCall(command=command, us=self.us), is_shown=is_shown)
@@ -168,7 +186,7 @@ class VehicleCommands:
         return replace(step, modes=frozenset({self.autopilot.modes[verb]}))
 
     def _not_in(self, verb: Verb) -> Refusal:
-        def refusal(vehicle: VehicleTelemetry) -> str:
+        def refusal(vehicle: VehicleTelemetry, _now_s: float) -> str:
             if self.autopilot.is_in(vehicle, verb):
                 return ''
             mode = self.autopilot.mode_name(vehicle.custom_mode)
@@ -240,6 +258,16 @@ def require_reachable(
     away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
     require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
     return home
+
+
+def _unless_armed(may_not_arm: Refusal | None) -> Refusal:
+    def obstacle(vehicle: VehicleTelemetry, now_s: float) -> str:
+        # It is armed already where only the answer to the command was lost.
+        if may_not_arm is None or vehicle.is_armed:
+            return ''
+        return may_not_arm(vehicle, now_s)
+
+    return obstacle
 
 
 def _is_airborne(vehicle: VehicleTelemetry) -> bool:

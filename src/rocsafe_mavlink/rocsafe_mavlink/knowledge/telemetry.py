@@ -233,6 +233,11 @@ class VehicleTelemetry:
         return Contact.STALE if age_s < LOST_AFTER_S else Contact.LOST
 
     @property
+    def is_in_failsafe(self) -> bool:
+        """Whether its status is critical or worse with the motors on."""
+        return self.is_armed and self.status >= SystemStatus.CRITICAL
+
+    @property
     def is_on_ground(self) -> bool:
         """Whether the motors are off, or it reports that it stands on the ground."""
         return not self.is_armed or self.landed is Landed.ON_GROUND

@@ -101,6 +101,10 @@ class CommandCall:
         texts = (word.text for word in self.heard)
         return '; '.join((f'command {self.command["command"]} {what}', *texts))
 
+    def is_due(self, now_s: float) -> bool:
+        """Whether it is repeated or given up at `now_s`."""
+        return self.stage is CallStage.WAITING and now_s >= self.wait_until_s
+
     def begin(
         self, now_s: float, heard: Sequence[HeardText] = ()
     ) -> tuple['CommandCall', list[Message]]:
