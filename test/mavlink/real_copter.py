@@ -216,9 +216,6 @@ class RealAirspace:
         """Whether its motors run."""
         return self.copters[system].tap.is_armed
 
-    def leave_fence(self, system=1):
-        """Do nothing: it flies out of its circle by its route."""
-
     def restart(self, system=1):
         """Switch the autopilot off and on."""
         self.copters[system].start()

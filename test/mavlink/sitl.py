@@ -29,7 +29,7 @@ PARAMETERS = {
 PRECAUTIONS = {
     '': {},
     'battery': {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 2},
-    'fence': {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 120, 'FENCE_ACTION': 1},
+    'fence': {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 1000, 'FENCE_ACTION': 1},
     'link': {'FS_GCS_ENABLE': 1},
 }
 PARAM_SET_REAL32 = 9
@@ -93,6 +93,10 @@ class SitlAirspace(RealAirspace):
     def lose_gps(self, system=1):
         """Switch the receiver off."""
         self.copters[system].set('SIM_GPS1_ENABLE', 0)
+
+    def leave_fence(self, system=1):
+        """Draw its circle closer: a route that leaves it would not be begun at all."""
+        self.copters[system].set('FENCE_RADIUS', 120)
 
     def drain(self, system=1):
         """Let the battery's voltage fall below its limit."""

@@ -148,14 +148,16 @@ def _rotated(polygon: shapely.Polygon, _spec: CoverageSpec) -> FloatArray:
 
 
 def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
-    """Return the axes that need fewest viewpoints: every 5 degrees and along every edge."""
+    """Return the axes that need fewest viewpoints: each 5 degrees, each edge, and `_rotated`."""
     ring = shapely.get_coordinates(polygon.exterior)
     sides = np.diff(ring, axis=0)
     longest = sides[np.argsort(-np.hypot(*sides.T), kind='stable')[:_SEARCHED_EDGES]]
     along = np.arctan2(longest[:, 1], longest[:, 0])
     angles = np.concatenate([np.arange(0.0, math.pi, _SEARCH_STEP_RAD), along, along + _RIGHT])
     counts: list[tuple[int, float]] = []
-    for angle in np.unique(np.round(angles % math.pi, 9)).tolist():
+    rotated = _rotated(polygon, spec)
+    rotated_rad = math.atan2(rotated[1, 0], rotated[0, 0])
+    for angle in [*np.unique(np.round(angles % math.pi, 9)).tolist(), rotated_rad]:
         with contextlib.suppress(TooManyViewpointsError):
             counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
     # Where no angle will do, the grid that is not turned says why.
