@@ -27,7 +27,7 @@ BY_FEATURES, BY_GPS = 'features', 'gps'
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Placement:
-    """Where a photograph was put, and by what.
+    """Place of a photograph in the map, and the data that put it there.
 
     Attributes
     ----------

@@ -40,7 +40,7 @@ def owners(
     masks = []
     for view in shown:
         part = view.window.within(window)
-        # Where many overlap, only the two best scores are candidates.
+        # Only the photographs with the two best scores are candidates where many overlap.
         least = np.maximum(best[part] * (1.0 - options.seams.slack), second[part])
         is_near = (view.scores > 0.0) & (view.scores >= least)
         masks.append(np.where(is_near, 255, 0).astype(np.uint8))

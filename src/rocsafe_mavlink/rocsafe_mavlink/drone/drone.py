@@ -111,7 +111,7 @@ class Drone:
 
     @property
     def home(self) -> GeoPosition | None:
-        """Where it will return to; its altitude is above the ellipsoid, NaN if not known."""
+        """Place it returns to; the altitude is above the ellipsoid, NaN if it is not known."""
         home = self.vehicle.home
         if home is None:
             return None

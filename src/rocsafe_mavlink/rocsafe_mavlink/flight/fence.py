@@ -15,7 +15,7 @@ from rocsafe_mavlink.wire.units import deg_of_e7, e7_of_deg
 
 RETURN_POINT, INCLUSION_VERTEX, EXCLUSION_VERTEX = 5000, 5001, 5002
 INCLUSION_CIRCLE, EXCLUSION_CIRCLE, RALLY_POINT = 5003, 5004, 5100
-# Of latitude; a circle of a fence is small enough for a plane.
+# Metres in a degree of latitude: a circle of a fence is small enough to be drawn in a plane.
 METRES_A_DEGREE = 111_195.0
 LARGEST_CORNER_COUNT = 80
 Ring = tuple[GeoPosition, ...]

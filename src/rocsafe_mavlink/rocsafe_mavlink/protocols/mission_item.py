@@ -9,7 +9,7 @@ from rocsafe_geo.limits import require_count, require_finite
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 GLOBAL, MISSION_FRAME, GLOBAL_RELATIVE, GLOBAL_INT, RELATIVE_INT = 0, 2, 3, 5, 6
-# Of two frames with one meaning, autopilots answer with the older one.
+# Two frames have the same meaning: autopilots answer with the older one.
 _READ_BACK_FRAMES = {RELATIVE_INT: GLOBAL_RELATIVE, GLOBAL_INT: GLOBAL}
 # Commands without a place: autopilots change their frame and coordinates.
 PLACELESS = frozenset({20, 178, 206, 112, 115})

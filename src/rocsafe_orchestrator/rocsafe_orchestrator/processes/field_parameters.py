@@ -8,7 +8,7 @@ from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
-# Of these blocks the field's settings file has the same keys.
+# Blocks that have the same keys in the settings file of the field.
 SHARED_BLOCKS = {'sources', 'shields', 'background'}
 
 

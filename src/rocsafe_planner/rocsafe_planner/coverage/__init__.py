@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where to photograph from, and what is seen from there."""
+"""Viewpoints of a survey, and the ground that their photographs show."""
