@@ -219,9 +219,7 @@ def _sources(
     return found
 
 
-def _is_counted(
-    sources: FloatArray, places: FloatArray, nuclide: str, sensitivity: float
-) -> bool:
+def _is_counted(sources: FloatArray, places: FloatArray, nuclide: str, sensitivity: float) -> bool:
     for source in sources:
         nearest_m = float(np.linalg.norm(places - source[:3], axis=1).min())
         uncollided = math.exp(-NUCLIDES[nuclide][1] * nearest_m) / nearest_m**2
@@ -299,9 +297,7 @@ def _bound(
     for index in range(len(sources)):
         information[5 + 4 * index, 5 + 4 * index] += SOURCE_UP_STD_M**-2
     bound = np.linalg.inv(information)
-    return np.stack(
-        [bound[s : s + 4, s : s + 4] for s in range(3, 3 + 4 * len(sources), 4)]
-    )
+    return np.stack([bound[s : s + 4, s : s + 4] for s in range(3, 3 + 4 * len(sources), 4)])
 
 
 def _slopes(source: FloatArray, places: FloatArray, nuclide: str) -> FloatArray:

@@ -154,9 +154,10 @@ def trials(
 def bound_m2(trial: Trial) -> FloatArray:
     """Return the Cramer-Rao bound of the place of each true source, shape (sources, 2, 2)."""
     likelihood = Likelihood(trial.survey, Setting(), np.empty((trial.survey.size, 0)))
-    head = [math.log(BACKGROUND_USVH), 0.0]
+    head = [math.log(BACKGROUND_USVH), *[0.0] * 5]
     places = [[x, y, 0.0, math.log(strength)] for x, y, strength in trial.truth]
-    information, _ = likelihood.information_and_gradient(np.array([*head, *np.ravel(places)]))
+    parameters = np.array([*head, *np.ravel(places)])
+    information, _ = likelihood.information_and_gradient(parameters, np.ones(trial.survey.size))
     bound = np.linalg.inv(information)
     starts = range(len(head), len(bound), SOURCE_PARAMETERS)
     return np.stack([bound[start : start + 2, start : start + 2] for start in starts])

@@ -24,15 +24,16 @@ from pathlib import Path
 import numpy as np
 from radiation_families import FAMILIES, SPLITS, Drawn, drawn
 
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.decision.sequential_decision import sequential_evidence
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.localize import (
     Localization,
     LocalizationOptions,
     SourceEstimate,
     localize,
 )
-from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -118,13 +119,13 @@ def _error(one: Drawn, index: int, estimate: SourceEstimate) -> float:
     return float(np.hypot(*miss) / math.sqrt(np.trace(one.bound_m2[index, :2, :2])))
 
 
-def _is_covered(source: np.ndarray, estimate: SourceEstimate) -> bool:
+def _is_covered(source: FloatArray, estimate: SourceEstimate) -> bool:
     miss = estimate.position_enu_m[:2] - source[:2]
     plane = estimate.covariance_m2[:2, :2]
     return bool(miss @ np.linalg.solve(plane, miss) < QUANTILE_95)
 
 
-def _is_within(source: np.ndarray, estimate: SourceEstimate) -> bool:
+def _is_within(source: FloatArray, estimate: SourceEstimate) -> bool:
     low, high = estimate.interval_95_usvh()
     return bool(low < source[3] < high)
 

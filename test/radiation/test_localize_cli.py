@@ -65,12 +65,14 @@ def test_a_source_is_printed_with_its_place_and_its_ellipse(table, capsys):
 
 
 def test_a_guessed_ground_is_told_and_a_given_one_is_taken(table, capsys):
-    """A flight that does not begin on the ground needs its altitude."""
+    """A flight that does not begin on the ground needs its altitude: it is refused."""
     path = str(table(HEAD + ''.join(derailment().splitlines(keepends=True)[1:])))
     assert main([path, '--model', 'paper', '--ground', '66']) == 0
     text = capsys.readouterr().out
     assert 'source 1: ' in text
-    assert 'is taken for the ground' not in text
+    assert 'the ground is not given' not in text
+    assert main([path, '--model', 'paper']) == 2
+    assert 'the ground is not known' in capsys.readouterr().err
     readings = read_readings(Path(path))
     assert readings.is_ground_guessed
     assert readings.frame.origin.altitude_m == pytest.approx(98.0, abs=0.1)
@@ -108,7 +110,7 @@ def test_bad_rows_are_left_out_and_counted(table):
     )
     readings = read_readings(table(HEAD + rows))
     assert len(readings.observations) == 4
-    assert sorted(readings.dropped.values()) == [1, 1, 1, 2]
+    assert sorted(readings.dropped.values()) == [(3, 4), (5,), (6,), (7,)]
     assert readings.backward_steps == 1
 
 
@@ -154,14 +156,15 @@ def test_counts_of_a_reference_window_are_read_with_their_rows(table):
     text = 'east_m,north_m,up_m,counts,live_time_s,reference_counts\n1,2,3,9,1,4\n1,2,3,9,1,\n'
     readings = read_readings(table(text))
     assert readings.reference_counts == (4.0,)
-    assert sum(readings.dropped.values()) == 1
+    assert list(readings.dropped.values()) == [(3,)]
 
 
 def test_the_next_places_are_told(table, capsys):
     """As many as wanted, around the source, and whether the evidence is enough."""
-    assert main([str(table(HEAD + derailment())), '--next', '3']) == 0
+    assert main([str(table(HEAD + derailment())), '--next', '3', '--ground', '66']) == 0
     text = capsys.readouterr().out
-    assert text.count('measure next at latitude_deg 53.28') == 3
+    places = {line for line in text.splitlines() if 'measure next at latitude_deg 53.28' in line}
+    assert len(places) == 3
     assert 'the evidence is enough: 1 source, placed within ' in text
 
 
@@ -190,4 +193,82 @@ def test_saturated_readings_are_left_out_and_counted(table):
     head = 'east_m,north_m,up_m,dose_rate_usvh,saturated\n'
     readings = read_readings(table(head + '1,2,3,9,0\n1,2,3,9,1\n1,2,3,9,\n'))
     assert len(readings.observations) == 2
-    assert readings.dropped == {'saturated: the dose rate is only a lower limit': 1}
+    assert readings.dropped == {'saturated: the dose rate is only a lower limit': (3,)}
+
+
+def test_a_ground_that_nobody_gave_is_told_in_every_product_and_is_never_enough(
+    table, tmp_path, capsys
+):
+    """The file begins with a take-off, which is no proof of the ground below the sources."""
+    out = tmp_path / 'out'
+    assert main([str(table(HEAD + derailment())), '--json', '--out', str(out)]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    written = json.loads((out / 'sources.json').read_text())
+    cordons = json.loads((out / 'cordons.geojson').read_text())['features']
+    for doubts in (printed['doubts'], written['doubts'], cordons[0]['properties']['doubts']):
+        assert any('the ground is not given' in doubt for doubt in doubts)
+    assert not printed['is_enough']
+    assert not written['is_enough']
+
+
+ROW = '{},rav1,53.28{:02d},-9.06,98.0,0.1\n'
+
+
+@pytest.mark.parametrize(
+    ('bad', 'words'),
+    [
+        ('50,rav1,0.0,0.0,98.0,0.1\n', 'at 0, 0'),
+        ('50,rav1,53.9,-9.06,98.0,0.1\n', 'farther than 20 km'),
+        ('50,rav1,53.28,-9.06,98.0,1e300\n', 'more than any detector'),
+        (HEAD, 'the names of the columns again'),
+        ('50,rav1,53,28,-9,06,98.0,0.1\n', 'decimal commas'),
+    ],
+)
+def test_rows_that_cannot_be_are_left_out_and_named_by_line(table, bad, words):
+    """The tenth row is line 11."""
+    good = [ROW.format(number, number) for number in range(20)]
+    readings = read_readings(table(HEAD + ''.join([*good[:9], bad, *good[9:]])))
+    ((reason, lines),) = readings.dropped.items()
+    assert words in reason
+    assert lines == (11,)
+    assert len(readings.observations) == 20
+
+
+def test_a_detector_that_counts_nothing_is_dead(table, capsys):
+    """Its rows prove no absence; a whole file of them is refused."""
+    head = 'vehicle,east_m,north_m,up_m,counts,live_time_s\n'
+    dead = ''.join(f'b,{number},0,30,0,1\n' for number in range(0, 200, 10))
+    alive = ''.join(f'a,{number},0,30,{number % 3},1\n' for number in range(20))
+    readings = read_readings(table(head + alive + dead))
+    assert len(readings.observations) == 20
+    ((reason, lines),) = readings.dropped.items()
+    assert 'dead' in reason
+    assert lines == tuple(range(22, 42))
+    assert main([str(table(head + dead)), '--sensitivity', '550']) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize('encoding', ['utf-8-sig', 'utf-16', 'cp1252'])
+def test_a_table_of_a_spreadsheet_is_read(tmp_path, encoding):
+    """With semicolons, decimal commas and its own encoding."""
+    path = tmp_path / 'readings.csv'
+    text = 'vehicle;east_m;north_m;up_m;dose_rate_usvh\nM\u00f6we;1,5;2;30,25;0,1\n'
+    path.write_text(text, encoding=encoding)
+    (one,) = read_readings(path).observations
+    assert one.position_enu_m == (1.5, 2.0, 30.25)
+    assert one.dose_rate_usvh == 0.1
+
+
+def test_a_column_given_twice_is_refused(table):
+    """Which of them counts, nobody knows."""
+    text = 'east_m,north_m,up_m,dose_rate_usvh,dose_rate_usvh\n1,2,3,4,5\n'
+    with pytest.raises(ReadingsFileError, match='column dose_rate_usvh more than once'):
+        read_readings(table(text))
+
+
+def test_notes_are_part_of_the_json(table, capsys):
+    """What was left out, and where."""
+    text = HEAD + derailment() + '999,rav1,0.0,0.0,1.0,0.1\n'
+    assert main([str(table(text)), '--json', '--ground', '66']) == 0
+    (note,) = json.loads(capsys.readouterr().out)['notes']
+    assert note == '1 rows left out: a place out of range or at 0, 0 (line 444)'

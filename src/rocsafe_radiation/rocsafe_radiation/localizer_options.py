@@ -82,6 +82,14 @@ class LocalizerOptions:
         default=1.0,
         metadata={'doc': 'standard deviation of that height, metres', 'min': 0.0, 'max': 1e3},
     )
+    position_std_m: float = field(
+        default=1.5,
+        metadata={
+            'doc': 'standard deviation of each coordinate of fixes, metres',
+            'min': 0.0,
+            'max': 100.0,
+        },
+    )
     sensitivity_cps_per_usvh: float = field(
         default=0.0,
         metadata={
@@ -222,6 +230,7 @@ class LocalizerOptions:
             kernel=Kernel(is_lossy=not is_paper, nuclide=self.nuclide),
             source_up_m=self.source_height_m,
             source_up_std_m=self.source_height_std_m,
+            position_std_m=self.position_std_m,
             largest_order=self.largest_order,
         )
         rule = StoppingRule(

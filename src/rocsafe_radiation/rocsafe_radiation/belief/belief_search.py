@@ -288,5 +288,6 @@ def _localization(
         dispersion=0.0,
         rho=0.0,
         is_structured=False,
+        is_ground_guessed=survey.is_ground_guessed,
         method=BELIEF_METHOD,
     )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rocsafe_radiation.decision.stopping import StoppingRule
-from rocsafe_radiation.localization.localize import METHODS, ML_METHOD
+from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide_names
 
@@ -23,7 +23,7 @@ columns of the file, comma separated, with a row of names; others are ignored:
   saturated                                 1: the detector was saturated; left out
   reference_counts                          of a window of the spectrum above the lines of the
                                             source: they predict the background of counts
-Rows without a valid place and value are left out; their number is printed.
+Rows without a valid place and value are left out; their number and lines are printed.
 """
 
 
@@ -72,6 +72,25 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         help='height above the ground of a file without altitudes, metres',
     )
 
+    known = LocalizationOptions()
+    group.add_argument(
+        '--fix-error',
+        type=_number('fix-error', 0.0, 100.0),
+        default=known.position_std_m,
+        metavar='M',
+        help='standard deviation of each coordinate of the fixes, metres '
+        f'(default: {known.position_std_m:g})',
+    )
+    group.add_argument(
+        '--source-height',
+        type=_number('source-height', -100.0, 1e3),
+        nargs=2,
+        default=(known.source_up_m, known.source_up_std_m),
+        metavar=('M', 'STD'),
+        help='height of sources above the ground and its standard deviation, metres '
+        f'(default: {known.source_up_m:g} {known.source_up_std_m:g})',
+    )
+
 
 def _add_ground(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
@@ -80,7 +99,7 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
         default=math.nan,
         metavar='M',
         help='altitude of level ground, in the datum of the file, metres (default: that of the '
-        'lowest reading)',
+        'lowest reading, if the file begins with a take-off; never enough evidence then)',
     )
     group.add_argument(
         '--terrain',
@@ -158,7 +177,7 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         type=Path,
         metavar='DIR',
         help='also write sources.json and, for places in degrees, sources.geojson, '
-        'cordons.geojson, cordons.kml, dose_map.tif and dose_map.png',
+        'cordons.geojson, cordons.kml and dose_map.tif',
     )
 
 

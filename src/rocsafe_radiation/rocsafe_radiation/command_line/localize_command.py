@@ -38,6 +38,9 @@ from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import RadiationSurvey, survey_of
 
 EXIT_OK, EXIT_REFUSED = 0, 2
+MOST_LINES_NAMED = 5
+# A file whose readings rise less above the lowest one does not begin on the ground.
+LEAST_CLIMB_M = 5.0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,12 +58,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     places = suggested_waypoints(assessment, options.next)
     if options.json:
         document = assessment_document(assessment, readings.frame)
+        document['notes'] = _notes(readings)
         document['next_places'] = [
             place_of(np.array(one.position_enu_m), readings.frame) for one in places
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        lines = [*_notes(readings, options), *_lines(assessment.found, readings)]
+        lines = [*_notes(readings), *_lines(assessment.found, readings)]
         lines += _advice(assessment, places, readings)
         sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK
@@ -71,8 +75,14 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
     if model == AUTO:
         model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
     kernel = Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide)
+    up_m, up_std_m = options.source_height
     return AssessmentOptions(
-        known=LocalizationOptions(kernel=kernel),
+        known=LocalizationOptions(
+            kernel=kernel,
+            source_up_m=up_m,
+            source_up_std_m=up_std_m,
+            position_std_m=options.fix_error,
+        ),
         method=options.method,
         rule=StoppingRule(
             false_alarm=options.errors,
@@ -86,6 +96,9 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
 
 def _survey(readings: ReadingsFile, options: argparse.Namespace) -> RadiationSurvey:
     survey = survey_of(readings.observations, options.sensitivity)
+    if survey.size and not options.terrain and readings.is_ground_guessed:
+        _require_climb(survey)
+        survey = dataclasses.replace(survey, is_ground_guessed=True)
     if survey.size and options.terrain:
         survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
         _require_above_ground(survey)
@@ -117,6 +130,15 @@ def _ground(
     return ground_over(shifted, readings.frame, survey.positions_enu_m[:, :2])
 
 
+def _require_climb(survey: RadiationSurvey) -> None:
+    climb_m = float(np.median(survey.heights_m))
+    if climb_m < LEAST_CLIMB_M:
+        raise GroundError(
+            f'the ground is not known: the lowest reading is only {climb_m:.1f} m below the '
+            f'median, {LEAST_CLIMB_M:g} m show a take-off; give --ground or --terrain'
+        )
+
+
 def _require_above_ground(survey: RadiationSurvey) -> None:
     height_m = float(np.median(survey.heights_m))
     if height_m <= 0.0:
@@ -140,17 +162,20 @@ def _advice(
     return lines
 
 
-def _notes(readings: ReadingsFile, options: argparse.Namespace) -> list[str]:
-    notes = [f'{count} rows left out: {reason}' for reason, count in readings.dropped.items()]
+def _notes(readings: ReadingsFile) -> list[str]:
+    notes = [
+        f'{len(lines)} rows left out: {reason} ({_named(lines)})'
+        for reason, lines in readings.dropped.items()
+    ]
     if readings.backward_steps:
         notes.append(f'the clock went backwards {readings.backward_steps} times; rows kept')
-    if readings.is_ground_guessed and not options.terrain:
-        lowest = readings.frame.origin.altitude_m if readings.frame else 0.0
-        notes.append(
-            f'the lowest reading, at {lowest:.1f} m, is taken for the ground: '
-            'use --ground or --terrain to set it'
-        )
     return notes
+
+
+def _named(lines: Sequence[int]) -> str:
+    named = ', '.join(map(str, lines[:MOST_LINES_NAMED]))
+    more = ' and more' if len(lines) > MOST_LINES_NAMED else ''
+    return f'line{"s" if len(lines) > 1 else ""} {named}{more}'
 
 
 def _lines(found: Localization, readings: ReadingsFile) -> list[str]:

@@ -61,6 +61,17 @@ class StoppingRule:
 
     def verdict(self, found: Localization, evidence: SequentialEvidence) -> StoppingVerdict:
         """Return whether the number of sources is decided and each is placed well enough."""
+        if found.is_ground_guessed:
+            return StoppingVerdict(is_enough=False, reason='the height of the ground is not given')
+        if not found.is_understood:
+            return StoppingVerdict(
+                is_enough=False, reason='sources and background do not explain the readings'
+            )
+        if found.is_lopsided:
+            return StoppingVerdict(
+                is_enough=False,
+                reason='something beside the sources may take part of their dose rate',
+            )
         if not found.sources:
             return self._verdict_of_none(evidence)
         ratio = _log_ratio_to_rival(found.order_probabilities)

@@ -45,7 +45,7 @@ def next_waypoints(
     kernel
         Law of the dose rate.
     count
-        Number of places; a place may be chosen twice.
+        Number of places, all of them different.
     """
     if not found.sources or count < 1:
         return ()
@@ -55,12 +55,15 @@ def next_waypoints(
         covariance[block, block] = source.joint_covariance
     slopes = _scaled_slopes(found, candidates_enu_m, exposure, kernel)
     chosen = []
-    for _ in range(count):
+    is_taken = np.zeros(len(candidates_enu_m), dtype=bool)
+    for _ in range(min(count, len(is_taken))):
         spread = slopes @ covariance
         gains = np.log1p(np.einsum('np,np->n', spread, slopes))
+        gains[is_taken] = -math.inf
         best = int(np.argmax(gains))
         east, north, up = candidates_enu_m[best].tolist()
         chosen.append(Waypoint(position_enu_m=(east, north, up), gain=float(gains[best])))
+        is_taken[best] = True
         along = spread[best]
         covariance = covariance - np.outer(along, along) / (1.0 + float(along @ slopes[best]))
     return tuple(chosen)

@@ -7,7 +7,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import SMALLEST_COUNTS, Likelihood
+from rocsafe_radiation.localization.likelihood import Likelihood
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 SMALLEST_STRENGTH_USVH = 1e-3
@@ -37,22 +37,22 @@ def grid_kernel(survey: RadiationSurvey, setting: Setting, grid: FloatArray) -> 
 
 
 def score_candidates(
-    likelihood: Likelihood, parameters: FloatArray, kernel: FloatArray
+    likelihood: Likelihood, parameters: FloatArray, kernel: FloatArray, shares: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the gain in log likelihood of one more source at each place, and its strength.
 
-    By the score test: the first step of Newton's method from strength 0, with the level of the
-    background free. Both have shape (m,).
+    By the score test: the first step of Newton's method from strength 0, with all parameters free.
+    Both have shape (m,). `shares` (n,) are further weights of the readings.
     """
-    survey, weights = likelihood.survey, likelihood.weights
-    expected = np.maximum(likelihood.expected(parameters), SMALLEST_COUNTS)
-    background = likelihood.background_usvh(parameters) * survey.exposures
-    scores = kernel @ (weights * (survey.counts / expected - 1.0))
+    weights = shares * likelihood.weights(parameters)
+    slopes, expected = likelihood.slopes(parameters)
+    information, _ = likelihood.information_and_gradient(parameters, weights)
     precision = weights / expected
+    scores = kernel @ (precision * (likelihood.survey.counts - expected))
+    shared = kernel @ (slopes * precision[:, None])
     variances = (kernel * kernel) @ precision
-    shared = kernel @ (precision * background)
-    level = float(precision @ (background * background))
-    variances = np.maximum(variances - shared * shared / max(level, 1e-30), 1e-30)
+    explained = np.einsum('mp,mp->m', shared, np.linalg.solve(information, shared.T).T)
+    variances = np.maximum(variances - explained, 1e-3 * variances + 1e-30)
     strengths = np.maximum(scores / variances, SMALLEST_STRENGTH_USVH)
     return np.where(scores > 0.0, scores * scores / (2.0 * variances), 0.0), strengths
 

@@ -6,13 +6,6 @@ from dataclasses import dataclass, field
 from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.physics.kernel import Kernel
 
-# The response to a source below is two heights wide at half its maximum, a bump of this spacing
-# 3.3 heights.
-WIDE_SPACING_HEIGHTS = 2.0
-# The edge of a shadow is as wide as a tenth of its distance, so that a fit finds it between
-# readings.
-SHARP_EDGE = 40.0
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
@@ -25,22 +18,18 @@ class Setting:
     source_up_m, source_up_std_m
         Prior of the height of sources above the ground, metres; a standard deviation of 0 fixes
         it.
+    position_std_m
+        Standard deviation of each coordinate of the fixes, metres.
     background_std
-        Prior standard deviation of each coefficient c_j of the background; 0: the background is
-        constant.
+        Prior standard deviation of each coefficient of the background's random field; 0: it has
+        none.
     background_spacing_heights
-        Spacing of the bumps of the background, heights.
+        Spacing of its bumps, heights.
     rho
-        Share of the excess by which counts scatter beyond Poisson.
-    tilt_std
-        Prior standard deviation of the tilt of the law of the dose rate; 0: the law is that of the
-        kernel.
-    has_shield
-        Whether a wall may stand on one side of the sources.
-    edge_sharpness
-        Sharpness of the edge of its shadow; large: a step.
-    shade
-        Probability that something shields a reading.
+        Share of the dose rate of the sources by which readings scatter beyond their counts.
+    lopsidedness
+        Prior standard deviation of the logarithm of the dose rate to one side; 0: sources radiate
+        alike to all sides.
     search
         Numbers that tune the search.
     """
@@ -48,11 +37,9 @@ class Setting:
     kernel: Kernel = field(default_factory=Kernel)
     source_up_m: float = 0.0
     source_up_std_m: float = 0.0
+    position_std_m: float = 0.0
     background_std: float = 0.0
-    background_spacing_heights: float = WIDE_SPACING_HEIGHTS
+    background_spacing_heights: float = 2.0
     rho: float = 0.0
-    tilt_std: float = 0.0
-    has_shield: bool = False
-    edge_sharpness: float = SHARP_EDGE
-    shade: float = 0.0
+    lopsidedness: float = 0.0
     search: SearchOptions = field(default_factory=SearchOptions)

@@ -1,47 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Poisson likelihood of counts given sources and background, and its maximum.
+"""The likelihood of counts given sources and background, its maximum and its evidence.
 
-Expected counts m = x (b + sum of s_k g(d_k)), with the exposure x, the background b = exp(c0 + ch
-(h0 - h) / 120 m + sum of c_j phi_j) at the height h and the kernel g. The tilt t of a
-`LawDeviation` may change the law of the dose rate. Parameters: c0, ch, c_j, t, then for each
-source east, north, height above the ground there and the logarithm of its strength. Fitted by
-damped Fisher scoring.
+Expected counts m = x (b + sum of s_k g(d_k) f_k), with the exposure x, the kernel g and the
+background
 
-Errors of position and gain make counts scatter beyond Poisson by a share rho of the excess that
-sources add. They enter as weights w = 1 / (1 + rho^2 e^2 / n), with the excess e over the
-background level. The weights come from the data, so that all models with one rho have the same
-weights. Half the sum of log w in the likelihood makes different rho comparable.
+    b = exp(c0 + ch (h0 - h) / 120 m + cx e + cy n + sum of c_j phi_j)
 
-Objects beside a source may take a part of its dose rate from unknown readings. Each reading is
-shaded with a probability `shade`: its m is then x (b + t sum), where t is one of `SHADES`, all
-equally likely. The place of a source then follows from the readings that are not shaded.
+at the height h, east e and north n in half extents of the survey: a level, a trend and a random
+field of few bumps phi_j, whose coefficients have a Gaussian prior. A wall or a container beside
+the sources leaves more to one side than to the other: f = exp((a e + b n) / d), with the way e
+east and n north from source to reading. Parameters: c0, ch, cx, cy, a, b, c_j, then for each
+source east, north, height above the ground there and the logarithm of its strength.
+
+Counts scatter beyond Poisson by errors of the fixes, in all three coordinates, times the slope of
+m (errors in variables, Fuller 1987), and by a share rho of what the sources add. This variance v
+enters as the weight w = m / (m + v) and as half of its logarithm (quasi-likelihood, McCullagh and
+Nelder 1989). A small share of readings are spikes that tell nothing: each reading is a mixture of
+both.
+
+The evidence is Laplace's approximation of the integral over all parameters.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.localization.fit_setting import WIDE_SPACING_HEIGHTS, Setting
-from rocsafe_radiation.localization.law_deviation import LawDeviation
-from rocsafe_radiation.localization.reading_weights import SHADES, chances_of, log_sums, weights_of
+from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 SOURCE_PARAMETERS = 4
-UP = 2
-# Prior of the logarithm of the background level, uSv/h: all levels that occur.
-LEVEL_MEAN, LEVEL_STD = float(np.log(0.1)), 3.0
+UP, STRENGTH = 2, 3
 SMALLEST_COUNTS = 1e-9
-# Radiation of the ground falls by a factor of e in so many metres of height. Prior of its share of
-# the background.
+# Radiation of the ground falls by a factor of e in so many metres of height.
 GROUND_DECAY_M = 120.0
-HEIGHT_MEAN, HEIGHT_STD = 0.7, 0.5
-# Number of parameters before the bumps: c0 and ch.
-LEVEL_PARAMETERS = 2
+# Priors of the head: logarithm of the level in uSv/h, share of the ground in the background, slope
+# of the logarithm over half of the extent. All levels occur. Two more: a and b.
+HEAD_MEANS = np.array([math.log(0.1), 0.7, 0.0, 0.0, 0.0, 0.0])
+TREND_STDS = np.array([3.0, 0.5, 0.3, 0.3])
+HEAD_SIZE = len(HEAD_MEANS)
+SIDES = slice(4, HEAD_SIZE)
+# Standard deviation of what is fixed.
+FIXED_STD = 1e-4
+# Prior of the logarithm of the strength, uSv/h at 1 m: 10 MBq to 1 TBq of Cs-137 within two
+# standard deviations.
+STRENGTH_MEAN, STRENGTH_STD = math.log(300.0), 3.0
 # Sources stay within so many heights of the survey: farther ones raise all readings alike.
 REACH_HEIGHTS = 3.0
-LARGEST_LOG_STEP = 1.5
+LARGEST_LOG_STEP, LARGEST_STEP_M = 1.5, 20.0
 LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
+# The variance follows the parameters: so many times it is computed anew.
+WEIGHT_ROUNDS = 3
+# Counts of spikes are spread over so many factors of e.
+SPIKE_SPREAD = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +64,11 @@ class Fit:
     log_likelihood: float
     information: FloatArray
 
+    @property
+    def covariance(self) -> FloatArray:
+        """The inverse of the information."""
+        return np.asarray(np.linalg.inv(self.information), np.float64)
+
 
 class Likelihood:
     """The likelihood of one survey in one setting."""
@@ -60,45 +77,28 @@ class Likelihood:
         self.survey = survey
         self.setting = setting
         heights = survey.heights_m
-        below = (np.median(heights) - heights)[:, None] / GROUND_DECAY_M
+        below = (np.median(heights) - heights) / GROUND_DECAY_M
+        places = survey.positions_enu_m[:, :2]
+        half_m = max(0.5 * float(np.ptp(places, axis=0).max()), 1.0)
+        trend = (places - places.mean(axis=0)) / half_m
         bumps = basis if setting.background_std > 0.0 else basis[:, :0]
-        self._deviation = LawDeviation(
-            height_m=survey.height_m(setting.source_up_m),
-            tilt_std=setting.tilt_std,
-            has_shield=setting.has_shield,
-            edge_sharpness=setting.edge_sharpness,
+        self.basis = np.column_stack(
+            [np.ones(survey.size), below, trend, np.zeros((survey.size, 2)), bumps]
         )
-        stds = self._deviation.stds
-        # The parameters of the law are the last before the sources; they add nothing to the
-        # background.
-        self.basis = np.hstack([below, bumps, np.zeros((survey.size, stds.size))])
-        self.head_size = 1 + self.basis.shape[1]
-        bumps_end = LEVEL_PARAMETERS + bumps.shape[1]
-        self.bumps, self.law = slice(LEVEL_PARAMETERS, bumps_end), slice(bumps_end, self.head_size)
-        self.nuisance_stds = np.append(np.full(bumps.shape[1], setting.background_std), stds)
-        self.weights = weights_of(survey, setting.rho)
+        self.head_size = self.basis.shape[1]
         counts = survey.counts
         # With this constant the log likelihood of a perfect fit is 0, so that no large numbers are
         # compared.
-        perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)) - counts, 0.0)
-        self._constant = float(0.5 * np.log(self.weights).sum() - self.weights @ perfect)
+        self._perfect = np.where(counts > 0.0, counts * np.log(np.maximum(counts, 1.0)), 0.0)
+        self._perfect -= counts
+        share = setting.search.outlier_share
+        self._spike_logs = np.log(
+            share * np.sqrt(2.0 * math.pi / np.maximum(counts, 1.0)) / SPIKE_SPREAD
+        )
         self._shape = 1.0 if survey.background_shape is None else survey.background_shape
-        self._step_limit_m = 20.0
-        places = survey.positions_enu_m[:, :2]
         reach = REACH_HEIGHTS * survey.height_m(setting.source_up_m)
         self._low, self._high = places.min(axis=0) - reach, places.max(axis=0) + reach
         self._columns = np.ascontiguousarray(survey.positions_enu_m.T)
-        shades = SHADES if setting.shade > 0.0 else ()
-        self._shares = np.array((1.0, *shades))
-        chances = [1.0 - setting.shade, *(setting.shade / len(SHADES) for _ in shades)]
-        self._log_chances = np.log(np.array(chances))[:, None]
-
-    @property
-    def has_narrow_hills(self) -> bool:
-        """Whether the background may vary over lengths as short as the response to a source."""
-        setting = self.setting
-        is_narrow = setting.background_spacing_heights < WIDE_SPACING_HEIGHTS
-        return is_narrow and setting.background_std > 0.0
 
     def source_count(self, parameters: FloatArray) -> int:
         """Return the number of sources that `parameters` describe."""
@@ -110,7 +110,7 @@ class Likelihood:
 
     def background_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the background at each reading, shape (n,)."""
-        logs = parameters[0] + self.basis @ parameters[1 : self.head_size]
+        logs = self.basis @ parameters[: self.head_size]
         return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)) * self._shape)
 
     def expected(self, parameters: FloatArray) -> FloatArray:
@@ -118,175 +118,220 @@ class Likelihood:
         rates = self.background_usvh(parameters)
         sources = self.sources(parameters)
         if len(sources):
-            rates = rates + self.source_rates_usvh(parameters).sum(axis=0)
+            offsets = self._offsets(sources)
+            squares = self._squares(offsets)
+            values = self.setting.kernel.values(squares)
+            if self.setting.lopsidedness > 0.0:
+                sides = np.einsum('c,kcn->kn', parameters[SIDES], offsets[:, :2])
+                values = values * np.exp(sides / np.sqrt(squares))
+            rates = rates + np.exp(sources[:, STRENGTH]) @ values
         return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
 
-    def source_rates_usvh(self, parameters: FloatArray) -> FloatArray:
-        """Return the dose rate of each source at each reading, shape (sources, n)."""
+    def weights(self, parameters: FloatArray) -> FloatArray:
+        """Return the share of the variance of each reading that is that of its counts, (n,)."""
+        setting = self.setting
         sources = self.sources(parameters)
-        offsets = self._offsets(sources)
-        squares = np.einsum('kcn,kcn->kn', offsets, offsets)
-        values = np.exp(sources[:, 3])[:, None] * self.setting.kernel.values(squares)
-        if self.law.stop > self.law.start:
-            values *= self._deviation.factors(parameters[self.law], offsets)
-        return np.asarray(values)
+        if not len(sources) or (setting.position_std_m == 0.0 and setting.rho == 0.0):
+            return np.ones(self.survey.size)
+        parts, _ = self._source_slopes(parameters)
+        parts *= self.survey.exposures
+        slopes = parts[:, :3].sum(axis=0)
+        added = parts[:, STRENGTH].sum(axis=0)
+        extra = setting.position_std_m**2 * (slopes * slopes).sum(axis=0)
+        extra += (setting.rho * added) ** 2
+        natural = self.survey.exposures * self.background_usvh(parameters)
+        expected = np.maximum(natural + added, SMALLEST_COUNTS)
+        return np.asarray(expected / (expected + extra))
 
-    def objective(self, parameters: FloatArray) -> float:
-        """Return the log likelihood with priors."""
-        logs = self._log_shares(self._shaded(parameters))
-        misses = parameters - self._prior_means(parameters)
-        prior = 0.5 * float(self._prior_precisions(parameters) @ (misses * misses))
-        return float(log_sums(logs).sum()) + self._constant - prior
+    def objective(self, parameters: FloatArray, weights: FloatArray | None = None) -> float:
+        """Return the log likelihood with priors; `weights` are those of `parameters` if None."""
+        weights = self.weights(parameters) if weights is None else weights
+        logs = np.logaddexp(self._logs(self.expected(parameters), weights), self._spike_logs)
+        return float(logs.sum()) - self._prior_cost(parameters)
 
-    def _shaded(self, parameters: FloatArray) -> FloatArray:
-        """Return the expected counts for each share of the dose rate, shape (shares, n)."""
-        if len(self._shares) == 1:
-            return self.expected(parameters)[None]
-        exposures = self.survey.exposures
-        background = self.background_usvh(parameters) * exposures
-        added = self.source_rates_usvh(parameters).sum(axis=0) * exposures
-        return np.asarray(np.maximum(background + self._shares[:, None] * added, SMALLEST_COUNTS))
+    def _logs(self, expected: FloatArray, weights: FloatArray) -> FloatArray:
+        misses = self.survey.counts * np.log(expected) - expected - self._perfect
+        return np.asarray(weights * misses + 0.5 * np.log(weights))
 
-    def _log_shares(self, expected: FloatArray) -> FloatArray:
-        """Return the weighted log likelihood of each reading for each share, with its prior."""
-        terms = self.weights * (self.survey.counts * np.log(expected) - expected)
-        return np.asarray(terms + self._log_chances)
+    def _prior_cost(self, parameters: FloatArray) -> float:
+        means, precisions = self._priors(parameters)
+        misses = parameters - means
+        return 0.5 * float(precisions @ (misses * misses))
 
-    def dispersion(self, parameters: FloatArray) -> float:
-        """Return Pearson's chi^2 in standard deviations above that of Poisson counts."""
-        return self.misfit(parameters)[0]
+    def regular_shares(self, expected: FloatArray, weights: FloatArray) -> FloatArray:
+        """Return the probability of each reading that it is no spike, shape (n,)."""
+        ratios = np.clip(self._spike_logs - self._logs(expected, weights), -50.0, 50.0)
+        return np.asarray(1.0 / (1.0 + np.exp(ratios)))
 
-    def misfit(self, parameters: FloatArray) -> tuple[float, float]:
-        """Return the dispersion, and Pearson's chi^2 divided by the degrees of freedom."""
-        shaded = self._shaded(parameters)
-        expected = (chances_of(self._log_shares(shaded)) * shaded).sum(axis=0)
-        chi2 = float(self.weights @ ((self.survey.counts - expected) ** 2 / expected))
-        degrees = max(1.0, self.survey.size - self._determined(parameters))
+    def misfit(self, parameters: FloatArray, are_spikes_left_out: bool) -> tuple[float, float]:
+        """Return by how much Pearson's chi^2 is above its expectation.
+
+        Returns
+        -------
+        dispersion : float
+            In standard deviations.
+        ratio : float
+            Chi^2 divided by the degrees of freedom.
+        """
+        weights = self.weights(parameters)
+        expected = self.expected(parameters)
+        regular: FloatArray = np.ones(self.survey.size)
+        if are_spikes_left_out:
+            regular = self.regular_shares(expected, weights)
+        chi2 = float((weights * regular) @ ((self.survey.counts - expected) ** 2 / expected))
+        information, _ = self.information_and_gradient(parameters, weights)
+        _, precisions = self._priors(parameters)
+        determined = len(parameters) - precisions @ np.diag(np.linalg.inv(information))
+        degrees = max(1.0, float(regular.sum() - determined))
         # The variance of each term, 2 + 1/m, matters with few counts.
         spread = float(np.sqrt((2.0 + 1.0 / np.maximum(expected, 1e-3)).sum()))
         return (chi2 - degrees) / spread, chi2 / degrees
 
-    def _determined(self, parameters: FloatArray) -> float:
-        """Return the number of parameters that the readings determine rather than the priors."""
-        information, _ = self.information_and_gradient(parameters)
-        known = self._prior_precisions(parameters)
-        return len(parameters) - float(known @ np.diag(np.linalg.inv(information)))
-
     def fit(self, start: FloatArray, iterations: int = 40) -> Fit:
         """Return the maximum near `start`."""
-        parameters, value = start, self.objective(start)
-        damping = 1e-2
+        parameters = start
+        for _ in range(WEIGHT_ROUNDS):
+            weights = self.weights(parameters)
+            before = self.objective(parameters)
+            parameters = self._climbed(parameters, weights, iterations)
+            value = self.objective(parameters)
+            if abs(value - before) < 1e-2:
+                break
+        information, _ = self.information_and_gradient(parameters, self.weights(parameters))
+        return Fit(parameters=parameters, log_likelihood=value, information=information)
+
+    def _climbed(self, parameters: FloatArray, weights: FloatArray, iterations: int) -> FloatArray:
+        value, damping = self.objective(parameters, weights), 1e-2
         for _ in range(iterations):
-            information, gradient = self.information_and_gradient(parameters)
+            information, gradient = self.information_and_gradient(parameters, weights)
             gained = 0.0
             while damping < LARGEST_DAMPING:
                 proposal = self._inside(parameters + self._step(information, gradient, damping))
-                better = self.objective(proposal)
+                better = self.objective(proposal, weights)
                 if better >= value:
                     gained, parameters, value = better - value, proposal, better
                     damping = max(damping / 10.0, SMALLEST_DAMPING)
                     break
                 damping *= 5.0
-            if gained < 1e-5:
+            if gained < 1e-3:
                 break
-        information, _ = self.information_and_gradient(parameters)
-        return Fit(parameters=parameters, log_likelihood=value, information=information)
+        return parameters
 
-    def information_and_gradient(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def information_and_gradient(
+        self, parameters: FloatArray, weights: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the expected information and the gradient of the objective."""
-        slopes = self._slopes(parameters)
-        misses = parameters - self._prior_means(parameters)
-        precisions = self._prior_precisions(parameters)
-        shaded = self._shaded(parameters)
-        chances = chances_of(self._log_shares(shaded)) * self.weights
-        residuals = chances * (self.survey.counts / shaded - 1.0)
-        gradient, information = self._summed(slopes, residuals, chances / shaded)
-        gradient -= precisions * misses
-        information[np.diag_indices_from(information)] += precisions
+        slopes, expected = self.slopes(parameters)
+        means, precisions = self._priors(parameters)
+        shares = weights * self.regular_shares(expected, weights)
+        gradient = slopes.T @ (shares * (self.survey.counts / expected - 1.0))
+        gradient -= precisions * (parameters - means)
+        information = (slopes * (shares / expected)[:, None]).T @ slopes
+        information.flat[:: len(parameters) + 1] += precisions
         return information, gradient
 
-    def _summed(
-        self, slopes: FloatArray, residuals: FloatArray, precision: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return gradient and information; residuals and precision of each share, (shares, n)."""
-        if len(self._shares) == 1:
-            return slopes.T @ residuals[0], (slopes * precision[0][:, None]).T @ slopes
-        # Only derivatives by source parameters scale with the share: sum over shares first.
-        own = np.arange(slopes.shape[1]) >= self.law.start
-        once, twice = self._shares @ precision, self._shares**2 @ precision
-        natural, added = slopes * ~own, slopes * own
-        mixed = (natural * once[:, None]).T @ added
-        information = (natural * precision.sum(axis=0)[:, None]).T @ natural + mixed + mixed.T
-        information += (added * twice[:, None]).T @ added
-        gradient = natural.T @ residuals.sum(axis=0) + added.T @ (self._shares @ residuals)
-        return gradient, information
+    def evidence(self, fit: Fit) -> float:
+        """Return the logarithm of the integral of likelihood times prior about `fit`.
 
-    def _slopes(self, parameters: FloatArray) -> FloatArray:
-        """Return the derivative of expected counts by each parameter, shape (n, parameters)."""
-        exposures, setting = self.survey.exposures, self.setting
-        slopes = np.empty((self.survey.size, len(parameters)))
+        Places are equally likely all over the survey and its margin. Sources have no order: each
+        of their permutations is a maximum of its own.
+        """
+        count = self.source_count(fit.parameters)
+        _, precisions = self._priors(fit.parameters)
+        proper = precisions[precisions > 0.0]
+        _, volume = np.linalg.slogdet(fit.information)
+        area = float(np.prod(self._high - self._low))
+        places = count * (math.log(2.0 * math.pi) - math.log(area)) + math.lgamma(count + 1.0)
+        return float(fit.log_likelihood + 0.5 * (np.log(proper).sum() - volume) + places)
+
+    def slopes(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivative of expected counts by each parameter, and expected counts.
+
+        Returns
+        -------
+        slopes : shape (n, parameters)
+        expected : shape (n,)
+        """
+        exposures = self.survey.exposures
         rates = self.background_usvh(parameters)
-        slopes[:, 0] = rates
-        slopes[:, 1 : self.head_size] = self.basis * rates[:, None]
+        slopes = np.empty((self.survey.size, len(parameters)))
+        slopes[:, : self.head_size] = self.basis * rates[:, None]
         sources = self.sources(parameters)
         if len(sources):
-            offsets = self._offsets(sources)
-            squares = np.einsum('kcn,kcn->kn', offsets, offsets)
-            values, by_square = setting.kernel.values_and_slopes(squares)
-            strengths = np.exp(sources[:, 3])[:, None]
-            parts = np.empty((len(sources), SOURCE_PARAMETERS, self.survey.size))
-            parts[:, :3] = (-2.0 * strengths * by_square)[:, None, :] * offsets
-            parts[:, 3] = strengths * values
-            if self.law.stop > self.law.start:
-                self._deviate(parameters[self.law], offsets, parts, slopes)
+            parts, sides = self._source_slopes(parameters)
+            slopes[:, SIDES] = np.einsum('kn,kcn->nc', parts[:, STRENGTH], sides)
+            rates = rates + parts[:, STRENGTH].sum(axis=0)
             self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
-        return np.asarray(slopes * exposures[:, None])
+        expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
+        return slopes * exposures[:, None], expected
 
-    def _deviate(
-        self, numbers: FloatArray, offsets: FloatArray, parts: FloatArray, slopes: FloatArray
-    ) -> None:
-        """Correct derivatives by sources for a deviating law, and add those by its parameters."""
-        parts *= self._deviation.factors(numbers, offsets)[:, None]
-        parts[:, :3] += parts[:, 3:] * self._deviation.slopes(numbers, offsets)
-        features = self._deviation.features(numbers, offsets)
-        slopes[:, self.law] = np.einsum('kn,jkn->nj', parts[:, 3], features)
+    def _source_slopes(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives of the dose rate of each source.
+
+        Returns
+        -------
+        parts : shape (k, 4, n)
+            By each parameter of the source; by the last it is the dose rate itself.
+        sides : shape (k, 2, n)
+            Of its logarithm by a and b.
+        """
+        sources = self.sources(parameters)
+        offsets = self._offsets(sources)
+        squares = self._squares(offsets)
+        values, by_square = self.setting.kernel.values_and_slopes(squares)
+        strengths = np.exp(sources[:, STRENGTH])[:, None]
+        parts = np.empty((len(sources), SOURCE_PARAMETERS, self.survey.size))
+        parts[:, :3] = (-2.0 * strengths * by_square)[:, None, :] * offsets
+        parts[:, STRENGTH] = strengths * values
+        distances = np.sqrt(squares)[:, None]
+        sides = offsets[:, :2] / distances
+        if self.setting.lopsidedness > 0.0:
+            logs = np.einsum('c,kcn->kn', parameters[SIDES], sides)[:, None]
+            parts *= np.exp(logs)
+            rates = parts[:, STRENGTH:]
+            parts[:, :3] += rates * logs * offsets / distances**2
+            parts[:, :2] -= rates * parameters[SIDES][:, None] / distances
+        return parts, sides
 
     def _offsets(self, sources: FloatArray) -> FloatArray:
         """Return the vector from each source to each reading, shape (sources, 3, n)."""
         return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
+    @staticmethod
+    def _squares(offsets: FloatArray) -> FloatArray:
+        return np.asarray(np.einsum('kcn,kcn->kn', offsets, offsets))
+
     def _step(self, information: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
         matrix = information.copy()
-        diagonal = np.diag_indices_from(matrix)
-        matrix[diagonal] += damping * matrix[diagonal] + 1e-12
+        diagonal = matrix.diagonal()
+        matrix.flat[:: len(matrix) + 1] += damping * diagonal + 1e-12
         step: FloatArray = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
         head = step[: self.head_size]
         np.clip(head, -LARGEST_LOG_STEP, LARGEST_LOG_STEP, out=head)
         sources = step[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
-        limits = np.array([self._step_limit_m] * 3 + [LARGEST_LOG_STEP])
+        limits = np.array([LARGEST_STEP_M] * 3 + [LARGEST_LOG_STEP])
         np.clip(sources, -limits, limits, out=sources)
         return step
 
     def _inside(self, parameters: FloatArray) -> FloatArray:
         """Return `parameters` with all sources moved to within reach of the readings."""
-        sources = parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
+        sources = self.sources(parameters)
         np.clip(sources[:, :2], self._low, self._high, out=sources[:, :2])
-        limits = self._deviation.limits
-        np.clip(parameters[self.law], -limits, limits, out=parameters[self.law])
         return parameters
 
-    def _prior_means(self, parameters: FloatArray) -> FloatArray:
-        means = np.zeros_like(parameters)
-        means[0], means[1] = LEVEL_MEAN, HEIGHT_MEAN
-        means[self.head_size + UP :: SOURCE_PARAMETERS] = self.setting.source_up_m
-        return means
-
-    def _prior_precisions(self, parameters: FloatArray) -> FloatArray:
-        precisions = np.zeros_like(parameters)
-        precisions[0], precisions[1] = LEVEL_STD**-2, HEIGHT_STD**-2
-        precisions[LEVEL_PARAMETERS : self.head_size] = self.nuisance_stds**-2.0
-        # A fixed height has a standard deviation of a tenth of a millimetre.
-        up_std = max(self.setting.source_up_std_m, 1e-4)
-        precisions[self.head_size + UP :: SOURCE_PARAMETERS] = up_std**-2
-        return precisions
+    def _priors(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return mean and precision of each parameter; a precision of 0: equally likely."""
+        means, precisions = np.zeros((2, len(parameters)))
+        means[:HEAD_SIZE] = HEAD_MEANS
+        precisions[: SIDES.start] = TREND_STDS**-2.0
+        precisions[SIDES] = max(self.setting.lopsidedness, FIXED_STD) ** -2.0
+        if self.head_size > HEAD_SIZE:
+            precisions[HEAD_SIZE : self.head_size] = self.setting.background_std**-2
+        up_std = max(self.setting.source_up_std_m, FIXED_STD)
+        ups, strengths = (
+            slice(self.head_size + part, None, SOURCE_PARAMETERS) for part in (UP, STRENGTH)
+        )
+        means[ups], precisions[ups] = self.setting.source_up_m, up_std**-2
+        means[strengths], precisions[strengths] = STRENGTH_MEAN, STRENGTH_STD**-2
+        return means, precisions

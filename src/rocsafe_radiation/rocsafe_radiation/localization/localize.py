@@ -2,6 +2,7 @@
 """Sources from readings: places, strengths, uncertainties."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,12 +10,16 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.hypothesis import ELLIPSE_95
-from rocsafe_radiation.localization.hypothesis_values import OrderSearch
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, UP, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
 from rocsafe_radiation.localization.search_options import SearchOptions
-from rocsafe_radiation.localization.source_count import LARGEST_ORDER, search
+from rocsafe_radiation.localization.source_count import (
+    ELLIPSE_95,
+    LARGEST_ORDER,
+    OrderSearch,
+    Weighed,
+    search,
+)
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -22,9 +27,10 @@ ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
 NORMAL_95 = 1.96
 FEWEST_READINGS = 8
-# Error of the place beside a wall, heights; measured beside tank cars: benchmarks/localisation.py
-# --only mismatched.
-WALL_ERROR_HEIGHTS = 0.04
+# Settings less likely than this do not widen ellipses.
+LEAST_CHANCE = 1e-3
+# More readings than this share that fit nothing are no spikes but a field that is not understood.
+MOST_SPIKES_SHARE = 0.01
 
 
 class TooFewReadingsError(RadiationError):
@@ -41,6 +47,13 @@ class LocalizationOptions:
         Law of the dose rate.
     source_up_m, source_up_std_m
         Expected height of sources above the ground and its standard deviation, metres; 0: fixed.
+    position_std_m
+        Standard deviation of each coordinate of the fixes, metres. The readings decide between
+        none, half of it, it and twice it.
+    response_std
+        Standard deviation of the logarithm of what the detector reads of a source, and of what
+        the ground scatters, which the law leaves out: 6 to 8 % at 100 m over soil. It is the same
+        for all readings: it widens the intervals of strengths, not the ellipses.
     largest_order
         Most sources looked for.
     search
@@ -50,12 +63,18 @@ class LocalizationOptions:
     kernel: Kernel = field(default_factory=Kernel)
     source_up_m: float = 0.5
     source_up_std_m: float = 1.0
+    position_std_m: float = 1.5
+    response_std: float = 0.05
     largest_order: int = LARGEST_ORDER
     search: SearchOptions = field(default_factory=SearchOptions)
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.source_up_std_m < math.inf:
             raise ValueError(f'source_up_std_m = {self.source_up_std_m} must be at least 0')
+        if not 0.0 <= self.position_std_m < math.inf:
+            raise ValueError(f'position_std_m = {self.position_std_m} must be at least 0')
+        if not 0.0 <= self.response_std < math.inf:
+            raise ValueError(f'response_std = {self.response_std} must be at least 0')
         if not 0 <= self.largest_order <= LARGEST_ORDER:
             raise ValueError(
                 f'largest_order = {self.largest_order} must be within 0 and {LARGEST_ORDER}'
@@ -130,10 +149,16 @@ class Localization:
         Share of the excess by which readings scatter beyond Poisson.
     is_structured
         Whether the background varies from place to place.
-    is_shielded
-        Whether something beside the sources takes part of their dose rate.
     is_misfit
         Whether the misfit is so large that ellipses are widened.
+    spike_count
+        Readings that fit neither sources nor background, and count for nothing.
+    is_understood
+        Whether sources and background explain the readings, but for few spikes.
+    is_lopsided
+        Whether sources seem to radiate more to one side, as beside a wall.
+    is_ground_guessed
+        Whether nobody has stated where the ground is.
     method
         Method by which they were found, one of `METHODS`.
     """
@@ -146,20 +171,27 @@ class Localization:
     dispersion: float
     rho: float
     is_structured: bool
-    is_shielded: bool = False
     is_misfit: bool = False
+    spike_count: int = 0
+    is_understood: bool = True
+    is_lopsided: bool = False
+    is_ground_guessed: bool = False
     method: str = ML_METHOD
 
     @property
     def doubts(self) -> tuple[str, ...]:
         """What differs from counts of sources over a constant background, in words."""
         found = []
-        if self.is_shielded:
-            found.append('something beside the sources takes part of their dose rate')
+        if self.is_ground_guessed:
+            found.append('the ground is not given: taken to be as low as the lowest reading')
+        if self.is_lopsided:
+            found.append('something beside the sources may take part of their dose rate')
         if self.is_structured:
             found.append('the background is uneven')
         if self.rho > 0.0:
             found.append(f'readings scatter by {self.rho:.0%} of the excess beyond their counts')
+        if self.spike_count:
+            found.append(f'{self.spike_count} readings fit nothing and are left out as spikes')
         if self.is_misfit:
             found.append(
                 f'the readings differ from this by {self.dispersion:.0f} standard deviations more '
@@ -174,7 +206,7 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     Raises
     ------
     TooFewReadingsError
-        If there are fewer than 8 readings, or all of them are at one place.
+        If there are fewer than 8 readings, all of them are at one place, or none has a count.
     """
     options = options or LocalizationOptions()
     require_enough(survey)
@@ -185,82 +217,105 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
         kernel=options.kernel,
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
+        position_std_m=options.position_std_m,
         search=options.search,
     )
-    return _described(search(merged, setting, options.largest_order), survey.size)
+    found = search(merged, setting, options.largest_order)
+    return _described(found, survey, options.response_std)
 
 
 def require_enough(survey: RadiationSurvey) -> None:
-    """Raise TooFewReadingsError if `survey` is too small to localise from."""
+    """Raise TooFewReadingsError if `survey` is too small to localise from, or has no count."""
+    if survey.size and not survey.counts.any():
+        raise TooFewReadingsError(
+            f'{survey.size} readings without a count: a dead detector proves no absence'
+        )
     if survey.size < FEWEST_READINGS:
         raise TooFewReadingsError(
             f'{survey.size} readings at different places: at least {FEWEST_READINGS} are needed'
         )
 
 
-def _described(found: OrderSearch, reading_count: int) -> Localization:
-    likelihood, fit = found.likelihood, found.best
-    covariance = _stated_covariance(likelihood, fit)
+def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float) -> Localization:
+    best = found.found[0]
+    likelihood, fit = best.likelihood, best.fit
+    means, covariance = _over_settings(found.found)
+    shares = likelihood.regular_shares(
+        likelihood.expected(fit.parameters), likelihood.weights(fit.parameters)
+    )
+    spikes = int((shares < 0.5).sum())
+    are_few = spikes <= max(1.0, MOST_SPIKES_SHARE * likelihood.survey.size)
+    dispersion, ratio = likelihood.misfit(fit.parameters, are_few)
+    is_misfit = dispersion >= likelihood.setting.search.largest_dispersion
+    if is_misfit:
+        # As if all readings scattered so much (quasi-likelihood, McCullagh and Nelder 1989, 9.2).
+        covariance = covariance * max(1.0, ratio)
+    # The response is common to all sources.
+    covariance[STRENGTH::SOURCE_PARAMETERS, STRENGTH::SOURCE_PARAMETERS] += response_std**2
     estimates = [
-        _estimate(likelihood, found, covariance, index)
-        for index in range(likelihood.source_count(fit.parameters))
+        _estimate(best, source, covariance[own, own])
+        for source, own in zip(means, _blocks(len(means)), strict=True)
     ]
     background = likelihood.background_usvh(fit.parameters)
-    setting = likelihood.setting
+    level_std = math.sqrt(min(fit.covariance[0, 0], 100.0))
     return Localization(
         sources=tuple(sorted(estimates, key=lambda one: one.detection_llr, reverse=True)),
         order_probabilities=found.probabilities(),
         background_usvh=float(background.mean()),
-        background_std_usvh=float(background.mean() * math.sqrt(min(covariance[0, 0], 100.0))),
-        reading_count=reading_count,
-        dispersion=likelihood.dispersion(fit.parameters),
-        rho=setting.rho,
-        is_structured=setting.background_std > 0.0,
-        is_shielded=setting.has_shield or setting.shade > 0.0,
-        is_misfit=_is_misfit(likelihood, fit),
+        background_std_usvh=float(background.mean() * level_std),
+        reading_count=survey.size,
+        is_ground_guessed=survey.is_ground_guessed,
+        dispersion=dispersion,
+        rho=likelihood.setting.rho,
+        is_structured=likelihood.setting.background_std > 0.0,
+        is_misfit=is_misfit,
+        is_lopsided=likelihood.setting.lopsidedness > 0.0 and bool(estimates),
+        spike_count=spikes,
+        is_understood=are_few and not is_misfit,
     )
 
 
-def _is_misfit(likelihood: Likelihood, fit: Fit) -> bool:
-    return likelihood.dispersion(fit.parameters) >= likelihood.setting.search.large_dispersion
+def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
+    """Return mean (sources, 4) and covariance of all sources over the settings, by evidence."""
+    chances = np.exp(np.array([one.evidence - fits[0].evidence for one in fits]))
+    chances /= chances.sum()
+    means = [one.likelihood.sources(one.fit.parameters).ravel() for one in fits]
+    mean = np.asarray(chances @ np.array(means), np.float64)
+    covariance = np.zeros((mean.size, mean.size))
+    for chance, one, own in zip(chances, fits, means, strict=True):
+        if chance < LEAST_CHANCE:
+            continue
+        whole = covariance_with_images(one.likelihood, one.fit)
+        head = one.likelihood.head_size
+        covariance += chance * (whole[head:, head:] + np.outer(own - mean, own - mean))
+    return mean.reshape(-1, SOURCE_PARAMETERS), covariance
 
 
-def _stated_covariance(likelihood: Likelihood, fit: Fit) -> FloatArray:
-    """Return the covariance of the parameters, enlarged where the model does not fit.
-
-    A misfit scales the covariance, as if all readings scattered so much (quasi-likelihood,
-    McCullagh and Nelder 1989, section 9.2). Beside a wall, the error that comes from its unknown
-    shape is added.
-    """
-    covariance = covariance_with_images(likelihood, fit)
-    if _is_misfit(likelihood, fit):
-        covariance = covariance * max(1.0, likelihood.misfit(fit.parameters)[1])
-    if likelihood.setting.has_shield:
-        moved_m = WALL_ERROR_HEIGHTS * likelihood.survey.height_m(likelihood.setting.source_up_m)
-        for axis in range(2):
-            places = slice(likelihood.head_size + axis, None, SOURCE_PARAMETERS)
-            covariance[places, places] += moved_m**2 * np.eye(covariance[places, places].shape[0])
-    return covariance
+def _blocks(count: int) -> list[slice]:
+    return [
+        slice(start, start + SOURCE_PARAMETERS)
+        for start in range(0, SOURCE_PARAMETERS * count, SOURCE_PARAMETERS)
+    ]
 
 
-def _estimate(
-    likelihood: Likelihood, found: OrderSearch, covariance: FloatArray, index: int
-) -> SourceEstimate:
-    start = likelihood.head_size + SOURCE_PARAMETERS * index
-    own = covariance[start : start + SOURCE_PARAMETERS, start : start + SOURCE_PARAMETERS]
-    source = likelihood.sources(found.best.parameters)[index]
-    others = np.delete(found.best.parameters, range(start, start + SOURCE_PARAMETERS))
-    without = likelihood.objective(others)
-    if found.order == 1:
-        without = found.fits[0].log_likelihood
+def _estimate(best: Weighed, source: FloatArray, covariance: FloatArray) -> SourceEstimate:
+    likelihood, parameters = best.likelihood, best.fit.parameters
+    sources = likelihood.sources(parameters)
+    index = int(np.argmin(((sources - source)[:, :2] ** 2).sum(axis=1)))
+    own = _blocks(len(sources))[index]
+    head = likelihood.head_size
+    others = np.delete(parameters, range(head + own.start, head + own.stop))
+    # All else unchanged, the variance of the readings too.
+    weights = likelihood.weights(parameters)
+    gain = likelihood.objective(parameters, weights) - likelihood.objective(others, weights)
+    ground = likelihood.survey.ground
     position = source[:3].copy()
     if likelihood.setting.source_up_std_m == 0.0:
         position[UP] = likelihood.setting.source_up_m
-    ground = likelihood.survey.ground
     position = ground.raised(position[None])[0]
     return SourceEstimate(
         position_enu_m=position,
         dose_rate_at_1m_usvh=float(np.exp(source[3])),
-        joint_covariance=ground.tilted(own, position),
-        detection_llr=found.best.log_likelihood - without,
+        joint_covariance=ground.tilted(covariance, position),
+        detection_llr=gain,
     )

@@ -33,7 +33,7 @@ def covariance_with_images(likelihood: Likelihood, fit: Fit) -> FloatArray:
     Each image that explains the readings nearly as well adds the square of its distance, weighted
     by its probability: the second moment of both about the place stated.
     """
-    covariance = np.asarray(np.linalg.inv(fit.information), np.float64)
+    covariance = fit.covariance
     for start in mirror_images(likelihood, fit.parameters):
         image = likelihood.fit(start)
         deficit = fit.log_likelihood - image.log_likelihood

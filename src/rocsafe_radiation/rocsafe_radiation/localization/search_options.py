@@ -8,9 +8,8 @@ from dataclasses import dataclass
 class SearchOptions:
     """How sources are searched for, and how much evidence they need.
 
-    Evidence, gains and deficits are natural logarithms of likelihood ratios. "Heights" is a
-    length in units of the median height of the readings above the sources. Where no source is
-    given, the value was chosen on the simulated surveys of ``benchmarks/localisation.py``.
+    Evidence is the natural logarithm of a probability. "Heights" is a length in units of the
+    median height of the readings above the sources.
 
     Attributes
     ----------
@@ -24,34 +23,25 @@ class SearchOptions:
     tried_candidates, refined_candidates, rough_iterations
         Places of the grid from which a fit is begun, the best of these that are fitted to the
         end, and the iterations after which they are compared.
-    log_prior_odds_first
-        Logarithm of the odds of any source before the first reading. Sources are rare; where
-        there is one, a second is as likely as not.
-    log_prior_odds_narrow
-        The same of a background that varies as narrowly as a source shows.
-    hopeless_deficit
-        Evidence by which a setting may be behind after a rough fit and still be fitted fully.
-    strong_evidence
-        Evidence above which a single source cannot come from an uneven background.
-    telling_evidence
-        Evidence above which a single source would show a misfit if it stood beside a wall.
-    large_dispersion, notable_dispersion
-        Standard deviations by which Pearson's chi-square exceeds its expectation: above the first
-        the model does not explain the readings, above the second it may not.
+    log_odds_of_source
+        Prior evidence of each source: sources are rare.
+    log_odds_of_wall
+        Prior evidence of sources that radiate more to one side.
+    background_stds, background_spacings, position_factors, rhos, lopsidednesses
+        Settings over which the evidence is summed: standard deviation of the background's random
+        field and spacing of its bumps in heights, standard deviation of the fixes as a multiple of
+        that given, share by which readings scatter in proportion to the sources, and standard
+        deviation of the logarithm of what a wall or a container leaves to one side.
+    near_evidence
+        Settings whose evidence is lower than that of the best by more are not looked beyond.
+    outlier_share
+        Probability that a reading tells nothing of the field: a spike.
+    largest_dispersion
+        Standard deviations by which Pearson's chi-square exceeds its expectation, above which the
+        model does not explain the readings.
     largest_ellipse_share
         Longest half axis of a 95 % ellipse that still is a place, as a share of the diagonal of
         the survey.
-    unresolved_share
-        Variation of the background over the width of a source, as a share of what it varies
-        smoothly.
-    clearly_better
-        Evidence by which an uneven background must explain the readings better than an even one.
-    largest_excess
-        Readings count as far from all sources where these add less than this share of the
-        background.
-    clearly_beyond
-        Standard deviations by which the squared misfits of far readings must exceed those of
-        counts.
     line_reach, line_readings, line_width
         Readings within so many distances of the nearest one to a source, if there are as many of
         them, lie on a line if their spread across it is less than this share of that along it.
@@ -64,21 +54,20 @@ class SearchOptions:
     pitch_heights: float = 0.4
     margin_heights: float = 1.0
     most_places: int = 6000
-    tried_candidates: int = 5
+    tried_candidates: int = 4
     refined_candidates: int = 3
     rough_iterations: int = 8
-    log_prior_odds_first: float = -3.0
-    log_prior_odds_narrow: float = -3.0
-    hopeless_deficit: float = 30.0
-    strong_evidence: float = 60.0
-    telling_evidence: float = 300.0
-    large_dispersion: float = 3.0
-    notable_dispersion: float = 0.5
+    log_odds_of_source: float = -2.0
+    log_odds_of_wall: float = -2.0
+    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1, 0.3)
+    background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
+    position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
+    rhos: tuple[float, ...] = (0.0, 0.05, 0.2)
+    lopsidednesses: tuple[float, ...] = (0.0, 0.4)
+    near_evidence: float = 4.0
+    outlier_share: float = 1e-3
+    largest_dispersion: float = 3.0
     largest_ellipse_share: float = 0.25
-    unresolved_share: float = 0.5
-    clearly_better: float = 3.0
-    largest_excess: float = 0.3
-    clearly_beyond: float = 3.0
     line_reach: float = 3.0
     line_readings: int = 4
     line_width: float = 0.25

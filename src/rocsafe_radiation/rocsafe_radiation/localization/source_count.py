@@ -1,127 +1,216 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How many sources there are: fits with 0, 1, 2 ... sources, compared by their evidence.
+"""How many sources there are: the evidence of 0, 1, 2 ... sources, summed over settings.
 
-The plain model is Poisson counts about a constant background, with the law of the dose rate as
-given. Where it fails, other settings are fitted, each with a nuisance that may explain the
-readings: an uneven background, readings that scatter, another law, shielding.
+A setting is how uneven the background is and over which lengths, how large the errors of the fixes
+are, and how much readings scatter in proportion to the sources. The readings decide: for each
+number of sources, settings beside the best one are fitted until they add nothing, and their
+evidence is added up.
 """
 
-from rocsafe_radiation.localization.credibility import credible
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_radiation.localization.background_basis import smooth_basis
+from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.hypothesis import Nuisance, Trial
-from rocsafe_radiation.localization.hypothesis_values import OrderSearch
+from rocsafe_radiation.localization.likelihood import HEAD_SIZE, SOURCE_PARAMETERS, Fit, Likelihood
+from rocsafe_radiation.localization.starts import with_one_more, without_sources
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_ORDER = 4
-# The background varies over lengths wider than the response to a source, or as wide.
-UNEVEN: Nuisance = {'background_std': 0.3}
-ROLLING: Nuisance = {'background_std': 0.2, 'background_spacing_heights': 1.0}
-GROUNDS = (UNEVEN, ROLLING)
-# Another nuclide or other air: only readings of a strong source tell, and it moves the source.
-TILTED: Nuisance = {'tilt_std': 0.4}
-NUISANCES: tuple[Nuisance, ...] = (
-    *GROUNDS,
-    TILTED,
-    {'rho': 0.05},
-    UNEVEN | {'rho': 0.05},
-    {'rho': 0.1},
-    UNEVEN | {'rho': 0.1},
-    ROLLING | {'rho': 0.1},
-    {'rho': 0.2},
-)
-# Readings that are shaded, each by itself; tried only where sources alone do not fit.
-SHADES: tuple[Nuisance, ...] = (
-    {'rho': 0.05, 'shade': 0.3},
-    {'rho': 0.1, 'shade': 0.3},
-    {'rho': 0.1, 'shade': 0.6},
-)
-# An unknown wall beside the sources, alone and with scattered or shaded readings.
-WALL: Nuisance = {'has_shield': True}
-# A fit with a soft edge of the shadow comes first: it leads the fit with a sharp edge.
-FIRST_WALLS: tuple[Nuisance, ...] = (WALL | {'edge_sharpness': 6.0}, WALL)
-ROUGH_WALLS: tuple[Nuisance, ...] = (WALL | {'rho': 0.2}, WALL | {'rho': 0.05, 'shade': 0.3})
+# Quantile 0.95 of chi-square with two degrees of freedom.
+ELLIPSE_95 = 5.991
+# Indices of background_stds, background_spacings, standard deviations of the fixes, rhos and
+# lopsidednesses.
+Index = tuple[int, int, int, int, int]
+# A fairly uneven background; sources are looked for there, with fixes as good as stated.
+FIRST: Index = (2, 1, 0, 0, 0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weighed:
+    """A fit in one setting, and its evidence."""
+
+    likelihood: Likelihood
+    fit: Fit
+    evidence: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderSearch:
+    """Fits with 0, 1, 2 ... sources, each in several settings, the best first."""
+
+    settings: tuple[tuple[Weighed, ...], ...]
+
+    @property
+    def evidences(self) -> FloatArray:
+        """Evidence of each number of sources, the prior included."""
+        odds = self.settings[0][0].likelihood.setting.search.log_odds_of_source
+        return np.array([_summed(fits) + odds * k for k, fits in enumerate(self.settings)])
+
+    @property
+    def order(self) -> int:
+        """The number of sources with the most evidence."""
+        return int(np.argmax(self.evidences))
+
+    @property
+    def found(self) -> tuple[Weighed, ...]:
+        """The fits with that number, the best first."""
+        return self.settings[self.order]
+
+    def probabilities(self) -> tuple[float, ...]:
+        """Return the probability of each number of sources."""
+        logs = self.evidences - self.evidences.max()
+        return tuple((np.exp(logs) / np.exp(logs).sum()).tolist())
+
+
+def _summed(fits: tuple[Weighed, ...]) -> float:
+    logs = np.array([one.evidence for one in fits])
+    return float(logs.max() + math.log(np.exp(logs - logs.max()).sum()))
 
 
 def search(
     survey: RadiationSurvey, setting: Setting, largest_order: int = LARGEST_ORDER
 ) -> OrderSearch:
-    """Return the fits to `survey` in the setting that has the most evidence.
-
-    The plain model comes first. If it needs sources or does not explain the readings, the other
-    settings are tried, with at most as many sources. Sources that an uneven background may imitate
-    do not count, see `credible`.
+    """Return the fits to `survey` with each number of sources, until one more is worse.
 
     Parameters
     ----------
     survey
         Readings, merged into cells.
     setting
-        What is known before; its nuisances are replaced.
+        What is known before; `position_std_m` is that stated for the fixes.
     largest_order
         Most sources looked for.
     """
-    trial, options = Trial(survey, setting), setting.search
-    plain = trial.orders({}, largest_order)
-    if plain.dispersion >= options.large_dispersion:
-        others = _of_misfit(trial, plain, largest_order)
-    elif plain.order > 1:
-        # An uneven background or scattered readings may need fewer sources.
-        fewer = plain.order - 1
-        tried = _promising(trial, NUISANCES, [plain], fewer)
-        others = [trial.orders(one, fewer, plain) for one in tried]
-        others += _walled(trial, plain, fewer, FIRST_WALLS)
-    elif plain.order == 1:
-        is_doubtful = plain.dispersion >= options.notable_dispersion
-        is_weak = is_doubtful or plain.gain(1) < options.strong_evidence
-        tried = _promising(trial, (*GROUNDS, TILTED) if is_weak else (TILTED,), [plain], 1)
-        others = [trial.orders(one, 1, plain) for one in tried]
-        if is_doubtful or plain.gain(1) < options.telling_evidence:
-            others += _walled(trial, plain, 1, FIRST_WALLS)
-    else:
-        return plain
-    return credible((plain, *others))
-
-
-def _of_misfit(trial: Trial, plain: OrderSearch, largest_order: int) -> list[OrderSearch]:
-    """Return the fits of all settings that may explain the readings where `plain` does not."""
-    hidden = [] if largest_order == 0 else _walled(trial, plain, 1, (*FIRST_WALLS, *ROUGH_WALLS))
-    tried = _promising(trial, (*SHADES, *NUISANCES), [plain, *hidden], largest_order)
-    hidden += [trial.orders(one, largest_order, plain) for one in tried if one in SHADES]
-    limit = trial.setting.search.large_dispersion
-    explained = [one.order for one in hidden if one.dispersion < limit]
-    # If shielding explains the readings, more sources than it needs are not tried.
-    most = max(explained, default=largest_order)
-    return [*(trial.orders(one, most, plain) for one in tried if one not in SHADES), *hidden]
-
-
-def _walled(
-    trial: Trial, plain: OrderSearch, largest_order: int, walls: tuple[Nuisance, ...]
-) -> list[OrderSearch]:
-    """Return fits beside each of `walls`, each begun at the last, until one explains all.
-
-    The first wall has a soft edge. If its fit is hopelessly behind `plain`, the others are left
-    out.
-    """
-    options = trial.setting.search
-    found = [plain]
-    for nuisance in walls:
-        found.append(trial.orders(nuisance, largest_order, found[-1]))
-        is_soft = len(found) == 2
-        if is_soft and max(found[-1].scores) < max(plain.scores) - options.hopeless_deficit:
+    settings = _Settings(survey, setting)
+    grid = candidate_grid(survey, setting)
+    kernel = grid_kernel(survey, setting, grid)
+    first = settings.likelihood(settings.first)
+    fit = without_sources(first)
+    found = [settings.around(fit, first)]
+    while len(found) <= largest_order:
+        more = with_one_more(first, fit, grid, kernel)
+        if more is None:
             break
-        if not is_soft and found[-1].dispersion < options.notable_dispersion:
+        fit = more
+        fits = settings.around(fit, first)
+        if not _is_placed(fits[0]):
             break
-    return found[1:]
+        found.append(fits)
+        evidences = OrderSearch(settings=tuple(found)).evidences
+        # One more source may be worse where two more are better. Splitting tries pairs, so one
+        # worse step is enough.
+        if evidences[-1] < evidences.max() - setting.search.near_evidence:
+            break
+    return OrderSearch(settings=tuple(found))
 
 
-def _promising(
-    trial: Trial, nuisances: tuple[Nuisance, ...], known: list[OrderSearch], largest_order: int
-) -> list[Nuisance]:
-    """Return those of `nuisances` whose rough fits come near the best evidence so far.
+def _is_placed(one: Weighed) -> bool:
+    """Return whether the place of each source is known to a part of the survey.
 
-    Rough fits begin with the sources of the first of `known`.
+    A source that may be anywhere raises all readings alike: it is background.
     """
-    glances = [trial.glance(one, known[0], largest_order) for one in nuisances]
-    best = max(*(max(one.scores) for one in known), *glances)
-    least = best - trial.setting.search.hopeless_deficit
-    return [one for one, glance in zip(nuisances, glances, strict=True) if glance > least]
+    likelihood = one.likelihood
+    places = likelihood.survey.positions_enu_m[:, :2]
+    diagonal_m = float(np.linalg.norm(np.ptp(places, axis=0)))
+    longest_m = likelihood.setting.search.largest_ellipse_share * diagonal_m
+    covariance = one.fit.covariance
+    starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
+    blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
+    variances = [float(np.linalg.eigvalsh(block)[-1]) for block in blocks]
+    return all(ELLIPSE_95 * variance < longest_m**2 for variance in variances)
+
+
+class _Settings:
+    """The settings over which evidence is summed, alike likely before but for those of a wall."""
+
+    def __init__(self, survey: RadiationSurvey, known: Setting) -> None:
+        self._survey, self._known = survey, known
+        options = known.search
+        stds_m = sorted({factor * known.position_std_m for factor in options.position_factors})
+        self._axes = (
+            options.background_stds,
+            options.background_spacings,
+            tuple(stds_m),
+            options.rhos,
+            options.lopsidednesses,
+        )
+        height = survey.height_m(known.source_up_m)
+        self._bases = [
+            smooth_basis(survey.positions_enu_m, height, spacing) for spacing in self._axes[1]
+        ]
+        self.first: Index = (*FIRST[:2], stds_m.index(known.position_std_m), *FIRST[3:])
+
+    def likelihood(self, index: Index) -> Likelihood:
+        """Return the likelihood in the setting at `index`."""
+        std, spacing, position_std_m, rho, lopsidedness = (
+            axis[k] for axis, k in zip(self._axes, index, strict=True)
+        )
+        setting = replace(
+            self._known,
+            background_std=std,
+            background_spacing_heights=spacing,
+            position_std_m=position_std_m,
+            rho=rho,
+            lopsidedness=lopsidedness,
+        )
+        return Likelihood(self._survey, setting, self._bases[index[1]])
+
+    def around(self, fit: Fit, likelihood: Likelihood) -> tuple[Weighed, ...]:
+        """Return fits in all settings that add to the evidence, the best first.
+
+        From the best setting so far, its neighbours are tried, until none is left whose evidence
+        is near to that of the best. `fit` is that in the first setting.
+        """
+        near = self._known.search.near_evidence
+        found = {self.first: self._weighed(likelihood, fit)}
+        left = {self.first}
+        while left:
+            index = max(left, key=lambda one: found[one].evidence)
+            if found[index].evidence < max(one.evidence for one in found.values()) - near:
+                break
+            left.remove(index)
+            is_empty = likelihood.source_count(fit.parameters) == 0
+            for neighbour in self._neighbours(index, 2 if is_empty else len(self._axes)):
+                if neighbour not in found:
+                    found[neighbour] = self._moved(found[index], neighbour)
+                    left.add(neighbour)
+        return tuple(sorted(found.values(), key=lambda one: one.evidence, reverse=True))
+
+    def _neighbours(self, index: Index, axes: int) -> Iterator[Index]:
+        """Yield settings one step away along the first `axes`; an even background has no bumps."""
+        for axis, step in itertools.product(range(axes), (-1, 1)):
+            moved = list(index)
+            moved[axis] += step
+            if not 0 <= moved[axis] < len(self._axes[axis]):
+                continue
+            if self._axes[0][moved[0]] == 0.0:
+                moved[1] = FIRST[1]
+            yield (moved[0], moved[1], moved[2], moved[3], moved[4])
+
+    def _moved(self, one: Weighed, index: Index) -> Weighed:
+        """Return the fit at `index`, begun at that of a neighbour."""
+        old, new = one.likelihood, self.likelihood(index)
+        start = np.zeros(new.head_size + len(one.fit.parameters) - old.head_size)
+        start[new.head_size :] = one.fit.parameters[old.head_size :]
+        kept = old.head_size if old.head_size == new.head_size else HEAD_SIZE
+        start[:kept] = one.fit.parameters[:kept]
+        return self._weighed(new, new.fit(start))
+
+    def _weighed(self, likelihood: Likelihood, fit: Fit) -> Weighed:
+        """Return `fit` with its evidence, that of the setting included."""
+        setting = likelihood.setting
+        sizes = [len(axis) for axis in self._axes]
+        equals = sizes[0] * (sizes[1] if setting.background_std > 0.0 else 1)
+        if likelihood.source_count(fit.parameters):
+            equals *= math.prod(sizes[2:])
+        evidence = likelihood.evidence(fit) - math.log(equals)
+        if setting.lopsidedness > 0.0:
+            evidence += setting.search.log_odds_of_wall
+        return Weighed(likelihood=likelihood, fit=fit, evidence=evidence)

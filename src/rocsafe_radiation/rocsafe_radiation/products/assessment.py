@@ -168,7 +168,12 @@ def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple
     height = survey.height_m(above)
     # `best_separated` needs ranks above 0; the order is the same.
     ranks = doubts - doubts.min() + 1.0
-    chosen = best_separated(places, ranks, count, height)
+    separation_m = height
+    chosen = best_separated(places, ranks, count, separation_m)
+    # Small ground has no room for so many places a height apart.
+    while len(chosen) < min(count, len(places)):
+        separation_m /= 2.0
+        chosen = best_separated(places, ranks, count, separation_m)
     ups = survey.ground.ups_at(places[chosen]) + above + height
     return tuple(
         Waypoint(

@@ -90,7 +90,9 @@ def cordons(found: DoseMap, levels_usvh: Sequence[float] = DEFAULT_LEVELS_USVH) 
     ]
 
 
-def cordon_geojson(found: Sequence[Cordon], frame: LocalFrame, model: str) -> dict[str, Any]:
+def cordon_geojson(
+    found: Sequence[Cordon], frame: LocalFrame, model: str, doubts: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return the cordons in WGS84 (RFC 7946): closed rings, outer ones anticlockwise."""
     features = [
         {
@@ -107,6 +109,7 @@ def cordon_geojson(found: Sequence[Cordon], frame: LocalFrame, model: str) -> di
                 'model': model,
                 'area_m2': round(cordon.area.area, 2),
                 'stay_time_h': cordon.stay_times_h(),
+                'doubts': list(doubts),
             },
         }
         for cordon in found

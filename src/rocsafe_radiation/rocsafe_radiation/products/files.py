@@ -30,7 +30,8 @@ def write_products(folder: Path, assessment: Assessment, frame: LocalFrame | Non
     _write_json(folder / 'sources.geojson', source_geojson(assessment.found, frame))
     write_dose_map(folder / 'dose_map.tif', assessment.dose, frame)
     model = AIR_MODEL if assessment.options.known.kernel.is_lossy else PAPER_MODEL
-    _write_json(folder / 'cordons.geojson', cordon_geojson(assessment.cordons, frame, model))
+    areas = cordon_geojson(assessment.cordons, frame, model, assessment.found.doubts)
+    _write_json(folder / 'cordons.geojson', areas)
     (folder / 'cordons.kml').write_text(cordon_kml(assessment.cordons, frame), encoding='utf-8')
 
 

@@ -3,8 +3,8 @@
 
 import csv
 import math
-from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.errors import RadiationError
+from rocsafe_radiation.readings.row_checks import dead, far
 from rocsafe_radiation.readings.survey import LocalReading
 
 Row = Mapping[str, str]
@@ -31,11 +32,22 @@ GEODETIC_COLUMNS = ('latitude_deg', 'longitude_deg')
 LOCAL_COLUMNS = ('east_m', 'north_m')
 NUMBER, PLACE, NEGATIVE, SATURATED, REPEATED = (
     'not a number where one is needed',
-    'a place out of range',
+    'a place out of range or at 0, 0',
     'a negative value',
     'saturated: the dose rate is only a lower limit',
     'the same stamp of the same vehicle again',
 )
+HEADER, FIELDS, LARGE, FAR, DEAD = (
+    'the names of the columns again',
+    'more fields than columns: decimal commas need another separator, ; or a tabulator',
+    'more than any detector reads',
+    'farther than 20 km from the middle of the others',
+    'of a detector that counted nothing: dead, no proof of absence',
+)
+SEPARATORS = ';\t,'
+ENCODINGS = ('utf-8-sig', 'cp1252')
+UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
+LARGEST_COUNTS, LARGEST_USVH = 1e12, 1e12
 
 
 class ReadingsFileError(RadiationError):
@@ -53,7 +65,7 @@ class ReadingsFile:
     frame
         Of their places; None if the file itself is in metres.
     dropped
-        Number of rows left out, by reason.
+        Lines of the rows left out, by reason; the first line of a file is 1.
     backward_steps
         Number of times that the clock of a vehicle went backwards; such rows are kept.
     models
@@ -67,7 +79,7 @@ class ReadingsFile:
 
     observations: tuple[LocalReading, ...]
     frame: LocalFrame | None
-    dropped: Mapping[str, int]
+    dropped: Mapping[str, tuple[int, ...]]
     backward_steps: int
     models: frozenset[str]
     reference_counts: tuple[float, ...] = ()
@@ -83,6 +95,7 @@ class _Columns:
     dose_rate: str
     has_counts: bool
     has_reference: bool
+    has_decimal_commas: bool
 
 
 def read_readings(
@@ -95,7 +108,9 @@ def read_readings(
     and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
     ``model``, ``saturated`` (1: only a lower limit, left out), and ``reference_counts`` of a
     window of the spectrum above the lines of the source, which predict the background. Others are
-    ignored. Rows without a valid place and value are left out and counted.
+    ignored. Rows without a valid place and value are left out, and their lines are kept by reason.
+    Columns may be separated by semicolons or tabulators, with decimal commas; the text may be
+    UTF-8, UTF-16 with its mark, or that of Windows.
 
     Parameters
     ----------
@@ -112,16 +127,38 @@ def read_readings(
         In one line that says what is missing or double.
     """
     try:
-        with path.open(encoding='utf-8-sig', newline='') as stream:
-            table = csv.DictReader(stream)
-            columns = _columns(path, table.fieldnames or (), height_m)
+        with path.open(encoding=_encoding(path), newline='') as stream:
+            head = stream.readline()
+            separator = max(SEPARATORS, key=head.count)
+            names = next(csv.reader([head], delimiter=separator), [])
+            table = csv.DictReader(stream, [name.strip() for name in names], delimiter=separator)
+            columns = _columns(path, table.fieldnames or (), height_m, separator)
             return _read(table, columns, height_m, ground_altitude_m)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
 
 
-def _columns(path: Path, names: Iterable[str], height_m: float) -> _Columns:
-    known = {(name or '').strip() for name in names}
+def _encoding(path: Path) -> str:
+    """Return the first encoding that all of a file can be read in."""
+    with path.open('rb') as stream:
+        if stream.read(2) in UTF_16_MARKS:
+            return 'utf-16'
+    for name in ENCODINGS[:-1]:
+        try:
+            with path.open(encoding=name) as text:
+                for _ in text:
+                    pass
+        except UnicodeDecodeError:
+            continue
+        return name
+    return ENCODINGS[-1]
+
+
+def _columns(path: Path, names: Sequence[str], height_m: float, separator: str) -> _Columns:
+    known = set(names)
+    double = sorted(name for name in known if name and names.count(name) > 1)
+    if double:
+        raise ReadingsFileError(f'{path}: has the column {double[0]} more than once: keep one')
     place = next(
         (pair for pair in (GEODETIC_COLUMNS, LOCAL_COLUMNS) if known.issuperset(pair)), None
     )
@@ -148,47 +185,77 @@ def _columns(path: Path, names: Iterable[str], height_m: float) -> _Columns:
         dose_rate=rates[0] if rates else '',
         has_counts=has_counts,
         has_reference=REFERENCE_COLUMN in known,
+        has_decimal_commas=separator != ',',
     )
 
 
-def _read(
-    table: Iterable[Row], columns: _Columns, height_m: float, ground_altitude_m: float
-) -> ReadingsFile:
-    dropped: Counter[str] = Counter()
-    kept: list[tuple[float, ...]] = []
-    models: set[str] = set()
-    latest: dict[str, float] = {}
-    seen: set[tuple[str, str]] = set()
-    backward = 0
-    for row in table:
+class _Rows:
+    """Rows kept so far, and the lines of those left out."""
+
+    def __init__(self, columns: _Columns, height_m: float) -> None:
+        self._columns, self._height_m = columns, height_m
+        self.values: list[tuple[float, ...]] = []
+        self.lines: list[int] = []
+        self.vehicles: list[str] = []
+        self.models: set[str] = set()
+        self.dropped: dict[str, list[int]] = defaultdict(list)
+        self.backward_steps = 0
+        self._latest: dict[str, float] = {}
+        self._seen: set[tuple[str, str]] = set()
+
+    def add(self, row: Row, line: int) -> None:
+        """Keep a row or its reason to be left out."""
         stamp, vehicle = (row.get('time_ns') or '').strip(), (row.get('vehicle') or '').strip()
-        values = _values(row, columns, height_m)
+        values = _values(row, self._columns, self._height_m)
         reason = values if isinstance(values, str) else ''
-        if not reason and stamp and (vehicle, stamp) in seen:
+        if not reason and stamp and (vehicle, stamp) in self._seen:
             reason = REPEATED
         if not reason and _number(row.get('saturated')) > 0.0:
             reason = SATURATED
         if isinstance(values, str) or reason:
-            dropped[reason] += 1
-            continue
-        seen.add((vehicle, stamp))
-        time = _number(stamp)
-        backward += time < latest.get(vehicle, -math.inf)
-        latest[vehicle] = time if math.isfinite(time) else latest.get(vehicle, -math.inf)
-        models.add((row.get('model') or '').strip())
-        kept.append(values)
-    array = np.array(kept, np.float64).reshape(len(kept), 8)
+            self.dropped[reason].append(line)
+            return
+        self._seen.add((vehicle, stamp))
+        time, latest = _number(stamp), self._latest.get(vehicle, -math.inf)
+        self.backward_steps += time < latest
+        self._latest[vehicle] = time if math.isfinite(time) else latest
+        self.models.add((row.get('model') or '').strip())
+        self.values.append(values)
+        self.lines.append(line)
+        self.vehicles.append(vehicle)
+
+    def checked(self) -> FloatArray:
+        """Return the rows that agree with the others, shape (n, 8)."""
+        array = np.array(self.values, np.float64).reshape(len(self.values), 8)
+        amounts = array[:, 5] + np.nan_to_num(array[:, 3])
+        is_geodetic = self._columns.place == GEODETIC_COLUMNS
+        is_far = far(array[:, :2], is_geodetic)
+        is_dead = dead(self.vehicles, amounts) & ~is_far
+        for reason, is_wrong in ((FAR, is_far), (DEAD, is_dead)):
+            if is_wrong.any():
+                self.dropped[reason] += [self.lines[k] for k in np.flatnonzero(is_wrong)]
+        return array[~(is_far | is_dead)]
+
+
+def _read(
+    table: 'csv.DictReader[str]', columns: _Columns, height_m: float, ground_altitude_m: float
+) -> ReadingsFile:
+    rows = _Rows(columns, height_m)
+    for row in table:
+        # The row of names was read before.
+        rows.add(row, table.line_num + 1)
+    array = rows.checked()
     if not columns.up:
         ground_altitude_m = 0.0
     frame = None
-    if columns.place == GEODETIC_COLUMNS and kept:
+    if columns.place == GEODETIC_COLUMNS and len(array):
         frame = _frame(array, ground_altitude_m)
     return ReadingsFile(
         observations=_observations(array, frame),
         frame=frame,
-        dropped=dict(dropped),
-        backward_steps=backward,
-        models=frozenset(models - {''}),
+        dropped={reason: tuple(lines) for reason, lines in rows.dropped.items()},
+        backward_steps=rows.backward_steps,
+        models=frozenset(rows.models - {''}),
         reference_counts=tuple(array[:, 7].tolist()) if columns.has_reference else (),
         is_ground_guessed=frame is not None and not math.isfinite(ground_altitude_m),
     )
@@ -196,24 +263,37 @@ def _read(
 
 def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] | str:
     """Return place, dose rate, its standard deviation, counts and live time, or a reason."""
-    first, second = (_number(row.get(name)) for name in columns.place)
-    up = _number(row.get(columns.up)) if columns.up else height_m
-    rate = _number(row.get(columns.dose_rate)) * DOSE_RATE_COLUMNS.get(columns.dose_rate, 1.0)
-    std = _number(row.get(STD_COLUMN))
-    counts = _number(row.get('counts')) if columns.has_counts else math.nan
-    live_s = _number(row.get('live_time_s')) if columns.has_counts else math.nan
-    reference = _number(row.get(REFERENCE_COLUMN)) if columns.has_reference else 0.0
+    if None in row:
+        return FIELDS
+    if (row.get(columns.place[0]) or '').strip() == columns.place[0]:
+        return HEADER
+
+    def number(name: str) -> float:
+        text = row.get(name)
+        return _number(text.replace(',', '.') if text and columns.has_decimal_commas else text)
+
+    first, second = (number(name) for name in columns.place)
+    up = number(columns.up) if columns.up else height_m
+    rate = number(columns.dose_rate) * DOSE_RATE_COLUMNS.get(columns.dose_rate, 1.0)
+    std = number(STD_COLUMN)
+    counts = number('counts') if columns.has_counts else math.nan
+    live_s = number('live_time_s') if columns.has_counts else math.nan
+    reference = number(REFERENCE_COLUMN) if columns.has_reference else 0.0
     counted = math.isfinite(counts) and math.isfinite(live_s)
     if not all(map(math.isfinite, (first, second, up, reference))) or not (
         math.isfinite(rate) or counted
     ):
         return NUMBER
-    if columns.place == GEODETIC_COLUMNS and (abs(first) > 90.0 or abs(second) > 180.0):
+    if columns.place == GEODETIC_COLUMNS and (
+        abs(first) > 90.0 or abs(second) > 180.0 or first == second == 0.0
+    ):
         return PLACE
     if (counted and (counts < 0.0 or live_s <= 0.0)) or any(
         v < 0.0 for v in (rate, std, reference)
     ):
         return NEGATIVE
+    if counts > LARGEST_COUNTS or rate > LARGEST_USVH or reference > LARGEST_COUNTS:
+        return LARGE
     return first, second, up, rate, std, counts if counted else 0.0, live_s, reference
 
 

@@ -58,6 +58,8 @@ class RadiationSurvey:
         a window of the spectrum above the source's lines, shape (n,); None: constant.
     ground
         Ground below the readings.
+    is_ground_guessed
+        Whether nobody has stated where the ground is.
     """
 
     positions_enu_m: FloatArray
@@ -65,6 +67,7 @@ class RadiationSurvey:
     exposures: FloatArray
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
+    is_ground_guessed: bool = False
 
     def __post_init__(self) -> None:
         size = len(self.counts)
@@ -115,6 +118,7 @@ class RadiationSurvey:
         return RadiationSurvey(
             background_shape=shape,
             ground=self.ground,
+            is_ground_guessed=self.is_ground_guessed,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             exposures=exposures,

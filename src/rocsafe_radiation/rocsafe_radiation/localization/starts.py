@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Starts of fits with one more source, and the best of these fits."""
+
+import itertools
+import math
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_radiation.localization.candidates import best_separated, score_candidates
+from rocsafe_radiation.localization.likelihood import HEAD_MEANS, HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.mirror_image import mirror_images
+
+SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
+SPLIT_HEIGHTS = 0.4
+QUIET_SHARE = 0.2
+
+
+def without_sources(likelihood: Likelihood) -> Fit:
+    """Return the fit of the background alone, begun at the mean of the lowest readings."""
+    survey = likelihood.survey
+    rates = survey.counts / survey.exposures
+    quiet = rates <= np.quantile(rates, QUIET_SHARE)
+    level = float(survey.counts[quiet].sum() / survey.exposures[quiet].sum())
+    start = np.zeros(likelihood.head_size)
+    start[:HEAD_SIZE] = HEAD_MEANS
+    start[0] = math.log(max(level, 1e-6))
+    return likelihood.fit(start)
+
+
+def with_one_more(
+    likelihood: Likelihood, fit: Fit, grid: FloatArray, kernel: FloatArray
+) -> Fit | None:
+    """Return the best fit with one more source than `fit`, None if there is no start.
+
+    Parameters
+    ----------
+    likelihood, fit
+        Where the new source is added.
+    grid : shape (m, 2)
+        Places tried, metres.
+    kernel : shape (m, n)
+        Counts of each reading for 1 uSv/h at 1 m at each place.
+    """
+    height = likelihood.survey.height_m(likelihood.setting.source_up_m)
+    starts = [
+        *_added(likelihood, fit.parameters, grid, kernel, height),
+        *_split(likelihood, fit.parameters, SPLIT_HEIGHTS * height),
+    ]
+    if not starts:
+        return None
+    options = likelihood.setting.search
+    rough = (likelihood.fit(start, options.rough_iterations) for start in starts)
+    ranked = sorted(rough, key=_evidence, reverse=True)[: options.refined_candidates]
+    best = max((likelihood.fit(one.parameters) for one in ranked), key=_evidence)
+    images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
+    return max((best, *images), key=_evidence)
+
+
+def _evidence(fit: Fit) -> float:
+    return fit.log_likelihood
+
+
+def _added(
+    likelihood: Likelihood,
+    parameters: FloatArray,
+    grid: FloatArray,
+    kernel: FloatArray,
+    height: float,
+) -> list[FloatArray]:
+    tried = likelihood.setting.search.tried_candidates
+    up = likelihood.setting.source_up_m
+    starts = []
+    for shares in _weightings(likelihood, parameters):
+        gains, strengths = score_candidates(likelihood, parameters, kernel, shares)
+        starts += [
+            np.concatenate([parameters, [*grid[index], up, math.log(strengths[index])]])
+            for index in best_separated(grid, gains, tried, height)
+        ]
+    return starts
+
+
+def _weightings(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArray]:
+    """Return all readings alike and, if there may be spikes, these left out.
+
+    Readings that fit nothing show a strong source or are spikes, which hide weaker sources.
+    """
+    regular = likelihood.regular_shares(
+        likelihood.expected(parameters), likelihood.weights(parameters)
+    )
+    alike = np.ones(likelihood.survey.size)
+    return [alike] if regular.min() > 0.5 else [alike, regular]
+
+
+def _split(likelihood: Likelihood, parameters: FloatArray, distance_m: float) -> list[FloatArray]:
+    """Return starts with one source replaced by a pair of half its strength."""
+    sources = likelihood.sources(parameters)
+    starts = []
+    for index, angle in itertools.product(range(len(sources)), SPLIT_ANGLES_RAD):
+        offset = distance_m * np.array([math.cos(angle), math.sin(angle)])
+        pair = np.stack([sources[index], sources[index]])
+        pair[:, :2] += np.stack([offset, -offset])
+        pair[:, 3] -= math.log(2.0)
+        others = np.delete(sources, index, axis=0)
+        background = parameters[: likelihood.head_size]
+        starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
+    return starts

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the readings do not say of the background, the fixes and the law makes no source."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
+from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.likelihood import Likelihood
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
+from rocsafe_radiation.localization.search_options import SearchOptions
+from rocsafe_radiation.localization.source_count import search
+from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.readings.survey import RadiationSurvey
+
+from .simulated_survey import LOSSLESS, survey
+
+STRONG = (40.0, 55.0, 2000.0)
+
+
+def uneven(sources, seed, share=0.2, lengths_m=(150.0, 400.0), slope=0.0):
+    """Return a survey over ground that varies by `share` in waves of `lengths_m`."""
+    flown = survey([])
+    generator = np.random.default_rng(seed)
+    lengths = generator.uniform(*lengths_m, 12)
+    angles, phases = generator.uniform(0.0, 2.0 * np.pi, (2, 12))
+    places = flown.positions_enu_m
+    turns = places[:, :1] * np.cos(angles) + places[:, 1:2] * np.sin(angles)
+    ground = np.cos(2.0 * np.pi * turns / lengths + phases).sum(axis=1) / np.sqrt(6.0)
+    rates = 0.1 * np.exp(share * ground + slope * (places[:, 0] - 150.0) / 150.0)
+    for x, y, strength in sources:
+        squares = (places[:, 0] - x) ** 2 + (places[:, 1] - y) ** 2 + places[:, 2] ** 2
+        rates = rates + strength / squares
+    return RadiationSurvey(
+        positions_enu_m=places,
+        counts=generator.poisson(550.0 * rates).astype(float),
+        exposures=flown.exposures,
+    )
+
+
+@pytest.mark.slow
+def test_a_strong_source_at_the_edge_is_the_only_one():
+    """The random field neither takes its shape nor leaves rests that look like sources."""
+    found = localize(uneven([STRONG], 1), LOSSLESS)
+    (source,) = found.sources
+    assert np.hypot(*(source.position_enu_m[:2] - STRONG[:2])) < 4.0
+    assert source.dose_rate_at_1m_usvh == pytest.approx(STRONG[2], rel=0.15)
+    assert found.is_structured
+
+
+@pytest.mark.slow
+def test_hills_of_background_as_wide_as_a_source_shows_are_no_sources():
+    """Waves of 60 to 200 m from 32 m above."""
+    found = localize(uneven([], 1, lengths_m=(60.0, 200.0)), LOSSLESS)
+    assert found.sources == ()
+    assert found.is_structured
+
+
+@pytest.mark.parametrize('slope', [0.1, 0.4])
+def test_a_slope_of_the_background_is_no_source(slope):
+    """As steep as 40 % to each side of the middle."""
+    assert localize(uneven([], 2, share=0.0, slope=slope), LOSSLESS).sources == ()
+
+
+@pytest.mark.parametrize('factor', [3.0, 20.0])
+def test_a_spike_is_no_source_and_is_told(factor):
+    """One reading that its neighbours know nothing of."""
+    flown = survey([])
+    flown.counts[200] *= factor
+    found = localize(flown, LOSSLESS)
+    assert found.sources == ()
+    assert found.spike_count == 1
+    assert any('spikes' in doubt for doubt in found.doubts)
+
+
+def test_errors_of_the_fixes_upwards_scatter_readings_of_a_source():
+    """With 3 m of them there is one source, and its ellipse is wider than without."""
+    readings = survey([(140.0, 150.0, 9250.0)])
+    noise = np.random.default_rng(5).normal(0.0, 3.0, readings.size)
+    places = readings.positions_enu_m + np.outer(noise, [0.0, 0.0, 1.0])
+    options = dataclasses.replace(LOSSLESS, position_std_m=3.0)
+    (known,) = localize(readings, options).sources
+    (source,) = localize(dataclasses.replace(readings, positions_enu_m=places), options).sources
+    assert source.ellipse_95()[0] > 1.3 * known.ellipse_95()[0]
+    assert math.dist(source.position_enu_m[:2], (140.0, 150.0)) < 2.0
+
+
+def test_the_evidence_is_the_integral_of_likelihood_and_prior():
+    """Of a background alone, by a sum over its level: all else is nearly fixed."""
+    flown = survey([])
+    likelihood = Likelihood(flown, Setting(kernel=LOSSLESS.kernel), np.empty((flown.size, 0)))
+    fit = likelihood.fit(np.array([math.log(0.1), 0.7, 0.0, 0.0, 0.0, 0.0]))
+    # The height is the same everywhere, its prior integrates to one; so do both sides.
+    steps = np.linspace(-0.05, 0.05, 41)
+    ways = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
+    logs = np.array(
+        [likelihood.objective(fit.parameters + np.insert(way, (1, 3, 3), 0.0)) for way in ways]
+    )
+    priors = 1.5 * math.log(2.0 * math.pi) + math.log(3.0 * 0.3 * 0.3)
+    integral = float(np.log(np.exp(logs).sum()) + 3.0 * math.log(steps[1] - steps[0]))
+    assert likelihood.evidence(fit) == pytest.approx(integral - priors, abs=0.05)
+
+
+def test_probabilities_are_sums_over_settings():
+    """More than one setting counts, and all of them make the probability."""
+    found = search(survey([(120.0, 170.0, 925.0)]).merged(4.0), Setting(position_std_m=1.5), 2)
+    assert found.order == 1
+    assert len(found.found) > 3
+    best = np.array([fits[0].evidence for fits in found.settings])
+    assert (found.evidences + 2.0 * np.arange(len(best)) > best).all()
+    assert sum(found.probabilities()) == pytest.approx(1.0)
+
+
+def test_a_misfit_widens_ellipses_is_told_and_is_never_enough():
+    """Gains of a fifth from reading to reading, where settings know of none."""
+    readings = survey([(140.0, 150.0, 9250.0)])
+    gains = np.exp(np.random.default_rng(3).normal(0.0, 0.1, readings.size))
+    rough = dataclasses.replace(readings, counts=np.round(readings.counts * gains))
+    plain = SearchOptions(rhos=(0.0,), position_factors=(1.0,), outlier_share=1e-12)
+    options = dataclasses.replace(LOSSLESS, search=plain, position_std_m=0.0, largest_order=1)
+    known, found = localize(readings, options), localize(rough, options)
+    assert known.is_understood
+    assert found.is_misfit
+    assert any('standard deviations' in doubt for doubt in found.doubts)
+    assert found.sources[0].ellipse_95()[0] > 1.5 * known.sources[0].ellipse_95()[0]
+    verdict = StoppingRule().verdict(found, SequentialEvidence(log_ratio=9, log_ratio_smallest=9))
+    assert not verdict.is_enough
+    assert 'do not explain' in verdict.reason
+
+
+@pytest.mark.parametrize('seed', range(2))
+def test_a_field_without_air_is_one_source_to_an_estimator_that_knows_of_air(seed):
+    """At 150 m air takes a quarter, which thousands of counts do not forgive."""
+    options = LocalizationOptions(kernel=Kernel(), source_up_m=0.0, source_up_std_m=0.0)
+    truth = (140.0, 150.0, 9250.0)
+    (source,) = localize(survey([truth], seed), options).sources
+    assert math.dist(source.position_enu_m[:2], truth[:2]) < 1.0
+
+
+def test_a_wall_on_one_side_widens_the_ellipse_of_a_source_and_makes_no_others():
+    """All readings to the north-east see six tenths of it, none knows."""
+    truth = (140.0, 150.0, 2000.0)
+    flown = survey([truth])
+    places = flown.positions_enu_m[:, :2] - truth[:2]
+    squares = (places**2).sum(axis=1) + 32.0**2
+    behind = np.where(places.sum(axis=1) > 12.0, 0.6, 1.0)
+    counts = np.random.default_rng(1).poisson(550.0 * (0.1 + truth[2] * behind / squares))
+    found = localize(dataclasses.replace(flown, counts=counts.astype(float)), LOSSLESS)
+    (source,) = found.sources
+    miss = source.position_enu_m[:2] - truth[:2]
+    assert miss @ np.linalg.solve(source.covariance_m2[:2, :2], miss) < 12.0
+
+
+@pytest.mark.parametrize(
+    ('change', 'message'),
+    [
+        ({'cell_heights': 0.0}, 'cell_heights = 0.0 must be above 0'),
+        ({'pitch_heights': float('nan')}, 'pitch_heights = nan must be above 0'),
+        ({'tried_candidates': 0}, 'tried_candidates = 0 must be at least 1'),
+    ],
+)
+def test_search_options_out_of_range_are_refused(change, message):
+    """With their name, value and limit."""
+    with pytest.raises(ValueError, match=message):
+        SearchOptions(**change)
