@@ -147,7 +147,8 @@ def test_who_does_not_stand_in_time_flies_on() -> None:
     flying = Airborne()
     flying.mission.flown('rav2', 2, 'aborted its flight')
     flying.accept(*flying.advance())
-    orders = flying.advance(still('rav1'), after_s=181.0) + flying.advance()
+    late = Situation(ready=PROCESSES, still=frozenset({'rav1'}), simulated_s=181.0)
+    orders = flying.advance(late, after_s=181.0) + flying.advance()
     assert order(OrderKind.FLY, 'rav3') in orders
     assert 'the rest was not planned within 180 s' in flying.mission.text
 

@@ -29,6 +29,7 @@ from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
+from rocsafe_mavlink.result_conversions import OUTCOMES
 from rocsafe_ros.conversions import point_of_position, position_of_point
 
 STATES = {
@@ -182,6 +183,8 @@ def state_message(
         text=seen.text,
         position=_point(seen.motion),
         speed_mps=_speed_mps(seen.motion),
+        ending=0 if seen.ending is None else OUTCOMES[seen.ending],
+        taken_by=seen.taken_by,
     )
 
 

@@ -2,7 +2,7 @@
 """Scenario and status <-> messages."""
 
 import math
-from collections.abc import Container
+from collections.abc import Container, Mapping
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
@@ -43,8 +43,13 @@ _FAULTS = {
     FlyRoute.Result.RETURNED_EARLY: 'returned early by request',
     FlyRoute.Result.BATTERY_LOW: 'returned early to keep its reserve of battery',
     FlyRoute.Result.ABORTED: 'aborted its flight',
+    FlyRoute.Result.FAILSAFE_LINK: 'gave up its route because it heard nobody',
+    FlyRoute.Result.FAILSAFE_FENCE: 'gave up its route because it left its fence',
+    FlyRoute.Result.FAILSAFE_POSITION: 'gave up its route because it lost its position',
+    FlyRoute.Result.LOST: 'was not heard for too long',
     FlyRoute.Result.COLLISION: 'flew into something',
 }
+_BY_REQUEST = (FlyRoute.Result.CANCELLED, FlyRoute.Result.RETURNED_EARLY)
 
 
 def region_of_scenario(scenario: Scenario) -> Region:
@@ -133,33 +138,55 @@ def _landing(route: Route, vehicle: VehicleSpec) -> GeoPoint:
 
 
 def rest_goal(
-    scenario: Scenario, plan: SurveyPlan, monitor: Monitor, lost: Container[str]
+    scenario: Scenario,
+    plans: tuple[SurveyPlan, Mapping[tuple[str, str], Route]],
+    monitor: Monitor,
+    able: Container[str],
 ) -> PlanSurvey.Goal:
-    """Return the request for the rest of `plan`, for those that are not lost.
+    """Return the request for the rest of a survey, for those that are able.
 
-    Photographs that a lost vehicle has not handed over count as not taken. Who has landed away
-    from home stays there.
+    Photographs that another vehicle has not handed over count as not taken. Who has landed away
+    from home stays there, and so does every real vehicle that has landed: it starts again by hand
+    only.
+
+    Parameters
+    ----------
+    scenario
+        What is surveyed, by which vehicles.
+    plans
+        The present plan, and the routes of all plans by their plan id and vehicle: a vehicle that
+        was not heard for a while has flown one of an earlier plan.
+    monitor
+        What is known of the vehicles.
+    able
+        Names of the vehicles that can be given a route.
     """
-    visited: list[int] = []
-    for route in plan.routes:
-        status = monitor.vehicle(route.vehicle)
-        count = status.viewpoints_visited if status.plan_id == plan.plan_id else 0
-        if route.vehicle in lost:
+    plan, routes = plans
+    left = {viewpoint.id for route in plan.routes for viewpoint in route.viewpoints}
+    visited: set[int] = set()
+    for vehicle in scenario.vehicles:
+        status = monitor.vehicle(vehicle.name)
+        flown = routes.get((status.plan_id, vehicle.name))
+        if flown is None:
+            continue
+        count = status.viewpoints_visited
+        if vehicle.name not in able:
             count = max(0, count - status.shots_pending)
-        visited += [viewpoint.id for viewpoint in route.viewpoints[:count]]
+        visited |= left & {viewpoint.id for viewpoint in flown.viewpoints[:count]}
     away = {route.vehicle for route in plan.routes if route.viewpoints and _ends_away(route)}
-    able = [
+    able_now = [
         _vehicle_now(vehicle, monitor.vehicle(vehicle.name))
         for vehicle in scenario.vehicles
-        if vehicle.name not in lost
+        if vehicle.name in able
         and not (
-            vehicle.name in away and monitor.vehicle(vehicle.name).state is FlightState.LANDED
+            (vehicle.name in away or vehicle.link)
+            and monitor.vehicle(vehicle.name).state is FlightState.LANDED
         )
     ]
     return PlanSurvey.Goal(
         rest_of=plan.plan_id,
         visited=sorted(visited),
-        able=able,
+        able=able_now,
         terrain_file=scenario.survey.terrain_file,
     )
 
@@ -242,7 +269,21 @@ def status_of_vehicle(message: VehicleState) -> VehicleStatus:
         plan_id=message.plan_id,
         position=_position_of(message.position),
         speed_mps=message.speed_mps,
+        is_simulated=message.is_simulated,
+        ending=_ending_of(message),
+        is_by_request=message.ending in _BY_REQUEST,
+        taken_by=message.taken_by,
     )
+
+
+def _ending_of(message: VehicleState) -> str:
+    """Return why a flight will end otherwise than planned, empty if it will not."""
+    if message.state == VehicleState.CRASHED and not message.ending:
+        return 'crashed'
+    if message.ending == FlyRoute.Result.COMPLETED:
+        return ''
+    fault = _FAULTS.get(message.ending, f'ends with outcome {message.ending}')
+    return f'{fault}: {message.text}' if message.text else fault
 
 
 def _position_of(point: GeoPoint) -> GeoPosition | None:

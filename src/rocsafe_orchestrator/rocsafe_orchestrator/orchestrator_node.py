@@ -135,7 +135,7 @@ class OrchestratorNode(Node):
 
     def _on_state(self, message: VehicleState) -> None:
         self._states[message.vehicle] = message
-        self._monitor.on_vehicle(conversions.status_of_vehicle(message))
+        self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)

@@ -17,7 +17,7 @@ from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord
 from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
 
 STATES = {
@@ -90,6 +90,11 @@ def _waypoint(viewpoint: Viewpoint, places: '_Places') -> RouteWaypoint:
             f'viewpoint {viewpoint.id} is {up_m:g} m above the ground: must be above 0'
         )
     return waypoint
+
+
+def ending_of(flight: FlightRecord) -> int:
+    """Return the outcome that a flight has or will have, as in FlyRoute."""
+    return int(OUTCOMES[flight.outcome or flight.ending])
 
 
 def waiting_text(number: int, waits_s: float) -> str:

@@ -156,6 +156,7 @@ class Drone:
             vehicle.is_armed,
             vehicle.landed,
             vehicle.mission.phase,
+            self.flight and self.flight.cause,
             entry and (entry.assignment.plan_id, entry.visited, entry.outcome),
         )
 

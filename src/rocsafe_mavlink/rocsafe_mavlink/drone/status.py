@@ -12,6 +12,7 @@ from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.flight.flight_journal import JournalEntry
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE, FlightLimits
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
@@ -91,6 +92,10 @@ class DroneStatus:
         Explanation for people.
     prediction
         Expected position while it is silent.
+    ending
+        How its present or last flight ends, if not as planned; None: as planned, or none.
+    taken_by
+        Who has it in the air, see `Custody.holder`; empty: nobody but this bridge.
     """
 
     contact: Contact
@@ -112,6 +117,8 @@ class DroneStatus:
     distance_m: float
     text: str
     prediction: Prediction | None
+    ending: FlightOutcome | None
+    taken_by: str
 
 
 def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
@@ -142,7 +149,29 @@ def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
         distance_m=inputs.distance_m,
         text=_text(inputs, fault, prediction, now_s),
         prediction=prediction,
+        ending=_ending(inputs),
+        taken_by=_taken_by(inputs, contact),
     )
+
+
+def _ending(inputs: StatusInputs) -> FlightOutcome | None:
+    flight, entry = inputs.session.flight, inputs.entry
+    if flight is not None and not flight.is_over:
+        return flight.cause
+    outcome = None if entry is None else entry.outcome
+    return None if outcome is FlightOutcome.COMPLETED else outcome
+
+
+def _taken_by(inputs: StatusInputs, contact: Contact) -> str:
+    """Return who has the vehicle; autopilots switch to another mode after the last viewpoint."""
+    session, flight = inputs.session, inputs.session.flight
+    autopilot = session.known_autopilot()
+    if autopilot is None or contact is not Contact.FRESH or inputs.vehicle.is_on_ground:
+        return ''
+    if flight is None or flight.is_beginning or flight.is_over:
+        return ''
+    is_done = flight.cause is None and flight.visited == len(flight.mission.waypoint_items)
+    return '' if is_done else session.custody.holder(inputs.vehicle, autopilot)
 
 
 def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRoute:

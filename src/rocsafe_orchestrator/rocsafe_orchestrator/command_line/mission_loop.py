@@ -3,6 +3,7 @@
 
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
@@ -27,7 +28,9 @@ TICK_S = 0.05
 SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
-STALL_WATCH_S = 3.0
+STALL_WATCH_S = 1.0
+# Nobody waits for the landing of a vehicle that was not heard for longer.
+LONGEST_SILENCE_S = 15.0
 # DDS finds orchestrators on other machines in this time; on this machine there is a lock.
 DISCOVERY_S = 0.7
 
@@ -130,13 +133,27 @@ class MissionLoop:
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
         self._pace.note(now_s, parts.monitor.time_s)
+        waiting_for = parts.node.waiting_for(parts.participants)
+        silences_s = parts.mission.silences_s(
+            waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
+        )
         return Situation(
             ready=self._ready,
             simulated_s=parts.monitor.time_s,
-            waiting_for=parts.node.waiting_for(parts.participants),
+            waiting_for=waiting_for,
             images_stored=parts.monitor.images_stored,
             images_rejected=len(parts.monitor.rejections),
             still=parts.monitor.still,
+            aloft=frozenset(
+                status.name
+                for status in parts.monitor.vehicles
+                if status.is_aloft and silences_s[status.name] < LONGEST_SILENCE_S
+            ),
+            unsettled=parts.monitor.unsettled,
+            sightings={
+                name: parts.monitor.sighting(name, now_s, silent_s)
+                for name, silent_s in silences_s.items()
+            },
         )
 
     def _carry_out(self, order: Order) -> None:

@@ -12,6 +12,7 @@ class OrderKind(Enum):
     FLY = 'fly the route'
     ADVISE = 'say where to measure next'
     HOLD = 'hold'
+    RETURN = 'return home'
     DISMISS = 'wait for it no more'
     PAUSE_CLOCK = 'pause simulated time'
     RUN_CLOCK = 'start simulated time'

@@ -7,6 +7,7 @@ from enum import IntEnum
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.presence import Sighting
 
 
 class FlightState(IntEnum):
@@ -35,13 +36,34 @@ class FlightState(IntEnum):
 GROUNDED = frozenset(
     {FlightState.DISARMED, FlightState.WAITING, FlightState.LANDED, FlightState.CRASHED}
 )
-# A vehicle that holds counts as still below this speed.
+_ALOFT = frozenset(
+    {FlightState.TAKING_OFF, FlightState.FLYING, FlightState.HOLDING, FlightState.RETURNING}
+    | {FlightState.LANDING}
+)
+# A vehicle that holds counts as still below this speed: a simulated one, and a real one, whose
+# receiver shows some tenths of a metre per second at rest.
 STILL_MPS = 0.05
+STILL_REAL_MPS = 0.5
+# Vehicles that an operator sends home one after the other all announce it within this time,
+# seconds: until then the others are not made to hold.
+SETTLE_S = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleStatus:
-    """Latest state of one vehicle; `time_s` is its stamp, seconds since the epoch."""
+    """Latest state of one vehicle.
+
+    Attributes
+    ----------
+    time_s
+        Stamp of the state, seconds since the epoch.
+    ending
+        Why its present flight will end otherwise than planned; empty: it will not.
+    is_by_request
+        Whether an operator ended its flight.
+    taken_by
+        Who has it in the air instead of the suite; empty: nobody.
+    """
 
     name: str
     state: FlightState = FlightState.UNKNOWN
@@ -54,12 +76,21 @@ class VehicleStatus:
     plan_id: str = ''
     position: GeoPosition | None = None
     speed_mps: float = math.nan
+    is_simulated: bool = True
+    ending: str = ''
+    is_by_request: bool = False
+    taken_by: str = ''
+
+    @property
+    def is_aloft(self) -> bool:
+        """Whether it is in the air."""
+        return self.state in _ALOFT
 
     @property
     def is_still(self) -> bool:
         """Whether it does not move, in the air or on the ground."""
         if self.state is FlightState.HOLDING:
-            return self.speed_mps < STILL_MPS
+            return self.speed_mps < (STILL_MPS if self.is_simulated else STILL_REAL_MPS)
         return self.state in GROUNDED
 
 
@@ -118,6 +149,8 @@ class Monitor:
 
     def __init__(self, vehicles: tuple[str, ...]) -> None:
         self._vehicles = {name: VehicleStatus(name=name) for name in vehicles}
+        self._heard_s: dict[str, float] = {}
+        self._ending_s: dict[str, float] = {}
         self._stored: set[str] = set()
         self._rejected: dict[str, str] = {}
         self._takeoff_s: float | None = None
@@ -141,6 +174,30 @@ class Monitor:
         return frozenset(name for name, status in self._vehicles.items() if status.is_still)
 
     @property
+    def unsettled(self) -> frozenset[str]:
+        """Names of the vehicles with photographs that are not stored yet."""
+        return frozenset(n for n, status in self._vehicles.items() if status.shots_pending)
+
+    def heard_ago_s(self, name: str, now_s: float) -> float:
+        """Return the wall time since a vehicle was heard; 0 before it was ever heard."""
+        return now_s - self._heard_s.get(name, now_s)
+
+    def sighting(self, name: str, now_s: float, silent_s: float) -> Sighting:
+        """Return what is known of a vehicle that has been silent for `silent_s`."""
+        status = self._vehicles[name]
+        if not status.ending:
+            self._ending_s.pop(name, None)
+        ending_s = now_s - self._ending_s.setdefault(name, now_s) if status.ending else 0.0
+        is_settling = status.is_by_request and ending_s < SETTLE_S
+        return Sighting(
+            silent_s=silent_s,
+            ending='' if is_settling else status.ending,
+            taken_by='operator' if is_settling else status.taken_by,
+            is_grounded=status.state in GROUNDED,
+            is_unheard=status.state is FlightState.LOST,
+        )
+
+    @property
     def images_stored(self) -> int:
         """Number of photographs in the store."""
         return len(self._stored)
@@ -155,10 +212,11 @@ class Monitor:
         """Simulated seconds since the first take-off, 0 before it."""
         return 0.0 if self._takeoff_s is None else max(0.0, self.time_s - self._takeoff_s)
 
-    def on_vehicle(self, status: VehicleStatus) -> None:
-        """Note the state of a vehicle; unknown vehicles are ignored."""
+    def on_vehicle(self, status: VehicleStatus, wall_s: float = 0.0) -> None:
+        """Note the state of a vehicle, heard at `wall_s`; unknown vehicles are ignored."""
         if status.name not in self._vehicles:
             return
+        self._heard_s[status.name] = wall_s
         self._vehicles[status.name] = status
         if status.time_s > self.time_s:
             self.time_s = status.time_s

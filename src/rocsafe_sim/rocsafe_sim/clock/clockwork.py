@@ -63,6 +63,7 @@ class Clockwork:
     ) -> None:
         self._pace = pace
         self._names = frozenset(participants)
+        self._left: frozenset[str] = frozenset()
         self._time_ns = pace.start_ns
         self._idle: dict[str, bool] = {}
         self._begin_s = wall_s + LISTEN_S
@@ -87,9 +88,13 @@ class Clockwork:
     def take(self, name: str, step_ns: int, *, is_idle: bool) -> None:
         """Take the report of a participant; unknown names and past steps are ignored.
 
-        A report of a later step was meant for a world process that has been restarted since. Its
-        time is adopted, and time runs on if the participant is busy.
+        One that had left and reports the present step takes part again. A report of a later step
+        was meant for a world process that has been restarted since. Its time is adopted, and time
+        runs on if the participant is busy.
         """
+        if name in self._left and step_ns == self._time_ns:
+            self._left -= {name}
+            self._names |= {name}
         if name not in self._names:
             return
         if step_ns > self._time_ns:
@@ -100,7 +105,8 @@ class Clockwork:
             self.is_running = self.is_running or (self._is_adopted and not is_idle)
 
     def dismiss(self, name: str) -> None:
-        """Stop waiting for a participant that has left."""
+        """Stop waiting for a participant that has left, until it reports the present step."""
+        self._left |= self._names & {name}
         self._names -= {name}
         self._idle.pop(name, None)
 
