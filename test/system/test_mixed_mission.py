@@ -99,6 +99,21 @@ def test_real_and_simulated_fly_one_mission(field):
     assert 'rav2' in readings
 
 
+def test_real_drone_takes_over_from_a_simulated_one(field):
+    """The battery of the simulated one fails in the air: the real one holds, then flies the rest."""
+    text = field.scenario.read_text(encoding='utf-8')
+    text = text.replace('  - name: rav2\n', '  - name: rav2\n    fails_after_s: 8.0\n')
+    field.scenario.write_text(text, encoding='utf-8')
+    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs')
+    assert flown.returncode == 0, flown.stdout + flown.stderr
+    assert 'the battery failed' in flown.stdout
+    (run,) = (field.folder / 'runs').glob('mixed-*')
+    plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
+    count = sum(len(route['viewpoints']) for route in plan['routes'])
+    lines = (run / 'images' / 'manifest.jsonl').read_text(encoding='utf-8').splitlines()
+    assert len({json.loads(line)['viewpoint_id'] for line in lines}) == count
+
+
 def test_drone_that_is_not_there_must_not_fly(rocsafe, ros_domain_id, tmp_path):
     """One line with the check that failed; nothing is started."""
     field = Field(rocsafe, ros_domain_id, tmp_path, is_drone_there=False)

@@ -103,8 +103,7 @@ class Member:
         if sighting.is_unheard or sighting.silent_s > lease.lost_s:
             return self._gone(f'nothing heard for {max(sighting.silent_s, lease.silent_s):.0f} s')
         if sighting.silent_s > lease.silent_s:
-            is_member = self.presence is Presence.PRESENT
-            return replace(self, presence=Presence.SILENT) if is_member else self
+            return replace(self, presence=Presence.SILENT) if self.takes_orders else self
         if sighting.ending:
             return self._ended(sighting.ending)
         if sighting.taken_by:
@@ -151,4 +150,5 @@ class Member:
             return self
         if self.returns >= MOST_RETURNS:
             return self.withdrawn(f'it came back {self.returns} times')
-        return replace(self, presence=Presence.RETURNED, returns=self.returns + 1)
+        is_again = self.presence is not Presence.SILENT
+        return replace(self, presence=Presence.RETURNED, returns=self.returns + is_again)
