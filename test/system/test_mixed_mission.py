@@ -100,7 +100,7 @@ def test_real_and_simulated_fly_one_mission(field):
 
 
 def test_real_drone_takes_over_from_a_simulated_one(field):
-    """The battery of the simulated one fails in the air: the real one holds, then flies the rest."""
+    """The battery of the simulated one fails: the real one holds, then flies the rest."""
     text = field.scenario.read_text(encoding='utf-8')
     text = text.replace('  - name: rav2\n', '  - name: rav2\n    fails_after_s: 8.0\n')
     field.scenario.write_text(text, encoding='utf-8')

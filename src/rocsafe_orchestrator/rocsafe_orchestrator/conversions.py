@@ -92,7 +92,7 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
             wind_north_mps=survey.airspace.wind_mps[1],
         ),
         separation=SurveySeparation(
-            distance_m=survey.separation.distance_m, by=survey.separation.by
+            distance_m=survey.separation.distance_m or -1.0, by=survey.separation.by
         ),
         effort=SurveyEffort(
             method=survey.effort.method,
