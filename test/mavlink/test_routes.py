@@ -35,7 +35,6 @@ def test_plain_route_is_taken():
 @pytest.mark.parametrize(
     ('changes', 'words'),
     [
-        ({'delay_s': 20.0}, 'delay_s is 20 s: must be 0'),
         (
             {'flights': [Flight(viewpoints=[VIEW]), Flight()]},
             'has 2 flights: must be 1',

@@ -43,6 +43,7 @@ STATES = {
     FlightState.LANDING: VehicleState.LANDING,
     FlightState.LANDED: VehicleState.LANDED,
     FlightState.LOST: VehicleState.LOST,
+    FlightState.WAITING: VehicleState.WAITING,
 }
 _VERDICTS = {
     CheckVerdict.PASS: PreflightCheck.PASS,
@@ -84,9 +85,7 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
 
 
 def _require_plain(message: RouteMessage) -> None:
-    """Refuse what real vehicles do not fly: a late start, several flights, another end."""
-    if message.delay_s > 0.0:
-        raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
+    """Refuse what real vehicles do not fly: several flights, another end."""
     if len(message.flights) > 1:
         count = len(message.flights)
         raise ValueError(f'the route has {count} flights: must be 1, batteries are not changed')
