@@ -62,6 +62,7 @@ class Requests:
             for name in scenario.vehicle_names
         }
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
+        self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
         self._replaces = False
         self._photographed = 0
@@ -114,9 +115,12 @@ class Requests:
     def _send_fly(self, order: Order) -> None:
         if self._plan is None:
             return
-        routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
+        route = self._routes[self._plan.plan_id, order.vehicle]
+        if not route.viewpoints and order.vehicle in self._real and self._mission is not None:
+            self._mission.sent_home(order.vehicle)
+            return
         goal = FlyRoute.Goal(
-            route=routes[order.vehicle],
+            route=route,
             plan_id=self._plan.plan_id,
             replace=self._replaces,
         )

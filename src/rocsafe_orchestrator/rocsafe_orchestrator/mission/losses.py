@@ -131,7 +131,6 @@ class Losses:
 
     def withdraw(self, vehicle: str, why: str) -> None:
         """Let a vehicle return home; it gets no more work."""
-        self.lost[vehicle] = why
         self._members[vehicle] = self._members[vehicle].withdrawn(why)
         self._requests.renew(OrderKind.RETURN, self._crew.vehicle_processes[vehicle], vehicle)
 

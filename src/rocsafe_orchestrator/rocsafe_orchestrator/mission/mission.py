@@ -184,6 +184,12 @@ class Mission:
         if is_refused:
             self._losses.withdraw(vehicle, fault)
 
+    def sent_home(self, vehicle: str) -> None:
+        """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
+        if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
+            request.finish()
+        self._losses.withdraw(vehicle, 'nothing is left for it')
+
     @property
     def is_gathering(self) -> bool:
         """Whether the rest of the survey is being planned because a vehicle is lost."""
