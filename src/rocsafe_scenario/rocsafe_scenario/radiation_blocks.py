@@ -133,6 +133,9 @@ Level = Annotated[float, Field(gt=0.0, le=1e12)]
 class LevelsBlock(Block):
     """Dose rates of cordons at 1 m, and dose rates and doses at which a vehicle's alarm trips.
 
+    At `turn_back_usvh` or `vehicle_budget_usv` the vehicle returns by the way of least dose; 0:
+    never.
+
     By default those of IAEA EPR-First Responders, GSR Part 7 and ICRP 103; see the documentation.
     """
 
@@ -143,6 +146,8 @@ class LevelsBlock(Block):
         default=(25.0, 100.0, 1000.0, 100_000.0), max_length=20
     )
     alarm_doses_usv: tuple[Level, ...] = Field(default=(1e3, 2e4, 5e4, 1e5, 5e5), max_length=20)
+    turn_back_usvh: float = Field(default=1e5, ge=0.0, le=1e12)
+    vehicle_budget_usv: float = Field(default=1e7, ge=0.0, le=1e12)
 
 
 class RadiationBlock(Block):

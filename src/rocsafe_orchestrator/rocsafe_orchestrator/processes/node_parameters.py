@@ -99,7 +99,10 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the localizer, which is not told of the sources."""
     radiation = scenario.radiation
     search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
-    levels = {key: list(value) for key, value in radiation.levels.model_dump().items()}
+    levels = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in radiation.levels.model_dump().items()
+    }
     return {
         'vehicles': list(scenario.vehicle_names),
         'model': radiation.estimator_model,
