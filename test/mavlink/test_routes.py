@@ -41,7 +41,7 @@ def test_plain_route_is_taken():
         ),
         ({'is_open': True}, 'ends elsewhere: must end at home'),
         ({'end': [GeoPoint(latitude=53.281, longitude=-9.06)]}, 'ends elsewhere'),
-        ({'viewpoints': [], 'flights': []}, 'has no viewpoint'),
+        ({'viewpoints': [], 'flights': []}, 'height_m'),
     ],
 )
 def test_route_beyond_that_is_refused(changes, words):

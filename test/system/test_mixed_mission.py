@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from test.mavlink.airspace import free_port
 
+from rocsafe_orchestrator.products.photographs import read_photographs
+
 pytestmark = pytest.mark.system
 
 HERE = Path(__file__).parent
@@ -110,8 +112,7 @@ def test_real_drone_takes_over_from_a_simulated_one(field):
     (run,) = (field.folder / 'runs').glob('mixed-*')
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
     count = sum(len(route['viewpoints']) for route in plan['routes'])
-    lines = (run / 'images' / 'manifest.jsonl').read_text(encoding='utf-8').splitlines()
-    assert len({json.loads(line)['viewpoint_id'] for line in lines}) == count
+    assert len({shot.viewpoint_id for shot in read_photographs(run / 'images')}) == count
 
 
 def test_drone_that_is_not_there_must_not_fly(rocsafe, ros_domain_id, tmp_path):

@@ -65,14 +65,14 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
         Naming what cannot be flown.
     """
     home = position_of_point(message.home)
-    if not message.viewpoints:
-        raise ValueError('the route has no viewpoint')
     _require_plain(message)
     waypoints: list[FlightWaypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
-    last = waypoints[-1]
+    last = waypoints[-1] if waypoints else _over_home(home, message.flight_height_m)
     waypoints += [_bend(point, last) for point in message.homeward]
+    if not message.viewpoints:
+        waypoints.append(last)
     plan = FlightPlan(
         waypoints=tuple(waypoints),
         speed_mps=spec.speed_mps,
@@ -82,6 +82,11 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
+
+
+def _over_home(home: GeoPosition, height_m: float) -> FlightWaypoint:
+    """Return where a vehicle that is called home comes to, before it returns and lands."""
+    return FlightWaypoint(position=_level(home), height_m=height_m, is_bend=True)
 
 
 def _require_plain(message: RouteMessage) -> None:

@@ -2,15 +2,20 @@
 """Scenario and status <-> messages."""
 
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     Autopilot,
     CameraSpec,
+    DoseAlarm,
     GeoPoint,
+    GeoPolygon,
+    HazardSource,
+    HazardSourceArray,
     MissionState,
     RadiationReading,
     Region,
@@ -24,6 +29,7 @@ from rocsafe_interfaces.msg import (
     VehicleSpec,
     VehicleState,
 )
+from rocsafe_orchestrator.mission.retreat import Danger, EstimatedSource, Retreat
 from rocsafe_orchestrator.mission.status import (
     GROUNDED,
     FlightState,
@@ -298,6 +304,71 @@ def position_of_reading(message: RadiationReading) -> GeoPosition | None:
     if math.isnan(message.position.latitude) or math.isnan(message.position.longitude):
         return None
     return position_of_point(message.position)
+
+
+def turn_back_text(message: DoseAlarm) -> str:
+    """Return why a vehicle turns back."""
+    unit = 'uSv' if message.quantity == DoseAlarm.DOSE else 'uSv/h'
+    return (
+        f'turns back at {message.value_usv:.3g} {unit}, the limit is '
+        f'{message.threshold_usv:.3g} {unit}'
+    )
+
+
+def sources_of(message: HazardSourceArray) -> tuple[tuple[GeoPosition, float], ...]:
+    """Return places and dose rates at 1 m of the estimated sources of gamma radiation."""
+    return tuple(
+        (position_of_point(source.position), source.dose_rate_at_1m_usvh)
+        for source in message.sources
+        if source.kind == HazardSource.GAMMA and math.isfinite(source.dose_rate_at_1m_usvh)
+    )
+
+
+def danger_of(
+    scenario: Scenario, route: Route, monitor: Monitor, here: GeoPosition
+) -> tuple[Danger, LocalFrame]:
+    """Return what a vehicle on `route` that turns back at `here` has around it."""
+    frame = LocalFrame(scenario.origin_position())
+    speed_mps = next(v.cruise_speed_mps for v in scenario.vehicles if v.name == route.vehicle)
+
+    def enu(place: GeoPosition) -> tuple[float, float, float]:
+        east, north, up = frame.enu_of(place).tolist()
+        return east, north, 0.0 if math.isnan(up) else up
+
+    def rings(zones: Iterable[GeoPolygon]) -> tuple[tuple[tuple[float, float], ...], ...]:
+        return tuple(
+            tuple(enu(position_of_point(point))[:2] for point in zone.points) for zone in zones
+        )
+
+    flown = monitor.flown(route.vehicle)
+    danger = Danger(
+        here_enu=enu(here),
+        home=enu(position_of_point(route.home))[:2],
+        speed_mps=speed_mps,
+        flown=tuple(enu(place)[:2] for place, _ in flown),
+        flown_usvh=tuple(rate for _, rate in flown),
+        sources=tuple(
+            EstimatedSource(place_enu=enu(place), at_1m_usvh=rate)
+            for place, rate in monitor.sources
+        ),
+        exclusions=rings(route.exclusions),
+        clearance_m=route.clearance_m,
+    )
+    return danger, frame
+
+
+def retreat_route(route: Route, way: Retreat, here: GeoPosition, frame: LocalFrame) -> Route:
+    """Return the route home by a way, at the height of the vehicle."""
+    up = float(frame.enu_of(here)[2])
+    bends = [frame.position_of((east, north, up)) for east, north in way.bends]
+    return Route(
+        vehicle=route.vehicle,
+        home=route.home,
+        homeward=[point_of_position(bend) for bend in bends],
+        exclusions=route.exclusions,
+        clearance_m=route.clearance_m,
+        flight_height_m=max(1.0, here.altitude_m - route.home.altitude),
+    )
 
 
 def fault_of_flight(result: FlyRoute.Result) -> str:

@@ -16,6 +16,7 @@ from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
@@ -72,6 +73,7 @@ class Requests:
             OrderKind.ADVISE: self._send_advise,
             OrderKind.HOLD: self._send_verb,
             OrderKind.RETURN: self._send_verb,
+            OrderKind.RETREAT: self._send_retreat,
             OrderKind.DISMISS: self._dismiss,
             OrderKind.PAUSE_CLOCK: self._pause,
             OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
@@ -126,6 +128,36 @@ class Requests:
         )
         on_flight = partial(self._on_flight, self._plan.plan_id)
         self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+
+    def _send_retreat(self, order: Order) -> None:
+        """Call a vehicle home by the way of least dose; over terrain by its own way."""
+        status = self._monitor.vehicle(order.vehicle)
+        route = self._routes.get((status.plan_id, order.vehicle))
+        if self._mission is None:
+            return
+        if route is None or route.follows_terrain or status.position is None:
+            why = 'its height above the ground is not known on the way'
+            self._mission.refused(order, f'{order.vehicle}: {why}')
+            return
+        danger, frame = conversions.danger_of(
+            self._scenario, route, self._monitor, status.position
+        )
+        way = retreat(danger)
+        self._mission.remarks.append(
+            f'{order.vehicle}: returns by the way of least dose {way.basis}: {way.dose_usv:.3g} '
+            f'uSv, {way.straight_usv:.3g} uSv straight'
+        )
+        goal = FlyRoute.Goal(
+            route=conversions.retreat_route(route, way, status.position, frame),
+            plan_id=f'{status.plan_id}-retreat',
+            replace=True,
+        )
+        self._send_goal(self._vehicles[order.vehicle], goal, order, self._on_retreat)
+
+    def _on_retreat(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is not None and result.outcome == result.REJECTED:
+            self._mission.refused(order, f'{order.vehicle}: {result.error_msg}')
 
     def _send_verb(self, order: Order) -> None:
         answer = self._verbs[order.kind, order.vehicle].call_async(Trigger.Request())

@@ -184,7 +184,7 @@ def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRout
     here = home if inputs.vehicle.motion is None else inputs.vehicle.motion.position
     way = [here, *(stop.position for stop in stops), home]
     distance = sum(distance_m(a, b) for a, b in pairwise(way))
-    height_m = plan.stops[-1].height_m
+    height_m = plan.waypoints[-1].height_m
     time_s = LEVEL_ALLOWANCE * distance / plan.speed_mps + height_m / limits.descent_mps
     time_s += sum(stop.hold_s for stop in stops)
     return RemainingRoute(

@@ -110,6 +110,9 @@ class MissionLoop:
             parts.mission.cancel(parts.interrupt.text)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
+        for vehicle, why in parts.monitor.turned_back.items():
+            if parts.monitor.vehicle(vehicle).is_aloft:
+                parts.mission.turn_back(vehicle, why)
         for order in parts.mission.advance(now_s, self._situation(now_s)):
             self._carry_out(order)
         while parts.mission.remarks:

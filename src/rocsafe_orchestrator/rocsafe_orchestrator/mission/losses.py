@@ -129,10 +129,10 @@ class Losses:
             return back
         return []
 
-    def withdraw(self, vehicle: str, why: str) -> None:
-        """Let a vehicle return home; it gets no more work."""
+    def withdraw(self, vehicle: str, why: str, by: OrderKind = OrderKind.RETURN) -> None:
+        """Let a vehicle return home by an order; it gets no more work."""
         self._members[vehicle] = self._members[vehicle].withdrawn(why)
-        self._requests.renew(OrderKind.RETURN, self._crew.vehicle_processes[vehicle], vehicle)
+        self._requests.renew(by, self._crew.vehicle_processes[vehicle], vehicle)
 
     def dismiss_again(self) -> None:
         """Tell a restarted world which vehicles it must not wait for."""

@@ -118,6 +118,10 @@ class Mission:
         request.finish()
         if order.kind in (OrderKind.HOLD, OrderKind.RETURN):
             return  # it is on the ground or landing
+        if order.kind is OrderKind.RETREAT:
+            self.remarks.append(f'{text}: it is told to return home')
+            self._requests.renew(OrderKind.RETURN, request.server, order.vehicle)
+            return
         if self._losses.is_gathering and order.kind is OrderKind.PLAN:
             self._fault(f'no plan for the rest: {text}')
             self._losses.go_on()
@@ -183,6 +187,18 @@ class Mission:
             self._fault(f'{vehicle}: {fault}')
         if is_refused:
             self._losses.withdraw(vehicle, fault)
+
+    def turn_back(self, vehicle: str, why: str) -> None:
+        """Let a vehicle return by the way of least dose; others take over its work."""
+        is_aloft = self.phase is Phase.FLYING or self._losses.is_gathering
+        if not is_aloft or not self._losses.member(vehicle).takes_orders:
+            return
+        request = self._requests.get(OrderKind.FLY, vehicle)
+        if request is not None:
+            request.finish()
+        if not self._replaced([vehicle], why):
+            self._fault(f'{vehicle}: {why}')
+        self._losses.withdraw(vehicle, why, OrderKind.RETREAT)
 
     def sent_home(self, vehicle: str) -> None:
         """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
@@ -353,7 +369,8 @@ class Mission:
     def _are_late(self, now_s: float) -> bool:
         """Return whether a node did not accept a request in time; a vehicle is lost then."""
         limit = self._deadlines.accept_s
-        orders = (r for r in self._requests if r.order.kind is not OrderKind.RETURN)
+        homeward = (OrderKind.RETURN, OrderKind.RETREAT)
+        orders = (r for r in self._requests if r.order.kind not in homeward)
         late = [request for request in orders if request.waited_s(now_s) > limit]
         if not late:
             return False

@@ -13,6 +13,7 @@ class OrderKind(Enum):
     ADVISE = 'say where to measure next'
     HOLD = 'hold'
     RETURN = 'return home'
+    RETREAT = 'return by the way of least dose'
     DISMISS = 'wait for it no more'
     PAUSE_CLOCK = 'pause simulated time'
     RUN_CLOCK = 'start simulated time'

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.presence import Sighting
 
@@ -47,6 +47,8 @@ STILL_REAL_MPS = 0.5
 # Vehicles that an operator sends home one after the other all announce it within this time,
 # seconds: until then the others are not made to hold.
 SETTLE_S = 2.0
+# Places on the way of a vehicle are kept so far apart, metres.
+TRACK_STEP_M = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,6 +157,9 @@ class Monitor:
         self._rejected: dict[str, str] = {}
         self._takeoff_s: float | None = None
         self.peak: DosePeak | None = None
+        self.turned_back: dict[str, str] = {}
+        self.sources: tuple[tuple[GeoPosition, float], ...] = ()
+        self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0
         self.viewpoints_planned = 0
         self.time_s = 0.0
@@ -224,9 +229,20 @@ class Monitor:
             self._takeoff_s = status.time_s
 
     def on_dose_rate(self, vehicle: str, dose_rate_usvh: float, position: GeoPosition) -> None:
-        """Note a reading."""
+        """Note a reading, and on the way of a vehicle one every few metres."""
+        flown = self._flown.setdefault(vehicle, [])
+        if not flown or distance_m(flown[-1][0], position) >= TRACK_STEP_M:
+            flown.append((position, dose_rate_usvh))
         if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
+
+    def flown(self, vehicle: str) -> tuple[tuple[GeoPosition, float], ...]:
+        """Return places that a vehicle has flown over, with the dose rate that it read there."""
+        return tuple(self._flown.get(vehicle, ()))
+
+    def on_turn_back(self, vehicle: str, why: str) -> None:
+        """Note that a vehicle is to return because of its dose rate or dose."""
+        self.turned_back.setdefault(vehicle, why)
 
     def on_stored(self, shot_id: str) -> None:
         """Note that a photograph is stored."""
