@@ -9,6 +9,7 @@ from typing import Any
 
 from rocsafe_orchestrator.command_line import (
     check,
+    clear,
     passed_on,
     plan,
     preflight,
@@ -98,7 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, check, plan, replan, preflight, report, passed_on):
+    for module in (run, check, plan, replan, preflight, report, clear, passed_on):
         module.add_to(commands)
     return parser
 

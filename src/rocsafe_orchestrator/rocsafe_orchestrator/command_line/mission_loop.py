@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.progress import Display
+from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
@@ -50,6 +52,8 @@ class Parts:
     interrupt: Interrupt
     directory: RunDirectory
     run_info: dict[str, Any]
+    crew_watch: CrewWatch
+    real: frozenset[str]
 
 
 class MissionLoop:
@@ -73,6 +77,7 @@ class MissionLoop:
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
+        self._marked: dict[str, str] = {}
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left.
@@ -113,12 +118,26 @@ class MissionLoop:
         for vehicle, why in parts.monitor.turned_back.items():
             if parts.monitor.vehicle(vehicle).is_aloft:
                 parts.mission.turn_back(vehicle, why)
+        parts.mission.remarks += parts.crew_watch.advance()
+        self._mark_contaminated()
         for order in parts.mission.advance(now_s, self._situation(now_s)):
             self._carry_out(order)
         while parts.mission.remarks:
             parts.display.say(parts.mission.remarks.pop(0))
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
+
+    def _mark_contaminated(self) -> None:
+        """Tell which vehicles may be contaminated; of real ones it is kept, whatever happens."""
+        parts = self._parts
+        news = {n: w for n, w in parts.monitor.contaminated.items() if n not in self._marked}
+        if not news:
+            return
+        self._marked.update(news)
+        parts.mission.remarks += [f'{n}: may be contaminated, {why}' for n, why in news.items()]
+        run = parts.directory
+        real = {n: f'{why} in {run.name}' for n, why in news.items() if n in parts.real}
+        mark(run.path.parent, real)
 
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission
@@ -186,6 +205,8 @@ class MissionLoop:
             wall_time_s=round(time.monotonic() - self._started_s, 3),
             restarts=self._parts.supervisor.restarts,
             lost_vehicles=mission.losses,
+            may_be_contaminated=self._parts.monitor.contaminated,
+            expected_crew_doses_usv=self._parts.crew_watch.doses_usv,
             rejected_images=self._parts.monitor.rejections,
         )
         write_json(self._parts.directory.run_info, self._parts.run_info)

@@ -14,9 +14,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
+from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
@@ -83,6 +85,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     require_executables(process_table(scenario, RunDirectory(request.parent)))
     with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
         if scenario.linked:
+            require_clean(request.parent, tuple(vehicle.name for vehicle in scenario.linked))
             scenario = cleared(scenario, PREFLIGHT_S, datetime.now().astimezone())
         return _run(request, scenario, console)
 
@@ -137,7 +140,8 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.started_s = time.monotonic()
-        self.monitor = Monitor(self.scenario.vehicle_names)
+        levels = self.scenario.radiation.levels
+        self.monitor = Monitor(self.scenario.vehicle_names, levels.contamination_usvh)
         self.table = process_table(self.scenario, self.directory)
         self.supervisor = Supervisor(
             launches(self.table, self.directory, self.request.config),
@@ -182,6 +186,8 @@ class _Run:
                 interrupt=self.interrupt,
                 directory=self.directory,
                 run_info=self.run_info,
+                crew_watch=CrewWatch(self.scenario, self.monitor),
+                real=frozenset(vehicle.name for vehicle in self.scenario.linked),
             )
             try:
                 run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)

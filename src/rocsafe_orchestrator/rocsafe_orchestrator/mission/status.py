@@ -147,9 +147,11 @@ class Monitor:
     ----------
     vehicles
         Names, in the order in which they are shown.
+    contamination_usvh
+        Dose rate from which a vehicle may be contaminated; 0: none.
     """
 
-    def __init__(self, vehicles: tuple[str, ...]) -> None:
+    def __init__(self, vehicles: tuple[str, ...], contamination_usvh: float = 0.0) -> None:
         self._vehicles = {name: VehicleStatus(name=name) for name in vehicles}
         self._heard_s: dict[str, float] = {}
         self._ending_s: dict[str, float] = {}
@@ -158,6 +160,8 @@ class Monitor:
         self._takeoff_s: float | None = None
         self.peak: DosePeak | None = None
         self.turned_back: dict[str, str] = {}
+        self.contaminated: dict[str, str] = {}
+        self._contamination_usvh = contamination_usvh
         self.sources: tuple[tuple[GeoPosition, float], ...] = ()
         self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0
@@ -233,6 +237,8 @@ class Monitor:
         flown = self._flown.setdefault(vehicle, [])
         if not flown or distance_m(flown[-1][0], position) >= TRACK_STEP_M:
             flown.append((position, dose_rate_usvh))
+        if 0.0 < self._contamination_usvh <= dose_rate_usvh and vehicle not in self.contaminated:
+            self.contaminated[vehicle] = f'it read {dose_rate_usvh:.3g} uSv/h'
         if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
 

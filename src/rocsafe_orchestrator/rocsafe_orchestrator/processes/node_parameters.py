@@ -101,7 +101,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
     levels = {
         key: list(value) if isinstance(value, tuple) else value
-        for key, value in radiation.levels.model_dump().items()
+        for key, value in radiation.levels.model_dump(exclude={'contamination_usvh'}).items()
     }
     return {
         'vehicles': list(scenario.vehicle_names),
