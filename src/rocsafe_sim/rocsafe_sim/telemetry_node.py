@@ -109,7 +109,15 @@ class Telemetry:
     def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight
         why = None if flight is None else (flight.route.plan_id, flight.text, ending_of(flight))
-        return seen.mode, seen.viewpoints_visited, seen.shots_taken, len(self._rav.shots), why
+        stands = self._rav.vehicle.stands
+        return (
+            seen.mode,
+            stands,
+            seen.viewpoints_visited,
+            seen.shots_taken,
+            len(self._rav.shots),
+            why,
+        )
 
     def _publish_path(self, seen: VehicleSnapshot, stamp: Time) -> None:
         if not seen.mode.is_airborne:

@@ -40,6 +40,11 @@ class VehicleInterface:
         Simulated time between fixes, nanoseconds.
     on_busy
         Called when a command wakes an idle vehicle.
+
+    Attributes
+    ----------
+    has_news
+        Whether in the last step it announced an early end of its flight, or came to stand.
     """
 
     def __init__(
@@ -53,6 +58,8 @@ class VehicleInterface:
         self._log = node.get_logger()
         self._on_busy = on_busy
         self._has_stepped = False
+        self.has_news = False
+        self._was_told: tuple[bool, bool] = (False, False)
         self._telemetry = Telemetry(node, rav, fix_period_ns)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
         self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
@@ -76,6 +83,9 @@ class VehicleInterface:
             self._log.warning(f'{self._rav.parts.name}: cut off for {gap_s:.0f} s, holds')
             vehicle.hold()
         seen, shots = self._rav.step(time_ns)
+        told = (vehicle.ends_early, vehicle.stands)
+        self.has_news = any(now > before for now, before in zip(told, self._was_told, strict=True))
+        self._was_told = told
         self._telemetry.publish(seen)
         self._publish_pictures(shots)
         for camera in self._cameras:

@@ -14,7 +14,8 @@ from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 
 PLANNER, WORLD = 'planner', 'world'
-# A vehicle that came back hands over its photographs within this time, seconds.
+# A vehicle that came back, or was lost and is heard, hands over its photographs within this time,
+# seconds.
 MERGE_S = 20.0
 
 
@@ -51,6 +52,11 @@ class Losses:
     def others(self) -> list[str]:
         """Vehicles that can be given a route."""
         return [name for name, member in self._members.items() if member.takes_orders]
+
+    @property
+    def lets_time_run(self) -> bool:
+        """Whether vehicles have been told to hold and need time to come to a stop."""
+        return self._requests.all_done(OrderKind.HOLD) and not self.is_paused
 
     @property
     def is_paused(self) -> bool:
@@ -176,10 +182,11 @@ class Losses:
                 self.withdraw(name, 'nothing is left for it')
 
     def _merges(self, situation: Situation) -> bool:
-        """Return whether a vehicle that came back still hands over photographs."""
+        """Return whether a vehicle that came back, or comes home, hands over photographs."""
         return any(
-            member.presence is Presence.RETURNED and name in situation.unsettled
+            member.presence in (Presence.RETURNED, Presence.APART)
             for name, member in self._members.items()
+            if name in situation.unsettled
         )
 
     def _gather(self, back: Iterable[str] = ()) -> None:

@@ -18,6 +18,9 @@ from rocsafe_orchestrator.mission.standstill import Standstill
 
 MOSAIC, REPORT = 'mosaic', 'report'
 LOCALIZER = 'localizer'
+# The world pauses when a vehicle has news. While vehicles hold, time is started again after
+# ANSWERED_S of wall time; news that nobody answers stop it for NOBODY_ANSWERS_S.
+ANSWERED_S, NOBODY_ANSWERS_S, RUN_AGAIN_S = 0.4, 1.0, 0.5
 
 
 class Mission:
@@ -66,6 +69,7 @@ class Mission:
             is_replaced=replans,
         )
         self._down_by_s: float | None = None
+        self._runs_again_s = 0.0
         self._rounds_left = extra_rounds
         self._is_extra = False
         self._entered_s: float | None = None
@@ -400,10 +404,20 @@ class Mission:
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
         self.stalled_s = self._progress.standing_s(situation.simulated_s, now_s)
+        self._let_time_run(now_s)
         if self.stalled_s > self._stall_timeout_s:
             names = ', '.join(situation.waiting_for) or 'an unknown node'
             text = f'simulated time stands still for {self.stalled_s:.0f} s'
             self._fail(f'{text}: waits for {names}')
+
+    def _let_time_run(self, now_s: float) -> None:
+        """Start time again that a vehicle with news has stopped, when they are answered."""
+        is_gathering = self._losses.is_gathering
+        after_s = ANSWERED_S if is_gathering else NOBODY_ANSWERS_S
+        is_due = self.stalled_s > after_s and now_s >= self._runs_again_s
+        if is_due and (self._losses.lets_time_run or not is_gathering):
+            self._runs_again_s = now_s + RUN_AGAIN_S
+            self._requests.renew(OrderKind.RUN_CLOCK, WORLD)
 
     def _collect(self, now_s: float, situation: Situation) -> None:
         settled = situation.images_stored + situation.images_rejected

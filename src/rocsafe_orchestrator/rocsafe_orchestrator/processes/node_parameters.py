@@ -45,6 +45,7 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'participants': [*_vehicle_participants(scenario), FIELD, RECORDER],
         'autostart': is_real,
         'pause_when_idle': not is_real,
+        'pause_on_news': not is_real and scenario.replan == 'on_loss',
         'scene': scenario.scene,
     }
 

@@ -87,6 +87,17 @@ class SimulatedVehicle:
         return not self.mode.is_airborne and self.mode is not Mode.WAITING
 
     @property
+    def ends_early(self) -> bool:
+        """Whether its flight ends, or has ended, otherwise than planned."""
+        ending = FlightOutcome.COMPLETED if self.flight is None else self.flight.ending
+        return ending is not FlightOutcome.COMPLETED
+
+    @property
+    def stands(self) -> bool:
+        """Whether it holds and has come to a stop."""
+        return self.mode is Mode.HOLDING and self.pose_at(self.time_ns).motion.is_still
+
+    @property
     def waits_s(self) -> float:
         """Time on the ground before it takes off by itself, seconds; 0 if it does not wait."""
         if self.flight is None or self.mode is not Mode.WAITING:
