@@ -134,6 +134,7 @@ class Air:
         return self.drones[system].vehicle
 
 
+@pytest.mark.slow
 def test_three_vehicles_on_one_link_are_told_apart():
     """Each flies its own plan; no order reaches another."""
     air = Air(3)
