@@ -5,7 +5,6 @@ ROS cannot be started in the process that starts the mission: its threads would 
 """
 
 import multiprocessing
-import os
 import signal
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -35,14 +34,18 @@ FAST_DDS, VENDOR, MACHINE, PROCESS = b'\x01\x0f', slice(0, 2), slice(2, 4), slic
 class Claim:
     """Takes a domain for a mission, until its own nodes are there, and tells who has it already.
 
-    Missions that begin at the same time see each other's claims.
+    Missions that begin at the same time see each other's claims. ROS reads the user's parameter
+    file `config` here first, so that a wrong one starts nothing.
     """
 
-    def __init__(self, mission: MissionIdentity, names: Iterable[str]) -> None:
+    def __init__(
+        self, mission: MissionIdentity, names: Iterable[str], config: Path | None = None
+    ) -> None:
         self.mission = mission
         context = multiprocessing.get_context('fork')
         self._answer, told = context.Pipe(duplex=False)
-        arguments = (mission, frozenset(names), told, os.getpid())
+        files = () if config is None else ('--params-file', str(config))
+        arguments = ((*mission.ros_arguments, *files), mission.token, frozenset(names), told)
         self._process = context.Process(target=_claim, args=arguments, daemon=True)
         self._process.start()
         told.close()
@@ -74,23 +77,29 @@ class Claim:
 
 
 @contextmanager
-def claimed(mission: MissionIdentity, names: Iterable[str]) -> Iterator[Claim]:
+def claimed(
+    mission: MissionIdentity, names: Iterable[str], config: Path | None = None
+) -> Iterator[Claim]:
     """Hold a `Claim`, at most to the end of the block."""
-    claim = Claim(mission, names)
+    claim = Claim(mission, names, config)
     try:
         yield claim
     finally:
         claim.close()
 
 
-def _claim(mission: MissionIdentity, names: frozenset[str], told: Connection, parent: int) -> None:
+def _claim(
+    ros_arguments: tuple[str, ...], token: str, names: frozenset[str], told: Connection
+) -> None:
     """Look, tell what was found, and stay visible until killed."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    end_with(parent)
+    parent = multiprocessing.parent_process()
+    if parent is not None and parent.pid is not None:
+        end_with(parent.pid)
     try:
-        rclpy.init(args=['--ros-args', *mission.ros_arguments])
-        node = LookoutNode(f'orchestrator_claim_{mission.token}')
+        rclpy.init(args=['--ros-args', *ros_arguments])
+        node = LookoutNode(f'orchestrator_claim_{token}')
         await_discovery(node, REMOTE_S)
         told.send(node.speakers(names))
     except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
+from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
@@ -68,13 +69,7 @@ class MissionLoop:
         self._shown_phase: Phase | None = None
 
     def fly(self) -> Phase:
-        """Run the mission to its end and return how it ended; no process is left.
-
-        Raises
-        ------
-        SetupError
-            If the report cannot be started.
-        """
+        """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
         try:
             parts.node.requests.begin(parts.mission)
@@ -137,8 +132,12 @@ class MissionLoop:
         # Only after the nodes have ended is the recording complete and no image being written.
         self._stop([spec.name for spec in self._parts.table])
         self._write_outcome(is_over=False)
-        if not self._parts.interrupt.is_urgent:
+        if self._parts.interrupt.is_urgent:
+            return
+        try:
             self._parts.supervisor.start(REPORT)
+        except SetupError as error:
+            self._parts.mission.gave_up(REPORT, str(error))
 
     def _stop(self, names: list[str]) -> None:
         interrupt = self._parts.interrupt

@@ -23,6 +23,7 @@ from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.company import needed_names
+from rocsafe_orchestrator.processes.config_file import require_parameter_file
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.launches import (
@@ -80,8 +81,8 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     lines = flight_mistakes(scenario)
     if lines:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
-    if request.config is not None and not request.config.is_file():
-        raise ScenarioError(f'{request.config}: no such file')
+    if request.config is not None:
+        require_parameter_file(request.config)
     _stay_on_this_machine()
     table = process_table(scenario, RunDirectory(request.parent))
     executables = require_executables(table)
@@ -90,7 +91,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     holder = f'{mission.mission}, process {os.getpid()}'
     with (
         domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0', holder),
-        claimed(mission, needed_names(scenario, table)) as claim,
+        claimed(mission, needed_names(scenario, table), request.config) as claim,
     ):
         # The modules load while the claim looks.
         for executable in executables:
