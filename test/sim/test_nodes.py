@@ -32,6 +32,7 @@ from rocsafe_interfaces.msg import (
     GeoPoint,
     VehicleState,
 )
+from rocsafe_interfaces.srv import Resume
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError
@@ -110,7 +111,7 @@ def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:
     operator.ros.spin_until(
         lambda: states and states[-1].state == VehicleState.HOLDING, DEADLINE_S
     )
-    assert operator.call('rav1/resume', Trigger.Request()).success
+    assert operator.order(Resume, 'resume').success
     assert operator.call('rav1/return_home', Trigger.Request()).success
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_ABORTED
@@ -186,7 +187,8 @@ def test_impossible_routes_are_refused(
         setattr(wrong, field, value)
     client = ActionClient(operator.node, FlyRoute, 'rav1/fly_route')
     operator.ros.spin_until(client.server_is_ready, DEADLINE_S)
-    goal = operator.wait(client.send_goal_async(FlyRoute.Goal(route=wrong, plan_id='p')))
+    goal = FlyRoute.Goal(route=wrong, plan_id='p', lease=operator.lease())
+    goal = operator.wait(client.send_goal_async(goal))
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.outcome == FlyRoute.Result.REJECTED
@@ -215,7 +217,7 @@ def test_restarted_vehicle_continues(
     assert ended.result.viewpoints_visited == 4
     operator.ros.spin_until(lambda: states and states[-1].shots_pending == 0, DEADLINE_S)
     assert {s.shot_id for s in shots} == {f'rav1-{number:05d}' for number in range(4)}
-    assert [path.name for path in tmp_path.iterdir()] == ['journal.json']
+    assert {path.name for path in tmp_path.iterdir()} == {'journal.json', 'lease.json'}
 
 
 def test_fleet_flies_many_in_one_process(

@@ -3,6 +3,7 @@
 
 import logging
 import os
+import secrets
 import sys
 import time
 from collections.abc import Iterator
@@ -35,6 +36,7 @@ from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
+from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
@@ -136,6 +138,8 @@ class _Run:
     text: str = ''
 
     def __post_init__(self) -> None:
+        # Vehicles and orchestrator of a mission know each other by it, see `rocsafe_ros`.
+        os.environ[MISSION_VARIABLE] = secrets.token_hex(16)
         self.started_s = time.monotonic()
         self.monitor = Monitor(self.scenario.vehicle_names)
         self.table = process_table(self.scenario, self.directory)
