@@ -18,8 +18,8 @@ class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    camera/*, control. Subscribes: shots/receipts. Services: lease and those of `CommandServices`.
-    Action: fly_route.
+    home, camera/*, control. Subscribes: shots/receipts. Services: lease, and those of
+    `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
