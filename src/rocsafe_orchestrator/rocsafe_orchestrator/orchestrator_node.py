@@ -24,6 +24,7 @@ from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -42,13 +43,14 @@ class OrchestratorNode(Node):
     """
 
     def __init__(
-        self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
+        self, scenario: Scenario, monitor: Monitor, identity: MissionIdentity, **node_options: Any
     ) -> None:
-        super().__init__(NAME, **node_options)
+        rules = ['--ros-args', *identity.remapping_arguments]
+        super().__init__(NAME, cli_args=rules, **node_options)
         self.deadlines = Deadlines(**dataclasses.asdict(_options(self)))
         self._scenario = scenario
         self._monitor = monitor
-        self._mission_id = mission_id
+        self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
@@ -56,10 +58,11 @@ class OrchestratorNode(Node):
             f'{NAME}_requests',
             context=self.context,
             use_global_arguments=False,
+            cli_args=rules,
             start_parameter_services=False,
             enable_rosout=False,
         )
-        self.requests = Requests(self.requester, scenario, monitor, mission_id)
+        self.requests = Requests(self.requester, scenario, monitor, identity.mission)
         self._wire()
 
     def _wire(self) -> None:
@@ -84,11 +87,6 @@ class OrchestratorNode(Node):
         region.header.stamp = self.get_clock().now().to_msg()
         region.header.frame_id = 'earth'
         self._region.publish(region)
-
-    def has_company(self) -> bool:
-        """Return whether another orchestrator is at work in this ROS domain."""
-        names = self.get_node_names_and_namespaces()
-        return names.count((NAME, '/')) > 1
 
     def ready(self, table: Iterable[ProcessSpec]) -> frozenset[str]:
         """Return the names of the processes whose endpoints all exist."""
@@ -167,10 +165,17 @@ def _options(node: Node) -> OrchestratorOptions:
 
 
 @contextmanager
-def ros_session(config: Path | None = None) -> Iterator[None]:
-    """Initialise ROS, with the parameters of the file `config`, and shut it down at the end.
+def ros_session(identity: MissionIdentity, config: Path | None = None) -> Iterator[None]:
+    """Initialise ROS as a part of a mission, and shut it down at the end.
 
     Signals are left alone: a mission handles them itself.
+
+    Parameters
+    ----------
+    identity
+        The mission.
+    config
+        File with parameters of the nodes.
 
     Raises
     ------
@@ -178,7 +183,7 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
         If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
-    arguments = ['--ros-args', '-p', 'use_sim_time:=true']
+    arguments = ['--ros-args', '-p', 'use_sim_time:=true', *identity.ros_arguments]
     if config is not None:
         arguments += ['--params-file', str(config)]
     try:

@@ -89,7 +89,8 @@ class RecorderNode(Node):
         """Subscribe to all topics; return the subscriptions with a permanent publisher."""
         awaited = []
         for spec, vehicle in recorded_topics(self._options.vehicles, self._options.other_cameras):
-            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
+            # Under the name that everybody knows, also if the mission has one of its own.
+            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle), only_expand=True)
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
                 self, spec, partial(self._on_message, number), vehicle, raw=True
