@@ -32,7 +32,7 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_interfaces.srv import Lease, SuggestViewpoints
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
@@ -44,7 +44,9 @@ from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
 
@@ -77,6 +79,11 @@ class Servers(Node):
                     goal_callback=self._judge,
                 )
             )
+        self.vehicle_nodes = {
+            name: VehicleScopeNode('vehicle', namespace=f'/{name}', **node_options)
+            for name in self.outcomes
+        }
+        self.leases = {name: LeaseServer(node, None) for name, node in self.vehicle_nodes.items()}
         self.create_service(SetBool, 'world/run', self._run)
         self.create_service(Trigger, 'mosaic/save', self._save)
         self.places: list[GeoPoint] = []
@@ -88,6 +95,8 @@ class Servers(Node):
         """Destroy the node and its action servers."""
         for server in self._actions:
             server.destroy()
+        for node in self.vehicle_nodes.values():
+            node.destroy_node()
         super().destroy_node()
 
     def _plan(self, handle: Any) -> PlanSurvey.Result:
@@ -106,6 +115,7 @@ class Servers(Node):
         return GoalResponse.ACCEPT if self.accepts else GoalResponse.REJECT
 
     def _fly(self, name: str, handle: Any) -> FlyRoute.Result:
+        self.leases[name].require(handle.request.lease)
         self.asked.append(f'{name} {handle.request.plan_id}')
         handle.succeed()
         outcome = self.outcomes[name]
@@ -148,7 +158,8 @@ class Stage:
         self._skipped_s = 0.0
         self.node.requests.begin(self.mission)
         self.servers = Servers(context=ros.context)
-        for node in (self.node, self.node.requester, self.servers):
+        vehicles = self.servers.vehicle_nodes.values()
+        for node in (self.node, self.node.requester, self.servers, *vehicles):
             ros.executor.add_node(node)
         self.everybody = frozenset(spec.name for spec in self.table)
         self.until(lambda: all(map(self.is_server_ready, self.endpoints())))
@@ -252,6 +263,18 @@ def test_refused_plan_is_told(stage: Stage) -> None:
     stage.servers.plan_error = 'route of rav2 is too long'
     stage.advance_to(Phase.REPORTING)
     assert stage.mission.text == 'planner: route of rav2 is too long'
+
+
+def test_vehicle_that_somebody_else_leads_is_not_flown(stage: Stage) -> None:
+    """A mission takes no lease over: the fault says who has the vehicle."""
+    client = stage.servers.create_client(Lease, 'rav1/lease')
+    stage.until(client.service_is_ready)
+    client.call_async(Lease.Request(holder='anna', take_over=True))
+    # The mission may have taken it before.
+    stage.until(lambda: 'anna' in stage.servers.leases['rav1'].who)
+    stage.advance_to(Phase.REPORTING)
+    assert stage.servers.asked == []
+    assert stage.mission.text.startswith('rav1: rav1 is led by anna for ')
 
 
 def test_flight_with_a_fault_is_told(stage: Stage) -> None:

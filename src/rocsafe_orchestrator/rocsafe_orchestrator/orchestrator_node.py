@@ -62,7 +62,7 @@ class OrchestratorNode(Node):
             start_parameter_services=False,
             enable_rosout=False,
         )
-        self.requests = Requests(self.requester, scenario, monitor)
+        self.requests = Requests(self.requester, scenario, monitor, identity.mission)
         self._wire()
 
     def _wire(self) -> None:

@@ -38,6 +38,7 @@ from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
+from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -154,6 +155,8 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.identity = replace(self.claim.mission, mission=self.directory.name)
+        # Vehicles and orchestrator of a mission know each other by it.
+        os.environ[MISSION_VARIABLE] = self.identity.token
         self.started_s = time.monotonic()
         self.monitor = Monitor(self.scenario.vehicle_names)
         self.table = process_table(self.scenario, self.directory)
