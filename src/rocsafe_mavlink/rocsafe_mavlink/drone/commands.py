@@ -58,7 +58,7 @@ class DroneCommands:
     def hold(self, now_s: float) -> None:
         """Stop where it is, within the mission if one is flown."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.hold(self._session.telemetry), preempts=True)
+        self._begin(lambda commands: commands.hold(self._session.telemetry), now_s, preempts=True)
 
     def resume(self, now_s: float) -> None:
         """Continue the mission."""
@@ -72,22 +72,22 @@ class DroneCommands:
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
         self._require_verified()
-        self._begin(lambda commands: commands.resume(session.telemetry))
+        self._begin(lambda commands: commands.resume(session.telemetry), now_s)
 
     def return_home(self, now_s: float) -> None:
         """Give up the route, fly home and land."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.return_home(), preempts=True)
+        self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
 
     def land(self, now_s: float) -> None:
         """Give up the route and land where it is."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.land(), preempts=True)
+        self._begin(lambda commands: commands.land(), now_s, preempts=True)
 
     def change_speed(self, speed_mps: float, now_s: float) -> None:
         """Fly faster or slower from now on."""
         self._require_ours(now_s)
-        self._begin(lambda commands: commands.change_speed(speed_mps))
+        self._begin(lambda commands: commands.change_speed(speed_mps), now_s)
 
     def go_to(self, place: GeoPosition, height_m: float, now_s: float) -> None:
         """Fly to a place, `height_m` above home, and stay there."""
@@ -97,14 +97,14 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         self._require_within_fence(place)
-        self._begin(lambda commands: commands.go_to(place, height_m, home))
+        self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
         """Replace the polygons of the fence."""
         self._require_not_others(now_s)
-        self._begin(lambda commands: commands.push_fence(fence))
+        self._begin(lambda commands: commands.push_fence(fence), now_s)
         # It is read again as it lies there then: until that is done no flight begins.
-        self._session.readout.forget_fence()
+        self._session.readout.overwritten(MissionType.FENCE)
 
     def push_rally(self, points: Sequence[GeoPosition], height_m: float, now_s: float) -> None:
         """Replace the rally points."""
@@ -113,7 +113,7 @@ class DroneCommands:
             items = rally_items(points, height_m)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
-        self._begin(lambda commands: commands.push(MissionType.RALLY, items))
+        self._begin(lambda commands: commands.push(MissionType.RALLY, items), now_s)
 
     def replace_route(self, plan: FlightPlan, now_s: float) -> None:
         """Fly another plan in the place of the one under way."""
@@ -124,7 +124,7 @@ class DroneCommands:
         if failed:
             raise CommandRefusedError(failed)
         self._begin(
-            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot))
+            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot)), now_s
         )
 
     def route_checks(self, plan: FlightPlan) -> tuple[Check, ...]:
@@ -175,8 +175,8 @@ class DroneCommands:
         if not readout.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
-    def _begin(self, write: Writer, *, preempts: bool = False) -> None:
+    def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:
         try:
-            self._session.begin(write(self._session.commands()), preempts=preempts)
+            self._session.begin(write(self._session.commands()), now_s, preempts=preempts)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error

@@ -207,7 +207,8 @@ class Drone:
         if is_same and entry is not None and (entry.outcome or entry.was_airborne):
             self._record.settle(self.vehicle)
             return
-        if self.vehicle.contact(now_s) is not Contact.FRESH or self.vehicle.is_armed:
+        is_busy = self.vehicle.is_armed or self.session.is_commanded
+        if self.vehicle.contact(now_s) is not Contact.FRESH or is_busy:
             raise WaitError(self._why_it_waits(now_s))
         checks = self.checks(assignment.plan, now_s)
         _require_passed(checks)
@@ -268,7 +269,7 @@ class Drone:
         contact = self.vehicle.contact(now_s)
         if contact is not Contact.FRESH:
             return f'the vehicle is not in contact ({contact.value})'
-        return 'the motors run'
+        return 'the motors run' if self.vehicle.is_armed else 'a command is under way'
 
     def _adopt(self, entry: JournalEntry) -> None:
         """Take up the flight of a bridge that ended; nothing is sent for it."""

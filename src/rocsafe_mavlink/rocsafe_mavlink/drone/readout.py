@@ -26,22 +26,6 @@ Target = tuple[int, int]
 FENCE_READ_AGAIN_S = 30.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Activity:
-    """What a vehicle is busy with, as far as reading must wait for it.
-
-    Attributes
-    ----------
-    is_beginning
-        Whether a flight is being started.
-    is_commanded
-        Whether a command of the operator is under way.
-    """
-
-    is_beginning: bool
-    is_commanded: bool
-
-
 @dataclass(slots=True)
 class Readout:
     """Reads settings, fence and mission of one vehicle, and owns what is known of them.
@@ -93,10 +77,15 @@ class Readout:
         self,
         vehicle: VehicleTelemetry,
         kind: Autopilot | None,
-        activity: Activity,
         now_s: float,
+        *,
+        is_commanded: bool,
     ) -> list[Message]:
-        """Let time pass; return what to send. `kind` is None where no autopilot is known."""
+        """Let time pass; return what to send.
+
+        `kind` is None where no autopilot is known. Nothing is begun to be read while the vehicle
+        `is_commanded`.
+        """
         contact = vehicle.contact(now_s)
         if contact is Contact.LOST:
             self._was_lost = True
@@ -106,13 +95,25 @@ class Readout:
             # Another station may have changed what lies on it.
             self._was_lost, self.mission = False, self.mission.forgotten()
             self.forget_fence()
-        return self._missing_rates(kind, now_s) + self._read(vehicle, kind, activity, now_s)
+        read = self._read(vehicle, kind, now_s, is_commanded=is_commanded)
+        return self._missing_rates(kind, now_s) + read
 
     def forget(self) -> None:
         """Forget all that a vehicle that was started again may have changed."""
         self.mission = self.mission.forgotten()
         self.parameters = self._download = None
         self.forget_fence()
+
+    def overwritten(self, kind: MissionType) -> None:
+        """Note that we are about to overwrite a list on the vehicle.
+
+        A reading under way is thrown away: the first part of what it gives may be the old list.
+        """
+        self._download = None
+        if kind is MissionType.MISSION:
+            self.mission = self.mission.upload_begun()
+        elif kind is MissionType.FENCE:
+            self.forget_fence()
 
     def forget_fence(self) -> None:
         """Forget the fence, which may be another by now, and what was read of it so far."""
@@ -128,8 +129,9 @@ class Readout:
         self,
         vehicle: VehicleTelemetry,
         kind: Autopilot | None,
-        activity: Activity,
         now_s: float,
+        *,
+        is_commanded: bool,
     ) -> list[Message]:
         """Read one thing after the other: mission in the air, then fence, settings on the ground.
 
@@ -141,12 +143,10 @@ class Readout:
             return sent
         if not vehicle.is_armed:
             self.mission = self.mission.unread()
-        if activity.is_beginning:
+        if is_commanded:
             return []
         if vehicle.is_armed and self.mission.items is None:
             return self._begin(MissionType.MISSION, now_s)
-        if activity.is_commanded:
-            return []
         is_old = not vehicle.is_armed and now_s - self._fence_read_s > FENCE_READ_AGAIN_S
         if is_old or (self.fence is None and not self.fence_error):
             self._fence_read_s = now_s

@@ -108,6 +108,16 @@ class MissionFlight:
             return after, sent + more
         return going._after_success() if sequence.is_over else going, sent
 
+    def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'MissionFlight':
+        """Return the flight after a look at the vehicle: its commands may be withdrawn."""
+        if self.sequence is None:
+            return self
+        return replace(self, sequence=self.sequence.looked_at(vehicle, now_s))
+
+    def interrupted(self) -> 'MissionFlight':
+        """Return the flight once an operator commands it in the air: it is only watched now."""
+        return replace(self, stage=FlightStage.FLYING, sequence=None)
+
     def stopped(self) -> 'MissionFlight':
         """Return the flight after an operator's accepted command to return or land."""
         return replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
