@@ -77,6 +77,8 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
         takes_photographs=spec.takes_photographs,
         trigger_distance_m=spec.trigger_distance_m,
         home=GeoPosition(home.latitude_deg, home.longitude_deg, 0.0),
+        exclusions=tuple(tuple(map(_level, ring_of(zone))) for zone in message.exclusions),
+        clearance_m=message.clearance_m,
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)

@@ -39,6 +39,10 @@ class Parameter(Enum):
     RETURN_HEIGHT_M = 'height of the return'
     ARMING_CHECKS = 'checks before arming'
     RADIO_LOSS_ACTION = 'radio-loss action'
+    RALLY_LIMIT_M = 'furthest rally point'
+    RALLY_INCLUDES_HOME = 'home as a rally point'
+    PATH_PLANNER = 'path planner'
+    RETURN_KIND = 'kind of return'
 
 
 # Names of each parameter, the newest first, with the factor from their unit to SI.
@@ -60,6 +64,9 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         # The newer one names what is left out, the older one what is checked.
         Parameter.ARMING_CHECKS: (('ARMING_SKIPCHK', 1.0), ('ARMING_CHECK', 1.0)),
         Parameter.RADIO_LOSS_ACTION: (('FS_THR_ENABLE', 1.0),),
+        Parameter.RALLY_LIMIT_M: (('RALLY_LIMIT_KM', 1000.0),),
+        Parameter.RALLY_INCLUDES_HOME: (('RALLY_INCL_HOME', 1.0),),
+        Parameter.PATH_PLANNER: (('OA_TYPE', 1.0),),
     },
     PX4: {
         Parameter.CRUISE_SPEED_MPS: (('MPC_XY_CRUISE', 1.0),),
@@ -71,6 +78,7 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LINK_LOSS_EXCEPTIONS: (('COM_DLL_EXCEPT', 1.0),),
         Parameter.RETURN_HEIGHT_M: (('RTL_RETURN_ALT', 1.0),),
         Parameter.RADIO_LOSS_ACTION: (('NAV_RCL_ACT', 1.0),),
+        Parameter.RETURN_KIND: (('RTL_TYPE', 1.0),),
         Parameter.FENCE_RADIUS_M: (('GF_MAX_HOR_DIST', 1.0),),
         Parameter.FENCE_HEIGHT_M: (('GF_MAX_VER_DIST', 1.0),),
     },

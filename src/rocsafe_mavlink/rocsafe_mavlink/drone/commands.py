@@ -11,7 +11,8 @@ from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.fence import Fence, rally_items
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, mission_of
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
+from rocsafe_mavlink.flight.homeward import homeward_plan, leg_fault
 from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.telemetry import Contact
@@ -75,9 +76,17 @@ class DroneCommands:
         self._begin(lambda commands: commands.resume(session.telemetry), now_s)
 
     def return_home(self, now_s: float) -> None:
-        """Give up the route, fly home and land."""
+        """Give up the route, fly home and land: straight, or around exclusions."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+        way = self._way_home()
+        if way is None:
+            self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+        else:
+            self._begin(
+                lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
+                now_s,
+                preempts=True,
+            )
 
     def land(self, now_s: float) -> None:
         """Give up the route and land where it is."""
@@ -97,6 +106,7 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         self._require_within_fence(place)
+        self._require_clear(place)
         self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
@@ -174,6 +184,26 @@ class DroneCommands:
             raise CommandRefusedError(f'its fence cannot be read: {readout.fence_error}')
         if not readout.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
+
+    def _require_clear(self, place: GeoPosition) -> None:
+        flight, motion = self._session.flight, self._session.telemetry.motion
+        if flight is None or flight.is_over or motion is None:
+            return
+        fault = leg_fault(flight.plan, motion.position, place)
+        if fault:
+            raise CommandRefusedError(fault)
+
+    def _way_home(self) -> FlightPlan | None:
+        """Return the way around exclusions; None if the vehicle may return straight."""
+        flight, vehicle = self._session.flight, self._session.telemetry
+        if flight is None or flight.is_over or vehicle.home is None or vehicle.motion is None:
+            return None
+        here = FlightWaypoint(
+            position=vehicle.motion.position,
+            height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
+        )
+        home = GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg)
+        return homeward_plan(flight.plan, here, home)
 
     def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:
         try:

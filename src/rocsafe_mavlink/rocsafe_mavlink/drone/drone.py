@@ -255,7 +255,9 @@ class Drone:
         """Note that a command to return or to land was obeyed: the flight ends by request."""
         session = self.session
         if session.flight is not None and not session.flight.is_over:
-            session.flight = session.flight.stopped()
+            sequence = session.sequence
+            homeward = None if sequence is None else sequence.verified_mission
+            session.flight = session.flight.stopped(homeward)
 
     def _status_inputs(self) -> StatusInputs:
         return StatusInputs(

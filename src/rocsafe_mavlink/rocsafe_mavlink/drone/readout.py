@@ -8,9 +8,10 @@ settings and fence are read on the ground, the mission of a vehicle that is foun
 import math
 from dataclasses import dataclass, field
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
-from rocsafe_mavlink.flight.fence import Fence, fence_of
+from rocsafe_mavlink.flight.fence import Fence, fence_of, rally_of
 from rocsafe_mavlink.flight.preflight import VehicleSettings
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import set_interval
@@ -22,8 +23,9 @@ from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 
 Target = tuple[int, int]
-# Another station may change the fence at any time: on the ground it is read again so often.
-FENCE_READ_AGAIN_S = 30.0
+# Another station may change fence and rally points at any time: they are read again so often, in
+# the air too.
+READ_AGAIN_S = 30.0
 
 
 @dataclass(slots=True)
@@ -44,6 +46,10 @@ class Readout:
         Polygons of its fence; None: not read.
     fence_error
         Why its fence cannot be read; empty while it may be.
+    rally
+        Its rally points; None: not read.
+    rally_error
+        Why its rally points cannot be read; empty while they may be.
     """
 
     target: Target
@@ -52,15 +58,22 @@ class Readout:
     mission: OnboardMission = field(default_factory=OnboardMission)
     fence: Fence | None = None
     fence_error: str = ''
+    rally: tuple[GeoPosition, ...] | None = None
+    rally_error: str = ''
     _download: Download | None = None
     _was_lost: bool = False
     _fence_read_s: float = -math.inf
+    _rally_read_s: float = -math.inf
 
     @property
     def settings(self) -> VehicleSettings:
         """What the pre-flight checks need of it."""
         return VehicleSettings(
-            parameters=self.parameters, fence=self.fence, fence_error=self.fence_error
+            parameters=self.parameters,
+            fence=self.fence,
+            fence_error=self.fence_error,
+            rally=self.rally,
+            rally_error=self.rally_error,
         )
 
     def on_message(self, message: Message, now_s: float) -> list[Message]:
@@ -103,6 +116,7 @@ class Readout:
         self.mission = self.mission.forgotten()
         self.parameters = self._download = None
         self.forget_fence()
+        self._forget_rally()
 
     def overwritten(self, kind: MissionType) -> None:
         """Note that we are about to overwrite a list on the vehicle.
@@ -114,12 +128,18 @@ class Readout:
             self.mission = self.mission.upload_begun()
         elif kind is MissionType.FENCE:
             self.forget_fence()
+        else:
+            self._forget_rally()
 
     def forget_fence(self) -> None:
         """Forget the fence, which may be another by now, and what was read of it so far."""
         self.fence, self.fence_error = None, ''
+        self._fence_read_s = -math.inf
         if self._download is not None and self._download.mission_type == MissionType.FENCE:
             self._download = None
+
+    def _forget_rally(self) -> None:
+        self.rally, self.rally_error, self._rally_read_s = None, '', -math.inf
 
     def _missing_rates(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         due = self.rates.due(now_s, frozenset() if kind is None else kind.unsent)
@@ -133,10 +153,7 @@ class Readout:
         *,
         is_commanded: bool,
     ) -> list[Message]:
-        """Read one thing after the other: mission in the air, then fence, settings on the ground.
-
-        The fence is read in the air too, where a route may be replaced.
-        """
+        """Read one thing after the other: mission in the air, fence, settings, rally points."""
         if self._download is not None:
             self._download, sent = self._download.on_tick(now_s)
             self._keep_if_read()
@@ -147,11 +164,15 @@ class Readout:
             return []
         if vehicle.is_armed and self.mission.items is None:
             return self._begin(MissionType.MISSION, now_s)
-        is_old = not vehicle.is_armed and now_s - self._fence_read_s > FENCE_READ_AGAIN_S
-        if is_old or (self.fence is None and not self.fence_error):
+        if now_s - self._fence_read_s > READ_AGAIN_S:
             self._fence_read_s = now_s
             return self._begin(MissionType.FENCE, now_s)
-        return self._read_parameters(kind, now_s)
+        asked = self._read_parameters(kind, now_s)
+        is_next = self.parameters is not None and self.parameters.is_over
+        if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
+            self._rally_read_s = now_s
+            return self._begin(MissionType.RALLY, now_s)
+        return asked
 
     def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
         download = Download(target=self.target, mission_type=kind)
@@ -165,6 +186,9 @@ class Readout:
         self._download = None
         if done.mission_type == MissionType.MISSION:
             self.mission = self.mission.read(done.items)
+        elif done.mission_type == MissionType.RALLY:
+            is_read = done.stage is DownloadStage.DONE
+            self.rally, self.rally_error = rally_of(done.items) if is_read else None, done.error
         elif done.stage is DownloadStage.DONE:
             self._keep_fence(done.items)
         else:

@@ -72,6 +72,10 @@ class FlightPlan:
         Distance between camera triggers along straight lanes, instead of one at each waypoint.
         There is none between lanes, and one at each waypoint that lies on no lane. 0: no such
         triggers.
+    exclusions
+        Outlines that the vehicle does not fly over, on its way home neither.
+    clearance_m
+        Distance to keep from them.
     """
 
     waypoints: tuple[FlightWaypoint, ...]
@@ -79,12 +83,15 @@ class FlightPlan:
     takes_photographs: bool = False
     home: GeoPosition | None = None
     trigger_distance_m: float = 0.0
+    exclusions: tuple[tuple[GeoPosition, ...], ...] = ()
+    clearance_m: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.stops:
             raise ValueError('a flight plan must have at least one waypoint')
         require_positive('speed_mps', self.speed_mps, 'm/s')
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
+        require_not_negative('clearance_m', self.clearance_m, 'm')
 
     @property
     def stops(self) -> tuple[FlightWaypoint, ...]:

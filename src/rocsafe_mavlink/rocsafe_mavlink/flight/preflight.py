@@ -17,6 +17,7 @@ from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, Paramete
 from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_plan import FlightPlan
+from rocsafe_mavlink.flight.homeward import ReturnPlaces, holds_exclusions, return_fault
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
 
@@ -30,7 +31,18 @@ GOES_ON_BIT = {ARDUPILOT: 2, PX4: 1}
 # System that QGroundControl and Mission Planner have unless somebody changes it.
 USUAL_STATION = 255
 # Bits of ArduPilot's FENCE_TYPE.
-FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT = 1, 2
+FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT, FENCE_POLYGON_BIT = 1, 2, 4
+# OA_TYPE of ArduPilot that plan around the polygons of its fence, on the return, too: Dijkstra,
+# and Dijkstra with BendyRuler.
+PLANS_AROUND = frozenset({2.0, 3.0})
+# RTL_TYPE of PX4 that flies back along its mission.
+RETURNS_BY_ROUTE = 2.0
+# RALLY_LIMIT_KM of an ArduCopter that does not answer.
+USUAL_RALLY_LIMIT_M = 300.0
+_REMEDY = {
+    ARDUPILOT: 'OA_TYPE 2 with the exclusions in its fence, or other rally points',
+    PX4: 'RTL_TYPE 2, or other rally points',
+}
 # For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25
 
@@ -114,6 +126,10 @@ class VehicleSettings:
         Polygons of its fence; None: not read.
     fence_error
         Why its fence cannot be read; empty while it may be.
+    rally
+        Its rally points; None: not read.
+    rally_error
+        Why its rally points cannot be read; empty while they may be.
     station
         Our own system; -1: not known.
     """
@@ -121,6 +137,8 @@ class VehicleSettings:
     parameters: ParameterReader | None = None
     fence: Fence | None = None
     fence_error: str = ''
+    rally: tuple[GeoPosition, ...] | None = None
+    rally_error: str = ''
     station: int = -1
 
 
@@ -159,7 +177,7 @@ def route_checks(
         return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = _place(vehicle.home)
     way = (*_plan_checks(plan, home, limits), *_fence_limits(plan, home, known.parameters))
-    return (*way, _fence_check(plan, home, known))
+    return (*way, *_homeward_checks(plan, home, known), _fence_check(plan, home, known))
 
 
 def failures(checks: tuple[Check, ...]) -> str:
@@ -356,6 +374,47 @@ def _fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) ->
     legs = list(pairwise([home, *places, home]))
     outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
     return _check(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
+
+
+def _homeward_checks(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> list[Check]:
+    """Return the check that a vehicle that gives up flies over no exclusion."""
+    name, limit = 'way home', 'clear of exclusions from every leg'
+    if not plan.exclusions:
+        return []
+    reader = known.parameters
+    if reader is None or (known.rally is None and not known.rally_error):
+        return [Check(name, CheckVerdict.FAIL, NOT_READ, limit)]
+    if _returns_around(plan, known, reader):
+        return [Check(name, CheckVerdict.PASS, 'around the exclusions, by itself', limit)]
+    if known.rally is None:
+        text = f'not known: rally points cannot be read ({known.rally_error})'
+        return [Check(name, CheckVerdict.FAIL, text, limit)]
+    limit_m = reader.value(Parameter.RALLY_LIMIT_M)
+    places = ReturnPlaces(
+        home=home,
+        rally=known.rally,
+        limit_m=limit_m if math.isfinite(limit_m) else USUAL_RALLY_LIMIT_M,
+        includes_home=reader.value(Parameter.RALLY_INCLUDES_HOME) != 0.0,
+    )
+    fault = return_fault(plan, places)
+    return [_check(name, not fault, fault or 'clear', f'{limit}, or {_REMEDY[reader.autopilot]}')]
+
+
+def _returns_around(plan: FlightPlan, known: VehicleSettings, reader: ParameterReader) -> bool:
+    """Whether the autopilot itself finds a way home around the exclusions."""
+    if reader.value(Parameter.RETURN_KIND) == RETURNS_BY_ROUTE:
+        return True
+    types = reader.value(Parameter.FENCE_TYPES)
+    has_polygons = math.isfinite(types) and bool(int(types) & FENCE_POLYGON_BIT)
+    is_fenced = reader.value(Parameter.FENCE_ENABLED) == 1.0 and has_polygons
+    is_planning = reader.value(Parameter.PATH_PLANNER) in PLANS_AROUND
+    fence = known.fence
+    return (
+        is_fenced
+        and is_planning
+        and fence is not None
+        and holds_exclusions(fence, plan.exclusions)
+    )
 
 
 def _fence_limits(

@@ -114,6 +114,10 @@ class VehicleCommands:
         """Return the sequence that flies home and lands there."""
         return self._urgent('return home', self._mode(Verb.RETURN))
 
+    def fly_home(self, mission: Mission) -> CommandSequence:
+        """Return the sequence that flies home by a mission, where the straight way is not free."""
+        return replace(self.replace_mission(mission), name='return home', is_always_taken=True)
+
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
         return self._urgent('land', self._mode(Verb.LAND))
