@@ -10,17 +10,14 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import CheckVerdict
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.flight.homeward import ReturnPlaces, return_fault
-from rocsafe_mavlink.flight.preflight import (
-    CheckVerdict,
-    FlightLimits,
-    VehicleSettings,
-    route_checks,
-)
+from rocsafe_mavlink.flight.preflight import route_checks
 from rocsafe_mavlink.knowledge.telemetry import Home, VehicleTelemetry
 
 HOME_PLACE = GeoPosition(*HOME)

@@ -41,6 +41,7 @@ from rocsafe_interfaces.msg import (
     ShotReceipt,
     StepDone,
     SurveyPlan,
+    Traffic,
     VehicleEvent,
     VehicleState,
 )
@@ -222,6 +223,9 @@ HEADING = _vehicle('heading', Float64, _stream(), 'as fix', 'degrees, real vehic
 HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns, real vehicles only')
 PREDICTED_FIX = _vehicle(
     'predicted_fix', NavSatFix, _kept(), '1 Hz while silent', 'where it should be, real ones only'
+)
+TRAFFIC = _vehicle(
+    'traffic', Traffic, _kept(), 'as heard', 'other aircraft heard, real vehicles only'
 )
 EVENTS = _vehicle(
     'events', VehicleEvent, _kept(), 'on change', 'what happened, real vehicles only'

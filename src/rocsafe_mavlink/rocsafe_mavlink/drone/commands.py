@@ -9,11 +9,13 @@ from collections.abc import Callable, Sequence
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import Check, failures
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.fence import Fence, rally_items
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
 from rocsafe_mavlink.flight.homeward import homeward_plan, leg_fault
-from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
+from rocsafe_mavlink.flight.preflight import route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_mavlink.protocols.mission_results import MissionType
