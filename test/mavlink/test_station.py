@@ -14,8 +14,8 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import FlightLimits
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_mavlink.protocols.stream_rates import WANTED

@@ -13,11 +13,13 @@ from rocsafe_mavlink.conversions import (
     event_message,
     predicted_message,
     state_message,
+    traffic_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.telemetry import Motion
+from rocsafe_mavlink.knowledge.traffic import encounters
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -42,7 +44,7 @@ class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
     Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
-    predicted_fix each second; state and events on change; home on change.
+    predicted_fix each second; state and events on change; home on change; traffic when heard.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ class TelemetryPublisher:
             for spec in (
                 *(topics.FIX, topics.VELOCITY, topics.ODOM, topics.REL_ALT, topics.HEADING),
                 *(topics.BATTERY_STATE, topics.STATE, topics.PATH, topics.PREDICTED_FIX),
-                *(topics.EVENTS, topics.HOME),
+                *(topics.EVENTS, topics.HOME, topics.TRAFFIC),
             )
         }
         self._track = Path(header=Header(frame_id=MAP_FRAME))
@@ -78,6 +80,8 @@ class TelemetryPublisher:
     def on_message(self, message: Message, now_s: float) -> None:
         """Publish the fix of a position; the rest of it waits for `follow`."""
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
+        if message.name == 'ADSB_VEHICLE':
+            self._publish_traffic(int(message['ICAO_address']), now_s)
         if message.name != POSITION or motion is None:
             return
         stamp = self._node.get_clock().now().to_msg()
@@ -121,6 +125,15 @@ class TelemetryPublisher:
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
+
+    def _publish_traffic(self, icao: int, now_s: float) -> None:
+        vehicle = self._drone.vehicle
+        stamp = self._node.get_clock().now().to_msg()
+        for seen in encounters(vehicle, now_s):
+            if seen.aircraft.icao == icao:
+                separation_m = vehicle.geoid_separation_m
+                said = traffic_message(seen, self._name, stamp, separation_m)
+                self._publish(topics.TRAFFIC, said)
 
     def _publish_slow(self, seen: DroneStatus) -> None:
         stamp = self._node.get_clock().now().to_msg()

@@ -42,6 +42,7 @@ from rocsafe_interfaces.msg import (
     ShotReceipt,
     StepDone,
     SurveyPlan,
+    Traffic,
     VehicleEvent,
     VehicleState,
 )
@@ -228,6 +229,9 @@ HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns')
 CONTROL = _vehicle('control', Control, _latched(), 'on change', 'who may give it orders')
 PREDICTED_FIX = _vehicle(
     'predicted_fix', NavSatFix, _kept(), '1 Hz while silent', 'where it should be, real ones only'
+)
+TRAFFIC = _vehicle(
+    'traffic', Traffic, _kept(), 'as heard', 'other aircraft heard, real vehicles only'
 )
 EVENTS = _vehicle(
     'events', VehicleEvent, _kept(), 'on change', 'what happened, real vehicles only'
