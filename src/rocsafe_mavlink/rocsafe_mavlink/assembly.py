@@ -16,7 +16,7 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.drone_options import DroneFleet, DroneOptions
 from rocsafe_mavlink.flight.flight_journal import FlightJournal
-from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
+from rocsafe_mavlink.link.endpoint import Endpoint, parse_endpoint
 from rocsafe_mavlink.link.link import Link, LinkRules
 from rocsafe_mavlink.link.transport import address_of, open_transport
 from rocsafe_mavlink.wire.signing import SignatureGate, Signer, read_key
@@ -111,7 +111,7 @@ def open_source(text: str, clock: Callable[[], float]) -> ImageSource | None:
 
 
 def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
-    endpoint = parse_endpoint(link, allow_network=options.allow_network)
+    endpoint = parse_endpoint(link)
     gate = signer = None
     if key_file:
         key, store = read_key(Path(key_file)), _timestamps(Path(key_file))
@@ -122,12 +122,11 @@ def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
 
 
 def _rules(endpoint: Endpoint) -> LinkRules:
-    is_listening = endpoint.kind is EndpointKind.UDP
-    called = () if is_listening else (address_of(endpoint),)
+    called = () if endpoint.is_listening else (address_of(endpoint),)
     return LinkRules(
         allowed=frozenset((*endpoint.peers, *called)),
         called=frozenset(called),
-        is_discovering=is_listening and not endpoint.peers and endpoint.is_loopback,
+        is_discovering=endpoint.is_listening and not endpoint.peers,
         is_stream=endpoint.is_stream,
     )
 

@@ -200,6 +200,10 @@ class DroneBlock(Block):
         Folder of its JPEG files, or a stream; empty: no images.
     signing_key_file
         Signing key, mode 0600; empty: unsigned.
+    allow_lan
+        Whether its link may wait for vehicles beyond this machine.
+    unsigned
+        Whether a link beyond this machine may be without signatures.
     geoid_separation_m
         Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
     detector
@@ -211,6 +215,8 @@ class DroneBlock(Block):
     component: int = Field(default=1, ge=1, le=255)
     image_folder: str = ''
     signing_key_file: str = ''
+    allow_lan: bool = False
+    unsigned: bool = False
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
     detector: Literal['simulated', 'own'] = 'simulated'
 

@@ -69,7 +69,7 @@ class Station:
         """
         if is_supervised and now_s - self._beat_s >= HEARTBEAT_PERIOD_S - 1e-6:
             self._beat_s = now_s
-            for peer in self.link.peers:
+            for peer in self.link.stations:
                 self._transport.send(peer, self.link.pack(HEARTBEAT, now_s, time_s))
         for drone in self._drones.values():
             drone.session.tick(now_s)
@@ -87,9 +87,16 @@ class Station:
 
     def _route(self, address: Address, message: Message, now_s: float) -> None:
         drone = self._drones.get((message.system, message.component))
-        if drone is None or not drone.session.may_hear(address, now_s):
+        if drone is None:
             self.link.counters.drop(Reason.UNKNOWN_PEER)
             return
+        before = drone.session.address
+        if not drone.session.may_hear(address, self.link, now_s):
+            self.link.counters.drop(Reason.IMPOSTOR)
+            return
+        if drone.session.address != before:
+            held = (served.session.address for served in self._drones.values())
+            self.link.held = frozenset(one for one in held if one is not None)
         drone.take(message, now_s)
 
     def _send(

@@ -9,6 +9,7 @@ class Reason(Enum):
     """Why something was dropped."""
 
     UNKNOWN_PEER = 'from an address that is not allowed'
+    IMPOSTOR = 'in the name of a vehicle, from another address than its own'
     OVERSIZE = 'datagram too large'
     NO_FRAME = 'no message in it'
     FALSE_START = 'damaged, or of an unknown kind'
