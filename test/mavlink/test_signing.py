@@ -67,7 +67,7 @@ def test_message_is_believed_once():
         (with_ticks(signed_frame(), NOW_S + 5.0), Reason.FORGED),
         (signed_frame()[:-13] + b'\2' + signed_frame()[-12:], Reason.FORGED),
         (signed_frame()[:-13], Reason.NO_FRAME),
-        (signed_frame(time_s=NOW_S - 61.0), Reason.REPLAYED),
+        (signed_frame(time_s=NOW_S - 61.0), Reason.TOO_OLD),
     ],
     ids=[
         'unsigned',

@@ -17,6 +17,9 @@ from rocsafe_mavlink.wire.signing import SignatureGate, Signer
 Address = Hashable
 # Addresses that are remembered beside those of the vehicles, which are never forgotten.
 LARGEST_PEER_COUNT = 32
+# Holders of the key whose clock is behind, and for how long one is greeted.
+LARGEST_LATE_COUNT = 8
+LATE_FOR_S = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +99,7 @@ class Link:
         self._peers: dict[Address, Peer] = {}
         self._stranger = self._new_peer(is_stream=False)
         self._sequence = 0
+        self._late: dict[Address, float] = {}
 
     @property
     def peers(self) -> tuple[Address, ...]:
@@ -107,8 +111,10 @@ class Link:
         """Addresses that get our heartbeats: of vehicles, and those that we call.
 
         No other address gets them: a foreign vehicle would take them for those of its own station.
+        A holder of the key whose clock is behind gets them, too, until it follows ours: a vehicle
+        without GPS time sets its clock by the first signed message that it gets.
         """
-        return tuple(dict.fromkeys((*self._rules.called, *self.held)))
+        return tuple(dict.fromkeys((*self._rules.called, *self.held, *self._late)))
 
     @property
     def is_signed(self) -> bool:
@@ -139,6 +145,7 @@ class Link:
         if peer is None:
             peer = self._join(address)
         messages = peer.receive(data, now_s, time_s)
+        self._note_late(address, now_s, is_late=peer.is_late)
         if messages:
             self._peers[address] = self._peers.pop(address)
         return messages
@@ -171,11 +178,20 @@ class Link:
             self.counters.drop(Reason.UNKNOWN_PEER)
             return []
         messages = self._stranger.receive(data, now_s, time_s)
+        self._note_late(address, now_s, is_late=self._stranger.is_late)
         # A radio modem sends its own unsigned status; it does not make its address a peer.
         heard = [message for message in messages if message.name != 'RADIO_STATUS']
         if heard:
             self._join(address)
         return heard
+
+    def _note_late(self, address: Address, now_s: float, *, is_late: bool) -> None:
+        """Note who holds the key and is behind in time, for some seconds."""
+        if is_late and (address in self._late or len(self._late) < LARGEST_LATE_COUNT):
+            self._late[address] = now_s
+        if self._late:
+            kept = {one: s for one, s in self._late.items() if now_s - s < LATE_FOR_S}
+            self._late = kept
 
     def _join(self, address: Address) -> Peer:
         """Return a new peer; of too many the one that was heard longest ago is forgotten."""

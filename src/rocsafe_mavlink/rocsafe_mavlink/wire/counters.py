@@ -16,6 +16,7 @@ class Reason(Enum):
     UNSIGNED = 'not signed'
     FORGED = 'bad signature'
     REPLAYED = 'signature with an old time stamp'
+    TOO_OLD = 'signed by a clock that is behind'
     TOO_MANY_STREAMS = 'too many signed streams'
     RATE = 'more than can be read'
     UNUSED = 'of a kind that nobody reads'
