@@ -322,3 +322,18 @@ def test_flight_that_may_not_begin_is_refused_with_the_check():
     with pytest.raises(ValueError, match='is flying another route'):
         air.fly(count=4)
     assert air.vehicle().contact(air.now_s) is Contact.FRESH
+
+
+def test_bytes_of_a_payload_come_from_the_address_of_its_vehicle_only():
+    """Any component of the vehicle may send them; they change nothing that is known of it."""
+    air = unwatched()
+    assert beating(air, DRONE)
+    before, got = air.vehicle(), []
+    air.drones[1].listen(got.append, lambda _event: None)
+    payload = list(b'0.25\n'.ljust(128, b'\0'))
+    tunnel = Message('TUNNEL', {'payload_type': 0, 'payload_length': 5, 'payload': payload})
+    for system, component, address in ((1, 191, DRONE), (1, 191, STRANGER), (2, 191, DRONE)):
+        air.say(pack_frame(*encode(tunnel), system, component, 0, sign=False), address)
+    (message,) = got
+    assert bytes(message['payload'][: message['payload_length']]) == b'0.25\n'
+    assert air.vehicle() == before

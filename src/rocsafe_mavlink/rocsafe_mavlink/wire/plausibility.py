@@ -27,6 +27,7 @@ FINITE: Limits = (-3.5e38, 3.5e38)
 
 _PLACE_MM = {'lat': LATITUDE, 'lon': LONGITUDE, 'alt': ALTITUDE_MM}
 LIMITS: Mapping[str, Mapping[str, Limits]] = {
+    'TUNNEL': {},
     'ATTITUDE': {
         **dict.fromkeys(('roll', 'pitch', 'yaw'), ANGLE_RAD),
         **dict.fromkeys(('rollspeed', 'pitchspeed', 'yawspeed'), TURN_RADPS),
