@@ -17,6 +17,7 @@ from rocsafe_mavlink.link.link import LinkIdentity
 _MOVED = {
     'highest_m': 'max_height_agl_m',
     'vehicles': 'a list, drones, in the file that drones_file names',
+    'allow_network': 'allow_lan of a drone in the file that drones_file names',
     **{
         old: f'{new} of a drone in the file that drones_file names'
         for old, new in {
@@ -52,9 +53,6 @@ class BridgeOptions:
     )
     position_rate_hz: float = field(
         default=5.0, metadata={'doc': 'positions a second', 'min': 0.2, 'max': 50.0}
-    )
-    allow_network: bool = field(
-        default=False, metadata={'doc': 'listen for vehicles beyond this machine'}
     )
     needs_supervisor: bool = field(
         default=False,

@@ -6,7 +6,7 @@ from typing import Any
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
-from std_msgs.msg import Float64, Header
+from std_msgs.msg import Float64, Header, UInt8MultiArray
 
 from rocsafe_mavlink.conversions import (
     battery_message,
@@ -16,6 +16,7 @@ from rocsafe_mavlink.conversions import (
     traffic_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.station import TUNNEL
 from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.telemetry import Motion
@@ -34,6 +35,8 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
+# Types of TUNNEL payloads up to this one are those of known devices.
+LARGEST_REGISTERED_TYPE = 32_767
 # Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
 # Texts of a vehicle that are logged each second; all of them are published as events.
@@ -68,7 +71,7 @@ class TelemetryPublisher:
             for spec in (
                 *(topics.FIX, topics.VELOCITY, topics.ODOM, topics.REL_ALT, topics.HEADING),
                 *(topics.BATTERY_STATE, topics.STATE, topics.PATH, topics.PREDICTED_FIX),
-                *(topics.EVENTS, topics.HOME, topics.TRAFFIC),
+                *(topics.EVENTS, topics.HOME, topics.TRAFFIC, topics.DETECTOR_BYTES),
             )
         }
         self._track = Path(header=Header(frame_id=MAP_FRAME))
@@ -79,6 +82,8 @@ class TelemetryPublisher:
 
     def on_message(self, message: Message, now_s: float) -> None:
         """Publish the fix of a position; the rest of it waits for `follow`."""
+        if message.name == TUNNEL:
+            self._publish_bytes(message)
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
         if message.name == 'ADSB_VEHICLE':
             self._publish_traffic(int(message['ICAO_address']), now_s)
@@ -90,6 +95,13 @@ class TelemetryPublisher:
         frame_id = f'{self._name}/gps'
         self._publish(topics.FIX, fix_message(motion.position, stamp, frame_id, std_m, status))
         self._following.append((motion, stamp))
+
+    def _publish_bytes(self, message: Message) -> None:
+        """Publish the bytes of a payload, unless MAVLink says that they are of another kind."""
+        kind = message['payload_type']
+        if kind == 0 or kind > LARGEST_REGISTERED_TYPE:
+            data = message['payload'][: message['payload_length']]
+            self._publishers[topics.DETECTOR_BYTES.name].publish(UInt8MultiArray(data=data))
 
     def follow(self) -> None:
         """Publish the rest of the positions that have come: the fixes of all vehicles go first."""

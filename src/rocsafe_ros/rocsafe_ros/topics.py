@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
 
@@ -172,6 +172,9 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+DETECTOR_BYTES = _vehicle(
+    'detector/bytes', UInt8MultiArray, _kept(), 'as sent', 'of MAVLink TUNNEL, real ones only'
+)
 DOSE_RATE = _vehicle(
     'dose_rate', DoseRate, _kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
 )

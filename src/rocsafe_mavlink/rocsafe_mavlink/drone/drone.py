@@ -149,6 +149,11 @@ class Drone:
             for event in events:
                 on_event(event)
 
+    def take_beside(self, message: Message) -> None:
+        """Take a message of a payload of the vehicle; it changes nothing that is known of it."""
+        for on_message, _ in self._listeners:
+            on_message(message)
+
     def step(self, now_s: float) -> None:
         """Take up a flight that is found in the air, and note how far the flight is."""
         if self.spec.limits.returns_in_wind:

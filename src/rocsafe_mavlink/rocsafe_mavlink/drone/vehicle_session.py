@@ -19,7 +19,7 @@ from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.px4_events import text_of_event
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
-from rocsafe_mavlink.link.link import Address
+from rocsafe_mavlink.link.link import Address, Link
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
@@ -131,12 +131,21 @@ class VehicleSession:
         """Return what makes commands for the vehicle; raises as `autopilot`."""
         return VehicleCommands(autopilot=self.autopilot(), target=self.target, us=self.us)
 
-    def may_hear(self, address: Address, now_s: float) -> bool:
-        """Whether `address` may speak for the vehicle: one at a time, until it falls silent."""
-        if self.address != address:
-            if self.telemetry.contact(now_s) in (Contact.FRESH, Contact.STALE):
-                return False
+    def may_hear(self, address: Address, link: Link, now_s: float) -> bool:
+        """Whether `address` may speak for the vehicle: one at a time, until it falls silent.
+
+        With signatures a few seconds of silence suffice, since every sender has the key: a vehicle
+        behind a router changes its port. Without them the vehicle has to be lost first.
+        """
+        contact = self.telemetry.contact(now_s)
+        if self.address is None or contact is Contact.NONE:
             self.address = address
+        if self.address == address:
+            return True
+        is_silent = contact is Contact.LOST or (link.is_signed and contact is Contact.STALE)
+        if not is_silent or not link.may_take_over(self.address, address):
+            return False
+        self.address = address
         return True
 
     def take(self, message: Message, now_s: float) -> list[Event]:

@@ -35,6 +35,7 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
         'altitude': ALTITUDE_AIRCRAFT_MM,
         'heading': (0, 36_000),
     },
+    'TUNNEL': {},
     'ATTITUDE': {
         **dict.fromkeys(('roll', 'pitch', 'yaw'), ANGLE_RAD),
         **dict.fromkeys(('rollspeed', 'pitchspeed', 'yawspeed'), TURN_RADPS),

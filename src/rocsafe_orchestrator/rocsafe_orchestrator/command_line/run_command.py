@@ -18,7 +18,7 @@ from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
 from rocsafe_orchestrator.company_node import Claim, claimed
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, SetupError
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
@@ -40,6 +40,8 @@ from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
 from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.network import bind_interfaces
+from rocsafe_ros.parameters import ParameterError
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
@@ -47,6 +49,7 @@ from rocsafe_scenario.scenario_file import read_scenario
 
 # Variables that limit how far ROS searches for participants; one that is set is respected.
 REACH_VARIABLES = (
+    'ROCSAFE_INTERFACES',
     'ROS_AUTOMATIC_DISCOVERY_RANGE',
     'ROS_STATIC_PEERS',
     'ROS_DISCOVERY_SERVER',
@@ -107,6 +110,10 @@ def _stay_on_this_machine() -> None:
     """Limit ROS discovery to this machine unless the user has set a range."""
     if not any(os.environ.get(name) for name in REACH_VARIABLES):
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    try:
+        bind_interfaces(os.environ)
+    except ParameterError as error:
+        raise SetupError(str(error)) from error
 
 
 def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim) -> int:
