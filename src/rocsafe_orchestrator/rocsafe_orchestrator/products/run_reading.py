@@ -12,9 +12,10 @@ from rasterio.errors import RasterioError
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products.flight_log import read_flight_log
 from rocsafe_orchestrator.products.photographs import read_photographs
-from rocsafe_orchestrator.products.plan_file import read_plan
-from rocsafe_orchestrator.products.run_record import FlightLog, Photograph, Plan, RunRecord
+from rocsafe_orchestrator.products.run_record import FlightLog, Photograph, RunRecord
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -38,7 +39,7 @@ class _Reading:
         info = self._file(self._run.run_info, 'facts of the run', _json_object) or {}
         scenario: Scenario | None = self._file(self._run.scenario, 'scenario', read_scenario)
         log: FlightLog | None = self._file(self._run.recording, 'recording', read_flight_log)
-        plan: Plan | None = self._file(self._run.plan, 'plan', read_plan)
+        plan: SurveyPlan | None = self._file(self._run.plan, 'plan', _plan)
         photographs = read_photographs(self._run.images)
         self._check(plan, log, photographs)
         return RunRecord(
@@ -63,11 +64,11 @@ class _Reading:
             return None
 
     def _check(
-        self, plan: Plan | None, log: FlightLog | None, photographs: tuple[Photograph, ...]
+        self, plan: SurveyPlan | None, log: FlightLog | None, photographs: tuple[Photograph, ...]
     ) -> None:
         """List what a complete run would have."""
         self._file(self._run.mosaic, 'map', _require_raster)
-        expected = sum(len(route.viewpoints) for route in plan.routes) if plan else 0
+        expected = plan.viewpoint_count if plan else 0
         if len(photographs) < expected:
             self._missing.append(
                 f'{expected - len(photographs)} of {expected} photographs are not stored'
@@ -76,6 +77,10 @@ class _Reading:
             self._missing.append('no photographs')
         if log is not None and not log.readings:
             self._missing.append('no dose-rate readings in the recording')
+
+
+def _plan(path: Path) -> SurveyPlan:
+    return read_plan(path, needs_terrain=False)
 
 
 def _json_object(path: Path) -> dict[str, object]:

@@ -16,8 +16,6 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,
     MissionSample,
-    Plan,
-    PlannedRoute,
     Reading,
     RunRecord,
     VehicleSample,
@@ -28,27 +26,13 @@ from rocsafe_orchestrator.products.separation import (
     nearest_in_the_air,
 )
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_planner.plan.plan import Route, SurveyPlan
 
 S_PER_H = 3600.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlanFigures:
-    """How good the plan is; the fields mean what those of ``SurveyPlan.msg`` do."""
-
-    method: str
-    makespan_s: float
-    lower_bound_s: float
-    lower_bound_method: str
-    gap_fraction: float
-    region_area_m2: float
-    covered_area_m2: float
-    covered_fraction: float
-    viewpoint_count: int
-    spacing_m: float
-    height_agl_m: float
-    separation_m: float
-    minimum_separation_m: float
+_PLAN_FIGURES = (
+    'makespan_s', 'lower_bound_s', 'lower_bound_method', 'gap_fraction', 'region_area_m2',
+    'covered_area_m2', 'covered_fraction', 'viewpoint_count', 'spacing_m',
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +111,7 @@ class RunSummary:
     seed: int | None
     outcome: str
     outcome_text: str
-    plan: PlanFigures | None
+    plan: SurveyPlan | None
     vehicles: tuple[VehicleFigures, ...]
     images_stored: int
     images_expected: int | None
@@ -147,8 +131,9 @@ class RunSummary:
 
     def to_plain(self) -> dict[str, Any]:
         """Return values that JSON can hold; what is not finite becomes None."""
-        plain: dict[str, Any] = finite(dataclasses.asdict(self))
-        return plain
+        figures = _plan_figures(self.plan) if self.plan else None
+        plain = {**dataclasses.asdict(dataclasses.replace(self, plan=None)), 'plan': figures}
+        return dict(finite(plain))
 
 
 def summarise(record: RunRecord) -> RunSummary:
@@ -166,10 +151,10 @@ def summarise(record: RunRecord) -> RunSummary:
         seed=record.scenario.seed if record.scenario else None,
         outcome=outcome,
         outcome_text=text,
-        plan=_plan_figures(record.plan) if record.plan else None,
+        plan=record.plan,
         vehicles=vehicles,
         images_stored=len(record.photographs),
-        images_expected=_viewpoint_count(record.plan) if record.plan else None,
+        images_expected=record.plan.viewpoint_count if record.plan else None,
         reading_count=len(readings),
         highest_reading=highest_reading(readings),
         integrated_dose_usv=math.fsum(doses) if doses else None,
@@ -221,7 +206,7 @@ def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
 
 
 def viewpoints_of(
-    samples: Sequence[VehicleSample], route: PlannedRoute | None
+    samples: Sequence[VehicleSample], route: Route | None
 ) -> tuple[int | None, int | None]:
     """Return the number of viewpoints visited and planned; None if unknown.
 
@@ -252,26 +237,15 @@ def _outcome(info: Mapping[str, object], mission: Sequence[MissionSample]) -> tu
     return 'unknown', last
 
 
-def _plan_figures(plan: Plan) -> PlanFigures:
-    return PlanFigures(
-        method=plan.method,
-        makespan_s=plan.makespan_s,
-        lower_bound_s=plan.lower_bound_s,
-        lower_bound_method=plan.lower_bound_method,
-        gap_fraction=plan.gap_fraction,
-        region_area_m2=plan.region_area_m2,
-        covered_area_m2=plan.covered_area_m2,
-        covered_fraction=plan.covered_fraction,
-        viewpoint_count=_viewpoint_count(plan),
-        spacing_m=plan.spacing_m,
-        height_agl_m=plan.height_agl_m,
-        separation_m=plan.separation_m,
-        minimum_separation_m=plan.minimum_separation_m,
-    )
-
-
-def _viewpoint_count(plan: Plan) -> int:
-    return sum(len(route.viewpoints) for route in plan.routes)
+def _plan_figures(plan: SurveyPlan) -> dict[str, object]:
+    """Return how good the plan is; the keys mean what the fields of ``SurveyPlan.msg`` do."""
+    return {
+        'method': plan.request.effort.method,
+        **{name: getattr(plan, name) for name in _PLAN_FIGURES},
+        'height_agl_m': plan.request.coverage.height_agl_m,
+        'separation_m': plan.request.separation.distance_m,
+        'minimum_separation_m': plan.minimum_separation_m,
+    }
 
 
 def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
@@ -299,9 +273,9 @@ def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     )
 
 
-def _route_of(plan: Plan | None, vehicle: str) -> PlannedRoute | None:
+def _route_of(plan: SurveyPlan | None, vehicle: str) -> Route | None:
     routes = plan.routes if plan else ()
-    return next((route for route in routes if route.vehicle == vehicle), None)
+    return next((route for route in routes if route.vehicle.name == vehicle), None)
 
 
 def _mission_duration_s(record: RunRecord) -> float | None:

@@ -36,7 +36,7 @@ def flights(record: RunRecord, zero_ns: int) -> tuple[FlightBar, ...]:
     """Return the flight of each vehicle that took off, in the order of the vehicles."""
     samples = record.log.samples if record.log else {}
     routes = record.plan.routes if record.plan else ()
-    planned = {route.vehicle: route.duration_s for route in routes}
+    planned = {route.vehicle.name: route.duration_s for route in routes}
     found = ((name, airborne_spans_ns(samples.get(name, ()))) for name in record.vehicles)
     shots: dict[str, list[float]] = {}
     for shot in record.photographs:

@@ -88,12 +88,12 @@ def _xy(frame: LocalFrame, lat: FloatArray, lon: FloatArray, alt: FloatArray) ->
 
 def _viewpoints(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
     routes = record.plan.routes if record.plan else ()
-    return {r.vehicle: points(frame, (v.position for v in r.viewpoints)) for r in routes}
+    return {r.vehicle.name: points(frame, (v.position for v in r.viewpoints)) for r in routes}
 
 
 def _homes(record: RunRecord, frame: LocalFrame) -> dict[str, Point]:
     if record.plan is not None:
-        homes = {route.vehicle: route.home for route in record.plan.routes}
+        homes = {route.vehicle.name: route.vehicle.home for route in record.plan.routes}
     elif record.scenario is not None:
         scenario = record.scenario
         homes = {v.name: scenario.ground_position(v.home) for v in scenario.vehicles}
