@@ -27,6 +27,7 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    Decision,
     DoseAlarm,
     DoseRate,
     GeoPoint,
@@ -62,6 +63,8 @@ STREAM_DEPTH = 600
 MEASUREMENTS_KEPT = 50
 # Images are large; a subscriber that was away for longer finds them in the image store.
 PICTURES_KEPT = 8
+# All decisions of a mission: whoever comes late reads what happened.
+DECISIONS_KEPT = 500
 # Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'
 # A vehicle without a heartbeat for this long is taken for lost.
@@ -230,6 +233,9 @@ EVENTS = _vehicle(
 REGION = _fleet('region', Region, _latched(), 'on change', 'what the operator drew')
 PLAN = _fleet('plan', SurveyPlan, _latched(), 'on change', 'routes of all vehicles, with bound')
 MISSION_STATE = _fleet('mission/state', MissionState, _latched(), '2 Hz', 'phase and progress')
+DECISIONS = _fleet(
+    'decisions', Decision, _kept(DECISIONS_KEPT), 'on change', 'what was decided, by whom, why'
+)
 RECEIPTS = _fleet('shots/receipts', ShotReceipt, _kept(), 'each shot', 'photograph is stored')
 HAZARD_SOURCES = _fleet('hazard/sources', HazardSourceArray, _latched(), 'on change', 'estimates')
 DOSE_MAP = _fleet('hazard/dose_map', OccupancyGrid, _latched(), 'on change', 'dose rate, log')

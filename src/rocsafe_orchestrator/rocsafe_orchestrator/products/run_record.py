@@ -76,6 +76,7 @@ class VehicleSample:
     battery_fraction: float
     distance_flown_m: float
     text: str
+    taken_by: str = ''
 
     @property
     def is_airborne(self) -> bool:
@@ -93,6 +94,43 @@ class MissionSample:
     images_expected: int
     mission_time_s: float
     wall_time_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alarm:
+    """A level of dose rate or dose that a vehicle reached or left, as in ``DoseAlarm.msg``."""
+
+    time_ns: int
+    vehicle: str
+    is_reached: bool
+    is_dose: bool
+    threshold_usv: float
+    value_usv: float
+    name: str
+    turns_back: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notice:
+    """What a node told once: a decision, or an event of a vehicle.
+
+    Attributes
+    ----------
+    time_ns
+        Stamp; 0: before the vehicles were heard.
+    severity
+        0 for information, 1 for a warning, 2 for an error.
+    vehicles
+        Vehicles that it is about; empty: the mission.
+    """
+
+    time_ns: int
+    severity: int
+    kind: str
+    by: str
+    vehicles: tuple[str, ...]
+    text: str
+    reason: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,6 +175,8 @@ class FlightLog:
     tracks: Mapping[str, Track] = field(default_factory=dict)
     samples: Mapping[str, tuple[VehicleSample, ...]] = field(default_factory=dict)
     mission: tuple[MissionSample, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    notices: tuple[Notice, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,6 +189,8 @@ class RunRecord:
         The run directory.
     info
         Content of ``run.json``.
+    plan, further
+        The first plan, and those that followed it, in the order in which they were flown.
     missing
         One line for each part that is missing or cannot be read.
     estimates
@@ -163,6 +205,12 @@ class RunRecord:
     photographs: tuple[Photograph, ...]
     missing: tuple[str, ...]
     estimates: SourceEstimates | None = None
+    further: tuple[SurveyPlan, ...] = ()
+
+    @property
+    def plans(self) -> tuple[SurveyPlan, ...]:
+        """All plans, the first one first."""
+        return ((self.plan,) if self.plan else ()) + self.further
 
     @property
     def vehicles(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.storage.json_values import finite
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
@@ -26,7 +27,9 @@ from rocsafe_orchestrator.products.separation import (
     nearest_in_the_air,
 )
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.products.viewpoint_balance import viewpoint_balance
 from rocsafe_planner.plan.plan import Route, SurveyPlan
+from rocsafe_scenario.scenario import Scenario
 
 S_PER_H = 3600.0
 _PLAN_FIGURES = (
@@ -37,7 +40,10 @@ _PLAN_FIGURES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HighestReading:
-    """The highest dose rate measured, with where and when."""
+    """The highest dose rate measured, with where and when.
+
+    `height_agl_m` is None where the height of the ground is not known.
+    """
 
     dose_rate_usvh: float
     vehicle: str
@@ -46,6 +52,7 @@ class HighestReading:
     latitude_deg: float
     longitude_deg: float
     altitude_m: float
+    height_agl_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,8 +102,12 @@ class RunSummary:
         Wall time from the start of the run to the first take-off.
     real_time_factor
         Simulated time over wall time while flying.
+    images_expected, viewpoints_photographed
+        Viewpoints of all plans, each counted once, and those of them with a photograph.
     processes_restarted
         Process to number of restarts.
+    lost_vehicles
+        Vehicles lost in flight, and why.
     estimates
         Sources estimated from the readings.
     nearest
@@ -115,6 +126,7 @@ class RunSummary:
     vehicles: tuple[VehicleFigures, ...]
     images_stored: int
     images_expected: int | None
+    viewpoints_photographed: int
     reading_count: int
     highest_reading: HighestReading | None
     integrated_dose_usv: float | None
@@ -126,6 +138,7 @@ class RunSummary:
     message_count: int | None
     nearest: Nearest | None
     processes_restarted: Mapping[str, int]
+    lost_vehicles: Mapping[str, str]
     versions: Mapping[str, str]
     missing: tuple[str, ...]
 
@@ -144,6 +157,7 @@ def summarise(record: RunRecord) -> RunSummary:
     vehicles = tuple(_vehicle_figures(record, name) for name in record.vehicles)
     doses = [v.integrated_dose_usv for v in vehicles if v.integrated_dose_usv is not None]
     outcome, text = _outcome(record.info, mission)
+    balance = viewpoint_balance(record.plans, record.photographs)
     return RunSummary(
         run=record.path.name,
         scenario=record.scenario.name if record.scenario else record.path.name,
@@ -154,9 +168,10 @@ def summarise(record: RunRecord) -> RunSummary:
         plan=record.plan,
         vehicles=vehicles,
         images_stored=len(record.photographs),
-        images_expected=record.plan.viewpoint_count if record.plan else None,
+        images_expected=balance.planned if record.plan else None,
+        viewpoints_photographed=balance.photographed,
         reading_count=len(readings),
-        highest_reading=highest_reading(readings),
+        highest_reading=_over_ground(highest_reading(readings), record.scenario),
         integrated_dose_usv=math.fsum(doses) if doses else None,
         estimates=record.estimates,
         mission_duration_s=_mission_duration_s(record),
@@ -166,6 +181,7 @@ def summarise(record: RunRecord) -> RunSummary:
         message_count=log.facts.message_count if log else None,
         nearest=nearest_in_the_air(log) if log else None,
         processes_restarted=_restarts(record.info),
+        lost_vehicles=_lost(record.info),
         versions=_versions(record.info),
         missing=record.missing,
     )
@@ -311,6 +327,22 @@ def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -
 def _restarts(info: Mapping[str, object]) -> dict[str, int]:
     counts = info.get('restarts')
     return {str(k): int(v) for k, v in counts.items()} if isinstance(counts, Mapping) else {}
+
+
+def _lost(info: Mapping[str, object]) -> dict[str, str]:
+    lost = info.get('lost_vehicles')
+    return {str(k): str(v) for k, v in lost.items()} if isinstance(lost, Mapping) else {}
+
+
+def _over_ground(top: HighestReading | None, scenario: Scenario | None) -> HighestReading | None:
+    """Return `top` with its height above the ground where that is level and known."""
+    if top is None or scenario is None or scenario.survey.terrain_file:
+        return top
+    enu = LocalFrame(scenario.origin_position()).to_enu(
+        top.latitude_deg, top.longitude_deg, top.altitude_m
+    )
+    height_m = float(enu[0, 2])
+    return dataclasses.replace(top, height_agl_m=height_m) if math.isfinite(height_m) else top
 
 
 def _versions(info: Mapping[str, object]) -> dict[str, str]:

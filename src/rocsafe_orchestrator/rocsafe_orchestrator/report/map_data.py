@@ -15,9 +15,11 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.report.cordons import safe_cordons
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
+    further_lines,
     planned_footprints,
     points,
     region_rings,
@@ -65,6 +67,8 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         homes=_homes(record, frame),
         sources=_sources(record, frame),
         estimates=estimate_points(record.estimates, frame),
+        cordons=safe_cordons(record.path, frame),
+        replanned=further_lines(record, frame),
         picture=ground_picture(record.path / MOSAIC, frame),
     )
 

@@ -49,6 +49,17 @@ def route_lines(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, 
     }
 
 
+def further_lines(record: RunRecord, frame: LocalFrame) -> dict[str, Rings]:
+    """Return the routes of each vehicle in the plans that followed the first."""
+    lines: dict[str, Rings] = {}
+    for plan in record.further:
+        for route in plan.routes:
+            if route.sorties:
+                name = route.vehicle.name
+                lines[name] = (*lines.get(name, ()), points(frame, _path(route)))
+    return lines
+
+
 def _path(route: Route) -> Iterator[GeoPosition]:
     for number in range(len(route.sorties)):
         for stop in flight_path(route, number):

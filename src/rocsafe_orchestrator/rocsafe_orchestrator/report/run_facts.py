@@ -105,7 +105,7 @@ def field_facts(scenario: Scenario) -> Facts:
 def estimate_facts(found: SourceEstimates) -> Facts:
     """Return the sources that the readings tell of."""
     chances = ', '.join(
-        f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
+        f'{k}: {formats.probability(p)}' for k, p in enumerate(found.source_count_probability)
     )
     rows: Facts = [('Probability of 0, 1, ... sources', chances)]
     for number, source in enumerate(found.sources, 1):
@@ -119,6 +119,22 @@ def _strength(source: SourceBlock) -> str:
         return source.strength_text
     at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
     return f'{at_one_metre} at 1{formats.GAP}m'
+
+
+def plan_rows(record: RunRecord) -> list[list[str]]:
+    """Return a row for each plan of a mission that had more than one, the first one first."""
+    if not record.further:
+        return []
+    return [
+        [
+            plan.plan_id[:8],
+            formats.whole(plan.viewpoint_count),
+            formats.sentence_list([r.vehicle.name for r in plan.routes if r.viewpoints]),
+            formats.duration(plan.makespan_s),
+            formats.length(plan.total_length_m),
+        ]
+        for plan in record.plans
+    ]
 
 
 def run_facts(record: RunRecord, summary: RunSummary) -> Facts:
