@@ -43,6 +43,9 @@ class RecorderOptions:
     other_cameras: tuple[str, ...] = field(
         default=(), metadata={'doc': 'names of further cameras of the vehicles'}
     )
+    real_vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'those of `vehicles` that are no simulation'}
+    )
     lock_step: bool = field(
         default=True, metadata={'doc': 'take part in lock-step simulation as "recorder"'}
     )
@@ -79,6 +82,11 @@ class RecorderNode(Node):
             self._timer = self.create_timer(FLUSH_S, self._flush, clock=steady)
         self.get_logger().info(f'recording to {self._segment.path}')
 
+    @property
+    def message_count(self) -> int:
+        """Messages recorded so far by this node."""
+        return self._segment.message_count
+
     def destroy_node(self) -> None:
         """Finish and close the segment."""
         self._write_early()
@@ -88,11 +96,14 @@ class RecorderNode(Node):
     def _subscribe(self) -> list[Subscription]:
         """Subscribe to all topics; return the subscriptions with a permanent publisher."""
         awaited = []
-        for spec, vehicle in recorded_topics(self._options.vehicles, self._options.other_cameras):
+        options = self._options
+        for spec, vehicle in recorded_topics(
+            options.vehicles, options.other_cameras, options.real_vehicles
+        ):
             full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
-                self, spec, partial(self._on_message, number), vehicle, raw=True
+                self, spec, partial(self._on_message, number), vehicle, is_recording=True
             )
             if spec in AWAITED_TOPICS:
                 awaited.append(subscription)

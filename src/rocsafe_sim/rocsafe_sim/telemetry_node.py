@@ -7,6 +7,7 @@ from std_msgs.msg import Header
 
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -47,6 +48,7 @@ class Telemetry:
         self._battery = topics.create_publisher(node, topics.BATTERY_STATE)
         self._state = topics.create_publisher(node, topics.STATE)
         self._path = topics.create_publisher(node, topics.PATH)
+        self._viewers = Audience(node, self._path)
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
@@ -115,8 +117,7 @@ class Telemetry:
             return
         self._track.header.stamp = stamp
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
-        is_seen = self._path.get_subscription_count() > 0
-        if self._unseen_path.is_due(seen.time_ns) or is_seen:
+        if self._unseen_path.is_due(seen.time_ns) or self._viewers.is_watching:
             self._path.publish(self._track)
 
     def _publish_markers(self) -> None:
