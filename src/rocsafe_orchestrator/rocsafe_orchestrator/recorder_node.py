@@ -82,11 +82,6 @@ class RecorderNode(Node):
             self._timer = self.create_timer(FLUSH_S, self._flush, clock=steady)
         self.get_logger().info(f'recording to {self._segment.path}')
 
-    @property
-    def message_count(self) -> int:
-        """Messages recorded so far by this node."""
-        return self._segment.message_count
-
     def destroy_node(self) -> None:
         """Finish and close the segment."""
         self._write_early()
