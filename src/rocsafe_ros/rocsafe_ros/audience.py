@@ -4,8 +4,9 @@
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-# Nodes that take what is published and never ask for more: this suite's recorder, and rosbag2's.
-RECORDERS = frozenset({'recorder', 'rosbag2_recorder'})
+# Nodes that take what is published and never ask for more: the recorders of this suite and of
+# rosbag2, and the collector, which keeps the labels of the photographs taken at viewpoints.
+RECORDERS = frozenset({'recorder', 'rosbag2_recorder', 'collector'})
 # The name of a node of which only an endpoint is known so far.
 _UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
