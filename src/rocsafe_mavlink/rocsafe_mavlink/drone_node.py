@@ -24,6 +24,7 @@ from rocsafe_mavlink.knowledge.traffic import encounters
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -39,6 +40,8 @@ SLOW_S = 1.0
 LARGEST_REGISTERED_TYPE = 32_767
 # Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
+# Period of a path that nobody watches, for the recorder.
+UNSEEN_PATH_S = 10.0
 # Texts of a vehicle that are logged each second; all of them are published as events.
 TEXTS_PER_S = 5
 
@@ -75,7 +78,8 @@ class TelemetryPublisher:
             )
         }
         self._track = Path(header=Header(frame_id=MAP_FRAME))
-        self._slow_s = -SLOW_S
+        self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
+        self._viewers = Audience(node, self._publishers[topics.PATH.name])
         self._said: tuple[object, ...] = ()
         self._texts_left = TEXTS_PER_S
         self._following: list[tuple[Motion, Time]] = []
@@ -133,7 +137,7 @@ class TelemetryPublisher:
         seen = self._drone.status(now_s)
         if is_slow:
             self._slow_s, self._texts_left = now_s, TEXTS_PER_S
-            self._publish_slow(seen)
+            self._publish_slow(seen, now_s)
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
         self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
@@ -147,7 +151,7 @@ class TelemetryPublisher:
                 said = traffic_message(seen, self._name, stamp, separation_m)
                 self._publish(topics.TRAFFIC, said)
 
-    def _publish_slow(self, seen: DroneStatus) -> None:
+    def _publish_slow(self, seen: DroneStatus, now_s: float) -> None:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(
             topics.BATTERY_STATE, battery_message(seen, stamp, f'{self._name}/base_link')
@@ -159,7 +163,9 @@ class TelemetryPublisher:
             self._track.header.stamp = stamp
             self._track.poses.append(path_pose(seen.position_enu, stamp))
             del self._track.poses[:-LARGEST_PATH]
-            self._publish(topics.PATH, self._track)
+            if self._viewers.is_watching or now_s - self._path_s >= UNSEEN_PATH_S:
+                self._path_s = now_s
+                self._publish(topics.PATH, self._track)
 
     def _publish(self, spec: topics.TopicSpec, message: Any) -> None:
         self._publishers[spec.name].publish(message)

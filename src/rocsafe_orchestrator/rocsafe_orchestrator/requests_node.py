@@ -200,7 +200,8 @@ class Requests:
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
+        viewpoints = conversions.viewpoint_count(result.plan)
+        self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._mission.planned([route.vehicle for route in routed], len(visited))
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:

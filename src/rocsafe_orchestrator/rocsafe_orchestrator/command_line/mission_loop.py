@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
@@ -27,6 +28,8 @@ SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 3.0
+# How bad the end of a process is for the mission.
+_SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +70,7 @@ class MissionLoop:
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
+        self._decisions = Decisions()
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
@@ -92,11 +96,19 @@ class MissionLoop:
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
         for order in parts.mission.advance(now_s, self._situation(now_s)):
+            self._tell(self._decisions.of_order(order))
             self._carry_out(order)
+        self._tell(self._decisions.of_mission(parts.mission))
         while parts.mission.remarks:
-            parts.display.say(parts.mission.remarks.pop(0))
+            remark = parts.mission.remarks.pop(0)
+            self._tell([Decision(kind='remark', text=remark)])
+            parts.display.say(remark)
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
+
+    def _tell(self, decisions: list[Decision]) -> None:
+        for decision in decisions:
+            self._parts.node.tell(decision, time.monotonic() - self._started_s)
 
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission
@@ -104,6 +116,9 @@ class MissionLoop:
             mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
             return
         self._parts.display.say(f'{event.name} {event.text}')
+        if (severity := _SEVERITIES.get(event.kind)) is not None:
+            text = f'process {event.name} {event.text}'
+            self._tell([Decision(kind='restart', text=text, severity=severity)])
         if event.kind is ProcessEventKind.RESTARTED:
             mission.restarted(event.name, now_s)
         elif event.kind is ProcessEventKind.GAVE_UP:
@@ -113,7 +128,7 @@ class MissionLoop:
         parts = self._parts
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
-        self._pace.note(now_s, parts.monitor.time_s)
+        self._pace.note(now_s, parts.monitor.flight_time_s)
         return Situation(
             ready=self._ready,
             simulated_s=parts.monitor.time_s,
@@ -180,6 +195,7 @@ class MissionLoop:
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
             viewpoints_planned=monitor.viewpoints_planned,
+            viewpoints_visited=monitor.viewpoints_visited,
             peak=monitor.peak,
             flight_time_s=monitor.flight_time_s,
             wall_time_s=now_s - self._started_s,
