@@ -59,6 +59,7 @@ DOMAINS = {
     'rocsafe_scene',
     'rocsafe_sim',
     'rocsafe_radiation',
+    'rocsafe_dispersion',
     'rocsafe_mapping',
     'rocsafe_mavlink',
 }
