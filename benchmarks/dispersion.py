@@ -205,9 +205,9 @@ def speed() -> bool:
         (Release(place_m=(10.0 * i, 0.0), height_m=1.0, rate_g_s=1.0), travel) for i in range(5)
     ]
     puffs = PuffCloud(sources, wind, 5.0, 300.0).at(305.0)
-    axis: FloatArray = np.arange(600.0)
-    south: FloatArray = axis - 300.0
-    grid_s = cpu_s(lambda: puffs.on_grid_g_m3(axis, south, 1.5))
+    axis = np.arange(600.0)
+    south = axis - 300.0
+    grid_s = cpu_s(lambda: puffs.on_grid_g_m3(np.asarray(axis), np.asarray(south), 1.5))
     cloud = FilamentCloud(
         sources[0][0], travel, wind, 1, FilamentOptions(step_s=0.1, count=20, longest_s=500.0)
     )
