@@ -14,6 +14,7 @@ from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.retreat import retreat
@@ -38,9 +39,11 @@ class Requests:
         Node that owns the clients.
     monitor
         Receives the number of photographs of the plan.
+    mission_id
+        Name of the mission, for the leases of the vehicles.
     """
 
-    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:
+    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
         self._scenario = scenario
         self._monitor = monitor
         self._mission: Mission | None = None
@@ -53,6 +56,7 @@ class Requests:
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
+        self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name)
             for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
@@ -126,8 +130,24 @@ class Requests:
             plan_id=self._plan.plan_id,
             replace=self._replaces,
         )
-        on_flight = partial(self._on_flight, self._plan.plan_id)
-        self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+        self._send_flight(order, goal, partial(self._on_flight, self._plan.plan_id))
+
+    def _send_flight(
+        self, order: Order, goal: FlyRoute.Goal, on_result: Callable[..., None]
+    ) -> None:
+        def send(lease: str) -> None:
+            goal.lease = lease
+            self._send_goal(self._vehicles[order.vehicle], goal, order, on_result)
+
+        self._leases.carry(order.vehicle, send, partial(self._on_refusal, order))
+
+    def _on_refusal(self, order: Order, text: str) -> None:
+        if self._mission is not None:
+            self._mission.refused(order, text)
+
+    def _remark(self, text: str) -> None:
+        if self._mission is not None:
+            self._mission.remarks.append(text)
 
     def _send_retreat(self, order: Order) -> None:
         """Call a vehicle home by the way of least dose; over terrain by its own way."""
@@ -152,7 +172,7 @@ class Requests:
             plan_id=f'{status.plan_id}-retreat',
             replace=True,
         )
-        self._send_goal(self._vehicles[order.vehicle], goal, order, self._on_retreat)
+        self._send_flight(order, goal, self._on_retreat)
 
     def _on_retreat(self, order: Order, future: Any) -> None:
         result = future.result().result
@@ -228,7 +248,8 @@ class Requests:
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
+        viewpoints = conversions.viewpoint_count(result.plan)
+        self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._mission.planned([route.vehicle for route in routed], len(visited))
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:

@@ -10,12 +10,12 @@ from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
-from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
@@ -33,8 +33,8 @@ PUBLISH_PERIOD_S = 0.5
 STALL_WATCH_S = 1.0
 # Nobody waits for the landing of a vehicle that was not heard for longer.
 LONGEST_SILENCE_S = 15.0
-# DDS finds orchestrators on other machines in this time; on this machine there is a lock.
-DISCOVERY_S = 0.7
+# How bad the end of a process is for the mission.
+_SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,19 +78,12 @@ class MissionLoop:
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
         self._marked: dict[str, str] = {}
+        self._decisions = Decisions()
 
     def fly(self) -> Phase:
-        """Run the mission to its end and return how it ended; no process is left.
-
-        Raises
-        ------
-        SetupError
-            If another run uses this ROS domain, or the report cannot be started.
-        """
+        """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
         try:
-            # The processes load meanwhile; they can still be stopped without harm.
-            self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
             while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:
@@ -104,11 +97,6 @@ class MissionLoop:
             self._write_outcome(is_over=True)
         return parts.mission.phase
 
-    def _look_for_company(self) -> None:
-        self._parts.spinner.spin_for(DISCOVERY_S)
-        if self._parts.node.has_company():
-            raise SetupError(COMPANY_TEXT)
-
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         if parts.interrupt.count:
@@ -121,9 +109,13 @@ class MissionLoop:
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
         for order in parts.mission.advance(now_s, self._situation(now_s)):
+            self._tell(self._decisions.of_order(order))
             self._carry_out(order)
+        self._tell(self._decisions.of_mission(parts.mission))
         while parts.mission.remarks:
-            parts.display.say(parts.mission.remarks.pop(0))
+            remark = parts.mission.remarks.pop(0)
+            self._tell([Decision(kind='remark', text=remark)])
+            parts.display.say(remark)
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
 
@@ -139,12 +131,19 @@ class MissionLoop:
         real = {n: f'{why} in {run.name}' for n, why in news.items() if n in parts.real}
         mark(run.path.parent, real)
 
+    def _tell(self, decisions: list[Decision]) -> None:
+        for decision in decisions:
+            self._parts.node.tell(decision, time.monotonic() - self._started_s)
+
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission
         if event.kind is ProcessEventKind.DONE and event.name == REPORT:
             mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
             return
         self._parts.display.say(f'{event.name} {event.text}')
+        if (severity := _SEVERITIES.get(event.kind)) is not None:
+            text = f'process {event.name} {event.text}'
+            self._tell([Decision(kind='restart', text=text, severity=severity)])
         if event.kind is ProcessEventKind.RESTARTED:
             mission.restarted(event.name, now_s)
         elif event.kind is ProcessEventKind.GAVE_UP:
@@ -154,7 +153,7 @@ class MissionLoop:
         parts = self._parts
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
-        self._pace.note(now_s, parts.monitor.time_s)
+        self._pace.note(now_s, parts.monitor.flight_time_s)
         waiting_for = parts.node.waiting_for(parts.participants)
         silences_s = parts.mission.silences_s(
             waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
@@ -187,8 +186,12 @@ class MissionLoop:
         # Only after the nodes have ended is the recording complete and no image being written.
         self._stop([spec.name for spec in self._parts.table])
         self._write_outcome(is_over=False)
-        if not self._parts.interrupt.is_urgent:
+        if self._parts.interrupt.is_urgent:
+            return
+        try:
             self._parts.supervisor.start(REPORT)
+        except SetupError as error:
+            self._parts.mission.gave_up(REPORT, str(error))
 
     def _stop(self, names: list[str]) -> None:
         interrupt = self._parts.interrupt
@@ -233,6 +236,7 @@ class MissionLoop:
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
             viewpoints_planned=monitor.viewpoints_planned,
+            viewpoints_visited=monitor.viewpoints_visited,
             peak=monitor.peak,
             flight_time_s=monitor.flight_time_s,
             wall_time_s=now_s - self._started_s,
