@@ -15,12 +15,10 @@ from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.standstill import Standstill
+from rocsafe_orchestrator.mission.time_watch import TimeWatch
 
 MOSAIC, REPORT = 'mosaic', 'report'
 LOCALIZER = 'localizer'
-# The world pauses when a vehicle has news. While vehicles hold, time is started again after
-# ANSWERED_S of wall time; news that nobody answers stop it for NOBODY_ANSWERS_S.
-ANSWERED_S, NOBODY_ANSWERS_S, RUN_AGAIN_S = 0.4, 1.0, 0.5
 
 
 class Mission:
@@ -55,7 +53,6 @@ class Mission:
         self.phase = Phase.STARTING
         self.faults: list[str] = []
         self.remarks: list[str] = []
-        self.stalled_s = 0.0
         self._crew = crew
         self._deadlines = deadlines
         self._plan_timeout_s = deadlines.plan_s + planning_budget_s
@@ -69,11 +66,11 @@ class Mission:
             is_replaced=replans,
         )
         self._down_by_s: float | None = None
-        self._runs_again_s = 0.0
         self._rounds_left = extra_rounds
         self._is_extra = False
         self._entered_s: float | None = None
-        self._progress = Standstill()
+        self._time = TimeWatch(self._requests)
+        self._collected = Standstill()
         self._shots = self._shots_before = 0
         self._is_cancelled = False
 
@@ -81,6 +78,11 @@ class Mission:
     def text(self) -> str:
         """Why the mission failed or was cancelled; empty if all is well."""
         return '; '.join(self.faults)
+
+    @property
+    def stalled_s(self) -> float:
+        """Wall time for which simulated time has stood still, seconds."""
+        return self._time.stalled_s
 
     @property
     def outcome(self) -> Phase:
@@ -238,14 +240,15 @@ class Mission:
             return False
         if not self._losses.note(vehicles, why, is_gone=is_gone):
             return False
-        self._progress = Standstill()
+        self._time.begin()
         self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
         self._enter(Phase.PLANNING)
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
         """Repeat the requests to `process`, which has lost them by its restart."""
-        self._progress.restart(now_s)
+        self._time.rest(now_s)
+        self._collected.restart(now_s)
         for request in self._requests:
             if request.server == process:
                 request.reset()
@@ -315,8 +318,7 @@ class Mission:
             return
         self._losses.advance(now_s, situation)
         if self._losses.is_paused:
-            self.stalled_s = 0.0
-            self._progress.restart(now_s)
+            self._time.rest(now_s)
         else:
             self._watch_time(now_s, situation)
         if self._losses.is_gathering and self._phase_s(now_s) > self._plan_timeout_s:
@@ -333,7 +335,9 @@ class Mission:
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
         if self._requests.all_done(OrderKind.FLY) and self._are_down(now_s, situation):
             self._go_on_or_collect()
-        elif not self._are_late(now_s) and self._requests.all_done(OrderKind.RUN_CLOCK):
+            return
+        is_running = self._time.is_begun or self._requests.all_done(OrderKind.RUN_CLOCK)
+        if not self._are_late(now_s) and is_running:
             self._watch_time(now_s, situation)
 
     def _watch_fleet(self, situation: Situation) -> bool:
@@ -391,6 +395,7 @@ class Mission:
             self._collect_next()
             return
         self._rounds_left -= 1
+        self._time.begin()
         self._is_extra = True
         self._requests.forget()
         self._enter(Phase.PLANNING)
@@ -400,28 +405,20 @@ class Mission:
         if remark:
             self.remarks.append(remark)
         self._enter(Phase.COLLECTING)
-        self._progress = Standstill()
+        self._collected = Standstill()
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
-        self.stalled_s = self._progress.standing_s(situation.simulated_s, now_s)
-        self._let_time_run(now_s)
+        self._time.look(now_s, situation.simulated_s)
+        if self._losses.lets_time_run or not self._losses.is_gathering:
+            self._time.run_again(now_s, is_answered=self._losses.is_gathering)
         if self.stalled_s > self._stall_timeout_s:
             names = ', '.join(situation.waiting_for) or 'an unknown node'
             text = f'simulated time stands still for {self.stalled_s:.0f} s'
             self._fail(f'{text}: waits for {names}')
 
-    def _let_time_run(self, now_s: float) -> None:
-        """Start time again that a vehicle with news has stopped, when they are answered."""
-        is_gathering = self._losses.is_gathering
-        after_s = ANSWERED_S if is_gathering else NOBODY_ANSWERS_S
-        is_due = self.stalled_s > after_s and now_s >= self._runs_again_s
-        if is_due and (self._losses.lets_time_run or not is_gathering):
-            self._runs_again_s = now_s + RUN_AGAIN_S
-            self._requests.renew(OrderKind.RUN_CLOCK, WORLD)
-
     def _collect(self, now_s: float, situation: Situation) -> None:
         settled = situation.images_stored + situation.images_rejected
-        standing_s = self._progress.standing_s(settled, now_s)
+        standing_s = self._collected.standing_s(settled, now_s)
         if settled < self._shots and standing_s <= self._deadlines.collect_s:
             return
         if situation.images_stored < self._shots:
@@ -464,7 +461,7 @@ class Mission:
 
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
-        self.stalled_s = 0.0
+        self._time.stalled_s = 0.0
         self._entered_s = None
         if phase >= Phase.MAPPING:
             self._requests.forget()
