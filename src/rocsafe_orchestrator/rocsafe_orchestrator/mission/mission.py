@@ -330,7 +330,7 @@ class Mission:
         if self._watch_fleet(situation):
             return
         routes = self._requests.of_kind(OrderKind.FLY)
-        is_flying = bool(routes or situation.aloft)
+        is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
         if is_flying and all(request.status is not Status.WAITING for request in routes):
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
         if self._requests.all_done(OrderKind.FLY) and self._are_down(now_s, situation):
