@@ -22,6 +22,14 @@ from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 
+SERVICES = (
+    topics.WORLD_RUN,
+    topics.SAVE_MOSAIC,
+    topics.SUGGEST_VIEWPOINTS,
+    topics.FLEET_HOLD,
+    topics.FLEET_RETURN_HOME,
+)
+
 
 class Requests:
     """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
@@ -53,8 +61,7 @@ class Requests:
         }
         self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
-            spec.name: node.create_client(spec.call_type, spec.name)
-            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
+            spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
         self._holds: dict[str, Client] = {
             name: node.create_client(topics.HOLD.call_type, topics.name_of(topics.HOLD, name))

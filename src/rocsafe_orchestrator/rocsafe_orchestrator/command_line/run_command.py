@@ -34,6 +34,7 @@ from rocsafe_orchestrator.processes.launches import (
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
+from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
@@ -45,13 +46,6 @@ from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
 
-# Variables that limit how far ROS searches for participants; one that is set is respected.
-REACH_VARIABLES = (
-    'ROS_AUTOMATIC_DISCOVERY_RANGE',
-    'ROS_STATIC_PEERS',
-    'ROS_DISCOVERY_SERVER',
-    'ROS_LOCALHOST_ONLY',
-)
 # Real vehicles must be heard and ready within this time.
 PREFLIGHT_S = 60.0
 # Simulated seconds between two reports of the vehicles, with a margin.
@@ -84,7 +78,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
     if request.config is not None:
         require_parameter_file(request.config)
-    _stay_on_this_machine()
+    stay_on_this_machine()
     table = process_table(scenario, RunDirectory(request.parent))
     executables = require_executables(table)
     started = datetime.now().astimezone()
@@ -101,12 +95,6 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         if scenario.linked:
             scenario = cleared(scenario, PREFLIGHT_S, started)
         return _run(request, scenario, console, claim)
-
-
-def _stay_on_this_machine() -> None:
-    """Limit ROS discovery to this machine unless the user has set a range."""
-    if not any(os.environ.get(name) for name in REACH_VARIABLES):
-        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 
 
 def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim) -> int:

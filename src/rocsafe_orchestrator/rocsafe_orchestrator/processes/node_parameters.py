@@ -125,6 +125,11 @@ def mosaic_parameters(run: RunDirectory) -> Parameters:
     return {'store_directory': str(run.images), 'output_path': str(run.mosaic)}
 
 
+def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the node that commands all vehicles at once."""
+    return {'vehicles': list(scenario.vehicle_names), 'mission': run.name}
+
+
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the recorder."""
     return {

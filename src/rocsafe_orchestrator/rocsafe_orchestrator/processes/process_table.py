@@ -84,6 +84,8 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.collector_parameters(scenario, run), *_shared(topics.RECEIPTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+        _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
+                 parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
 
