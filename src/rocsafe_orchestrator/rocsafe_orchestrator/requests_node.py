@@ -12,10 +12,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
-from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.process_table import Endpoint
@@ -100,6 +101,17 @@ class Requests:
             return bool(self._services[endpoint.name].service_is_ready())
         client = self._vehicles.get(endpoint.vehicle, self._planner)
         return bool(client.server_is_ready())
+
+    def command_fleet(self, verb: Verb) -> None:
+        """Command all vehicles; what they refuse is told."""
+        spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
+        answer = self._services[spec.name].call_async(FleetCommand.Request())
+        answer.add_done_callback(self._on_fleet)
+
+    def _on_fleet(self, future: Any) -> None:
+        for answer in future.result().answers:
+            if answer.message:
+                self._remark(answer.message)
 
     def _send_plan(self, order: Order) -> None:
         goal = conversions.plan_goal(self._scenario)

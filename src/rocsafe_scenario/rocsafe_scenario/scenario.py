@@ -40,6 +40,7 @@ class Scenario(Block):
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
     replan: Literal['never', 'on_loss'] = 'never'
+    on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
     radiation: RadiationBlock = RadiationBlock()
 

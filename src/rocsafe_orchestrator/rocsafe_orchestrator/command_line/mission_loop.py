@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The main loop of a run: supervises processes, advances the mission, shows its state."""
 
+import signal
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
+from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
+from rocsafe_orchestrator.mission.operator_watch import OperatorNews, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
@@ -31,7 +34,7 @@ STALL_WATCH_S = 3.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parts:
-    """The parts of a run."""
+    """The parts of a run; `operator` is watched where real vehicles fly."""
 
     table: tuple[ProcessSpec, ...]
     participants: tuple[str, ...]
@@ -42,6 +45,8 @@ class Parts:
     spinner: 'Spinner'
     display: Display
     interrupt: Interrupt
+    terminal: Terminal
+    operator: OperatorWatch | None
     directory: RunDirectory
     run_info: dict[str, Any]
 
@@ -67,6 +72,7 @@ class MissionLoop:
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
+        self._interrupted_by: signal.Signals | None = None
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
@@ -87,16 +93,44 @@ class MissionLoop:
 
     def _tick(self, now_s: float) -> None:
         parts = self._parts
+        may_order = self._watch_operator(now_s)
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
-        for order in parts.mission.advance(now_s, self._situation(now_s)):
-            self._carry_out(order)
+        if may_order:
+            for order in parts.mission.advance(now_s, self._situation(now_s)):
+                self._carry_out(order)
         while parts.mission.remarks:
             parts.display.say(parts.mission.remarks.pop(0))
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
+
+    def _watch_operator(self, now_s: float) -> bool:
+        """Let no signal end a flight of real vehicles; return whether orders may be sent."""
+        watch, interrupt = self._parts.operator, self._parts.interrupt
+        if watch is None:
+            return True
+        states = [vehicle.state for vehicle in self._parts.monitor.vehicles]
+        interrupt.is_guarded = not watch.may_end(now_s, states)
+        if not interrupt.is_guarded:
+            if watch.ends and self._interrupted_by is not None:
+                interrupt.end(self._interrupted_by)
+            return True
+        news = OperatorNews(
+            is_interrupted=interrupt.count > 0,
+            has_terminal=self._parts.terminal.is_there and interrupt.first is signal.SIGINT,
+            answer=self._parts.terminal.typed(),
+        )
+        if interrupt.count:
+            self._interrupted_by = interrupt.first
+            interrupt.withdraw()
+        verb = watch.advance(now_s, news, states)
+        if verb is not None:
+            self._parts.node.requests.command_fleet(verb)
+        while watch.remarks:
+            self._parts.display.say(watch.remarks.pop(0))
+        return not watch.ends
 
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission

@@ -16,10 +16,18 @@ from rich.text import Text
 
 from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
-from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
+from rocsafe_orchestrator.command_line.progress import (
+    Display,
+    SteadyDisplay,
+    clock_text,
+    make_display,
+    peak_text,
+)
+from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.company_node import Claim, claimed
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.company import needed_names
@@ -106,13 +114,17 @@ def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim
     run_info = provenance(sys.argv, started)
     write_json(directory.run_info, run_info)
     _log_to(directory)
+    terminal = Terminal(directory.log_of('terminal'))
+    interrupt.on_hangup = terminal.close
     export_scenes(scenario, directory)
-    display = make_display(console, directory.name, is_quiet=request.is_quiet)
+    plain = make_display(console, directory.name, is_quiet=request.is_quiet)
+    display = SteadyDisplay(plain, terminal.close)
     flight = _Run(
         request=request,
         scenario=scenario,
         directory=directory,
         interrupt=interrupt,
+        terminal=terminal,
         run_info=run_info,
         claim=claim,
     )
@@ -137,6 +149,7 @@ class _Run:
     scenario: Scenario
     directory: RunDirectory
     interrupt: Interrupt
+    terminal: Terminal
     run_info: dict[str, object]
     claim: Claim
     text: str = ''
@@ -190,6 +203,8 @@ class _Run:
                 spinner=Spinner(node),
                 display=display,
                 interrupt=self.interrupt,
+                terminal=self.terminal,
+                operator=self._operator_watch(),
                 directory=self.directory,
                 run_info=self.run_info,
             )
@@ -199,6 +214,10 @@ class _Run:
             finally:
                 self.text = mission.text
                 parts.spinner.close()
+
+    def _operator_watch(self) -> OperatorWatch | None:
+        policy = OnOperatorLost(self.scenario.on_operator_lost)
+        return OperatorWatch(policy) if self.scenario.linked else None
 
 
 def _log_to(directory: RunDirectory) -> None:
