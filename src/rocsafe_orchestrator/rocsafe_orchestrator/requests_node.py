@@ -21,6 +21,7 @@ from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
+from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
 
 SERVICES = (
@@ -46,6 +47,11 @@ class Requests:
         Receives the number of photographs of the plan.
     mission_id
         Name of the mission, for the leases of the vehicles.
+
+    Attributes
+    ----------
+    unconfirmed
+        Hash of a plan by which real vehicles would take off, until it is confirmed; empty: none.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
@@ -70,6 +76,8 @@ class Requests:
         }
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._visited: list[int] = []
+        self._routed: list[str] = []
+        self.unconfirmed = ''
         self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
@@ -136,6 +144,7 @@ class Requests:
             plan_id=self._plan.plan_id,
             replace=bool(self._photographed or self._visited),
         )
+        goal.confirmation = route_digest(goal.plan_id, goal.route)
         on_flight = partial(self._on_flight, self._plan.plan_id)
 
         def send(lease: str) -> None:
@@ -220,7 +229,25 @@ class Requests:
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
         self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
-        self._mission.planned([route.vehicle for route in routed], len(visited))
+        self._routed = [route.vehicle for route in routed]
+        real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
+        # The rest of a plan that was confirmed needs no confirmation of its own.
+        if real and not self._mission.is_gathering:
+            self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
+        else:
+            self._mission.planned(self._routed, len(visited))
+
+    def confirm(self) -> None:
+        """Fly the plan that waits for a confirmation."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.planned(self._routed)
+
+    def reject(self, text: str) -> None:
+        """Do not fly the plan that waits for a confirmation, and say why."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.refused(Order(kind=OrderKind.PLAN), text)
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
         result = future.result().result

@@ -30,11 +30,21 @@ SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 3.0
+# A plan of real vehicles must be confirmed within this time.
+CONFIRM_S = 120.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parts:
-    """The parts of a run; `operator` is watched where real vehicles fly."""
+    """The parts of a run.
+
+    Attributes
+    ----------
+    operator
+        Watched where real vehicles fly.
+    confirmed
+        Hashes of plans by which real vehicles may take off.
+    """
 
     table: tuple[ProcessSpec, ...]
     participants: tuple[str, ...]
@@ -47,6 +57,7 @@ class Parts:
     interrupt: Interrupt
     terminal: Terminal
     operator: OperatorWatch | None
+    confirmed: frozenset[str]
     directory: RunDirectory
     run_info: dict[str, Any]
 
@@ -73,6 +84,7 @@ class MissionLoop:
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
+        self._asked_s: float | None = None
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
@@ -94,6 +106,7 @@ class MissionLoop:
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         may_order = self._watch_operator(now_s)
+        self._await_confirmation(now_s)
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
         for event in parts.supervisor.poll():
@@ -131,6 +144,30 @@ class MissionLoop:
         while watch.remarks:
             self._parts.display.say(watch.remarks.pop(0))
         return not watch.ends
+
+    def _await_confirmation(self, now_s: float) -> None:
+        """Let a person confirm the plan by which real vehicles take off."""
+        requests, terminal = self._parts.node.requests, self._parts.terminal
+        digest = requests.unconfirmed
+        if not digest:
+            return
+        if digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
+            self._asked_s = None
+            self._parts.run_info['confirmed_plan'] = digest
+            requests.confirm()
+        elif not terminal.is_there:
+            requests.reject(
+                f'plan {digest} of real vehicles is not confirmed: look at plan.json, then run '
+                f'again with --confirm {digest}, or in a terminal'
+            )
+        elif self._asked_s is None:
+            self._asked_s = now_s
+            self._parts.display.say(
+                f'real vehicles take off by plan {digest}, see plan.json: y and Enter confirms it'
+            )
+        elif now_s - self._asked_s > CONFIRM_S:
+            self._asked_s = None
+            requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
 
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission

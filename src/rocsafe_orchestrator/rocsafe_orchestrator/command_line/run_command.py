@@ -70,6 +70,7 @@ class RunRequest:
     seed: int | None = None
     config: Path | None = None
     is_quiet: bool = False
+    confirmed: frozenset[str] = frozenset()
 
 
 def run_scenario(request: RunRequest, console: Console) -> int:
@@ -205,6 +206,7 @@ class _Run:
                 interrupt=self.interrupt,
                 terminal=self.terminal,
                 operator=self._operator_watch(),
+                confirmed=self.request.confirmed,
                 directory=self.directory,
                 run_info=self.run_info,
             )
