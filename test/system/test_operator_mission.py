@@ -29,7 +29,7 @@ class Terminal:
         self.runs = field.folder / 'runs'
         self.process = subprocess.Popen(
             [str(rocsafe), 'run', str(field.scenario), '--out', str(self.runs)],
-            stdin=near, stdout=near, stderr=near, env={**field._environment, 'TERM': 'dumb'},
+            stdin=near, stdout=near, stderr=near, env={**field._environment, 'TERM': 'xterm'},
             start_new_session=True, preexec_fn=_take_terminal,
         )  # fmt: skip
         os.close(near)
@@ -58,6 +58,7 @@ class Terminal:
             assert time.monotonic() < end_s, self.text[-3000:]
             with suppress(OSError):
                 self._read()
+            time.sleep(0.02)
         return self.process.returncode
 
     def outcome(self) -> dict[str, Any]:
@@ -91,7 +92,8 @@ def flying(rocsafe: Path, ros_domain_id: int, tmp_path: Path, request: Any) -> I
     try:
         terminal.wait_for('take off by plan [0-9a-f]{8}')
         terminal.type('y\n')
-        terminal.wait_for('waypoint [1-9]')
+        # Colours of the table stand between the words.
+        terminal.wait_for(r'rav1 (\x1b\[[0-9;]*m)*flying')
         yield terminal
     finally:
         terminal.process.kill()
