@@ -26,7 +26,7 @@ def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> N
         assert signal_code in text
 
 
-@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report'])
+@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report', 'replay'])
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`rocsafe COMMAND --help` says what the command does."""
     with pytest.raises(SystemExit) as ended:
@@ -161,7 +161,7 @@ def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) ->
     """`rocsafe --version` prints the version that all packages have, and the git revision."""
     sources = Path(__file__).parents[2] / 'src'
     manifests = [re.search(r'<version>(.*)</version>', path.read_text())
-                 for path in sources.glob('*/package.xml')]  # fmt: skip
+                 for path in sources.glob('rocsafe_*/package.xml')]  # fmt: skip
     setups = [
         re.search(r"version='(.*)'", path.read_text()) for path in sources.glob('*/setup.py')
     ]

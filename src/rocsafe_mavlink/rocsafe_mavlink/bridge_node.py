@@ -10,7 +10,12 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import MissionState
-from rocsafe_mavlink.assembly import make_drone, make_geotagger, make_stations
+from rocsafe_mavlink.assembly import (
+    clock_warnings,
+    make_drone,
+    make_geotagger,
+    make_stations,
+)
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
@@ -56,7 +61,7 @@ class DroneInterface:
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
-        self._flights = FlyRouteServer(node, drone, self._lease, lambda: self.shots.delivered)
+        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed)
         drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:
@@ -104,6 +109,8 @@ class BridgeNode(Node):
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
+            for line in clock_warnings(self._fleet, time.time()):
+                self.get_logger().warning(line)
             self._interfaces = [
                 self._interface(drone, node_options) for drone in self._fleet.drones
             ]

@@ -42,11 +42,11 @@ class FlyRouteServer:
     lease
         Judges who may send goals.
     shots
-        Returns how many photographs of the flight will be in the store.
+        Returns how many photographs the store must get, of so many viewpoints visited.
     """
 
     def __init__(
-        self, node: VehicleScopeNode, drone: Drone, lease: LeaseServer, shots: Callable[[], int]
+        self, node: VehicleScopeNode, drone: Drone, lease: LeaseServer, shots: Callable[[int], int]
     ) -> None:
         self._drone = drone
         self._lease = lease
@@ -77,7 +77,7 @@ class FlyRouteServer:
         self._watch_cancelling()
         summary = self._drone.summary()
         if summary is not None and self._flying:
-            self._end_all(result_message(summary, self._shots()))
+            self._end_all(result_message(summary, self._shots(summary.visited)))
         if self._flying and now_s - self._feedback_s >= FEEDBACK_S:
             self._feedback_s = now_s
             feedback = self._feedback()
@@ -171,7 +171,8 @@ class FlyRouteServer:
             elif goal in self._flying:
                 self._flying.remove(goal)
                 remaining = self._drone.remaining()
-                self._end(goal, cancelled_message(remaining, self._shots(), error))
+                shots = self._shots(remaining.visited)
+                self._end(goal, cancelled_message(remaining, shots, error))
 
     def _feedback(self) -> FlyRoute.Feedback:
         left = self._drone.remaining()

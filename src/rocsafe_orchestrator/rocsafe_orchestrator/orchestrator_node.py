@@ -18,6 +18,7 @@ from rclpy.signals import SignalHandlerOptions
 from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import Decision
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
@@ -37,7 +38,7 @@ ANSWER_PERIOD_S = 0.02
 class OrchestratorNode(Node):
     """Receives the state of the nodes and publishes the state of the mission.
 
-    Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
+    Publishes ``region``, ``mission/state`` and ``decisions``. Subscribes ``<vehicle>/state``,
     ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
     Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
@@ -69,6 +70,7 @@ class OrchestratorNode(Node):
         names = self._scenario.vehicle_names
         self._state = topics.create_publisher(self, topics.MISSION_STATE)
         self._region = topics.create_publisher(self, topics.REGION)
+        self._decisions = topics.create_publisher(self, topics.DECISIONS)
         for name in names:
             topics.create_subscription(self, topics.STATE, self._on_state, name)
             on_reading = partial(self._on_reading, name)
@@ -109,6 +111,12 @@ class OrchestratorNode(Node):
         state = conversions.mission_state(status, self._mission_id, list(self._states.values()))
         state.header.stamp = self.get_clock().now().to_msg()
         self._state.publish(state)
+
+    def tell(self, decision: Decision, wall_time_s: float) -> None:
+        """Publish a decision that was taken `wall_time_s` seconds after the run began."""
+        message = conversions.decision_message(decision, NAME, wall_time_s)
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._decisions.publish(message)
 
     # Who holds up simulated time.
 

@@ -228,7 +228,8 @@ class Requests:
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
+        viewpoints = conversions.viewpoint_count(result.plan)
+        self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._routed = [route.vehicle for route in routed]
         real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
         # The rest of a plan that was confirmed needs no confirmation of its own.

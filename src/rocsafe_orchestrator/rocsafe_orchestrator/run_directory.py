@@ -61,6 +61,11 @@ class RunDirectory:
         return self.path / 'plan.json'
 
     @property
+    def further_plans(self) -> list[Path]:
+        """Plans made during the flight: for the rest of a survey, or for another round."""
+        return sorted(self.path.glob('further-*/plan.json'))
+
+    @property
     def recording(self) -> Path:
         """All messages of the run."""
         return self.path / 'mission.mcap'

@@ -20,6 +20,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 EXIT_OK = 0
@@ -72,6 +73,11 @@ def run(
     if outlives is None:
         _end_with_supervisor()
     stop = StopRequest()
+    try:
+        bind_interfaces(os.environ)
+    except ParameterError as error:
+        print(f'error: {error}', file=sys.stderr)  # noqa: T201
+        return EXIT_USAGE
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public

@@ -9,7 +9,7 @@ from dataclasses import fields
 from datetime import datetime, timezone
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.storage.utc_time import in_utc, time_of_text
@@ -196,6 +196,29 @@ HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
 LINK_KEYS = frozenset({'link', 'drone'})
 
 
+class DetectorBlock(Block):
+    """A real detector whose lines the suite reads itself; the keys are those of the node detector.
+
+    Just one of `serial`, `udp` and `tunnel` says where the lines come in.
+    """
+
+    serial: str = ''
+    baud: int = Field(default=9600, ge=50)
+    udp: str = ''
+    allow_lan: bool = False
+    tunnel: bool = False
+    format: str = 'dose_rate'
+    format_file: str = ''
+    silent_after_s: float = Field(default=5.0, gt=0.0, le=3600.0)
+    delay_s: float = Field(default=0.0, ge=0.0, le=60.0)
+
+    @model_validator(mode='after')
+    def _has_one_source(self) -> 'DetectorBlock':
+        if [bool(self.serial), bool(self.udp), self.tunnel].count(True) != 1:
+            raise ValueError('must have one of serial, udp and tunnel')
+        return self
+
+
 class DroneBlock(Block):
     """More of a real vehicle.
 
@@ -207,19 +230,25 @@ class DroneBlock(Block):
         Folder of its JPEG files, or a stream; empty: no images.
     signing_key_file
         Signing key, mode 0600; empty: unsigned.
+    allow_lan
+        Whether its link may wait for vehicles beyond this machine.
+    unsigned
+        Whether a link beyond this machine may be without signatures.
     geoid_separation_m
         Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
     detector
-        ``simulated``: reads the simulated field at its fix. ``own``: its driver publishes
-        ``radiation`` in the namespace of the vehicle.
+        ``simulated``: reads the simulated field at its fix. ``own``: a driver that the user starts
+        publishes ``radiation`` in the namespace of the vehicle. Or where its lines come in.
     """
 
     system: int = Field(default=1, ge=1, le=255)
     component: int = Field(default=1, ge=1, le=255)
     image_folder: str = ''
     signing_key_file: str = ''
+    allow_lan: bool = False
+    unsigned: bool = False
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
-    detector: Literal['simulated', 'own'] = 'simulated'
+    detector: Literal['simulated', 'own'] | DetectorBlock = 'simulated'
 
 
 class AutopilotBlock(Block):

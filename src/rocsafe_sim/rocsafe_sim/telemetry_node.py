@@ -8,6 +8,7 @@ from std_msgs.msg import Header
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -49,6 +50,7 @@ class Telemetry:
         self._state = topics.create_publisher(node, topics.STATE)
         self._home = topics.create_publisher(node, topics.HOME)
         self._path = topics.create_publisher(node, topics.PATH)
+        self._viewers = Audience(node, self._path)
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
@@ -120,8 +122,7 @@ class Telemetry:
             return
         self._track.header.stamp = stamp
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
-        is_seen = self._path.get_subscription_count() > 0
-        if self._unseen_path.is_due(seen.time_ns) or is_seen:
+        if self._unseen_path.is_due(seen.time_ns) or self._viewers.is_watching:
             self._path.publish(self._track)
 
     def _publish_home(self) -> None:

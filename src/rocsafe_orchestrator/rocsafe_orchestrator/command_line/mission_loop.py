@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.operator_watch import OperatorNews, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
@@ -32,6 +33,8 @@ PUBLISH_PERIOD_S = 0.5
 STALL_WATCH_S = 3.0
 # A plan of real vehicles must be confirmed within this time.
 CONFIRM_S = 120.0
+# How bad the end of a process is for the mission.
+_SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +88,7 @@ class MissionLoop:
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
         self._asked_s: float | None = None
+        self._decisions = Decisions()
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
@@ -113,9 +117,11 @@ class MissionLoop:
             self._on_event(event, now_s)
         if may_order:
             for order in parts.mission.advance(now_s, self._situation(now_s)):
+                self._tell(self._decisions.of_order(order))
                 self._carry_out(order)
+        self._tell(self._decisions.of_mission(parts.mission))
         while parts.mission.remarks:
-            parts.display.say(parts.mission.remarks.pop(0))
+            self._say(parts.mission.remarks.pop(0))
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
 
@@ -142,8 +148,12 @@ class MissionLoop:
         if verb is not None:
             self._parts.node.requests.command_fleet(verb)
         while watch.remarks:
-            self._parts.display.say(watch.remarks.pop(0))
+            self._say(watch.remarks.pop(0))
         return not watch.ends
+
+    def _say(self, remark: str) -> None:
+        self._tell([Decision(kind='remark', text=remark)])
+        self._parts.display.say(remark)
 
     def _await_confirmation(self, now_s: float) -> None:
         """Let a person confirm the plan by which real vehicles take off."""
@@ -154,6 +164,7 @@ class MissionLoop:
         if digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
             self._asked_s = None
             self._parts.run_info['confirmed_plan'] = digest
+            self._say(f'plan {digest} is confirmed')
             requests.confirm()
         elif not terminal.is_there:
             requests.reject(
@@ -169,12 +180,19 @@ class MissionLoop:
             self._asked_s = None
             requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
 
+    def _tell(self, decisions: list[Decision]) -> None:
+        for decision in decisions:
+            self._parts.node.tell(decision, time.monotonic() - self._started_s)
+
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission
         if event.kind is ProcessEventKind.DONE and event.name == REPORT:
             mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
             return
         self._parts.display.say(f'{event.name} {event.text}')
+        if (severity := _SEVERITIES.get(event.kind)) is not None:
+            text = f'process {event.name} {event.text}'
+            self._tell([Decision(kind='restart', text=text, severity=severity)])
         if event.kind is ProcessEventKind.RESTARTED:
             mission.restarted(event.name, now_s)
         elif event.kind is ProcessEventKind.GAVE_UP:
@@ -184,7 +202,7 @@ class MissionLoop:
         parts = self._parts
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
-        self._pace.note(now_s, parts.monitor.time_s)
+        self._pace.note(now_s, parts.monitor.flight_time_s)
         return Situation(
             ready=self._ready,
             simulated_s=parts.monitor.time_s,
@@ -251,6 +269,7 @@ class MissionLoop:
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
             viewpoints_planned=monitor.viewpoints_planned,
+            viewpoints_visited=monitor.viewpoints_visited,
             peak=monitor.peak,
             flight_time_s=monitor.flight_time_s,
             wall_time_s=now_s - self._started_s,
