@@ -85,6 +85,14 @@ def test_return_ends_the_run_after_the_landing() -> None:
     assert one.may_end(20.0, [LANDED, LANDED])
 
 
+def test_answer_that_comes_with_another_ctrl_c_counts() -> None:
+    """Both may come between two looks."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    both = OperatorNews(is_interrupted=True, has_terminal=True, answer='r')
+    assert one.advance(1.0, both, [FLYING]) is Verb.RETURN
+
+
 @pytest.mark.parametrize('letter', ['l', ''])
 def test_flight_goes_on(letter: str) -> None:
     """Told so, or without an answer."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from rocsafe_orchestrator.command_line import (
     check,
+    clear,
     fleet,
     passed_on,
     plan,
@@ -101,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, fleet, check, plan, replan, preflight, report, replay, passed_on):
+    for module in (run, fleet, check, plan, replan, preflight, report, replay, clear, passed_on):
         module.add_to(commands)
     return parser
 

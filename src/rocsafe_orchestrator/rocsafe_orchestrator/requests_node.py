@@ -18,7 +18,9 @@ from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
 from rocsafe_ros.plan_digest import plan_digest, route_digest
@@ -31,13 +33,14 @@ SERVICES = (
     topics.FLEET_HOLD,
     topics.FLEET_RETURN_HOME,
 )
+_VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
 
 
 class Requests:
     """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
 
-    Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``world/run``, ``mosaic/save``,
-    ``hazard/suggest_viewpoints``.
+    Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
+    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``.
 
     Parameters
     ----------
@@ -60,6 +63,7 @@ class Requests:
         self._mission: Mission | None = None
         self._plans: dict[str, SurveyPlan] = {}
         self._plan: SurveyPlan | None = None
+        self._routes: dict[tuple[str, str], Route] = {}
         self._viewpoints: list[GeoPoint] = []
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
@@ -70,20 +74,25 @@ class Requests:
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
-        self._holds: dict[str, Client] = {
-            name: node.create_client(topics.HOLD.call_type, topics.name_of(topics.HOLD, name))
-            for name in (scenario.vehicle_names if scenario.replan == 'on_loss' else ())
+        self._verbs: dict[tuple[OrderKind, str], Client] = {
+            (kind, name): node.create_client(spec.call_type, topics.name_of(spec, name))
+            for kind, spec in _VERBS.items()
+            for name in scenario.vehicle_names
         }
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
+        self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
         self._routed: list[str] = []
         self.unconfirmed = ''
+        self._replaces = False
         self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
             OrderKind.FLY: self._send_fly,
             OrderKind.ADVISE: self._send_advise,
-            OrderKind.HOLD: self._send_hold,
+            OrderKind.HOLD: self._send_verb,
+            OrderKind.RETURN: self._send_verb,
+            OrderKind.RETREAT: self._send_retreat,
             OrderKind.DISMISS: self._dismiss,
             OrderKind.PAUSE_CLOCK: self._pause,
             OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
@@ -125,7 +134,7 @@ class Requests:
         goal = conversions.plan_goal(self._scenario)
         if self._mission is not None and self._mission.is_gathering and self._plan is not None:
             goal = conversions.rest_goal(
-                self._scenario, self._plan, self._monitor, self._mission.losses
+                self._scenario, (self._plan, self._routes), self._monitor, self._mission.able
             )
             self._visited = list(goal.visited)
             if len(self._visited) == conversions.viewpoint_count(self._plan):
@@ -138,18 +147,24 @@ class Requests:
     def _send_fly(self, order: Order) -> None:
         if self._plan is None:
             return
-        routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
+        route = self._routes[self._plan.plan_id, order.vehicle]
+        if not route.viewpoints and order.vehicle in self._real and self._mission is not None:
+            self._mission.sent_home(order.vehicle)
+            return
         goal = FlyRoute.Goal(
-            route=routes[order.vehicle],
+            route=route,
             plan_id=self._plan.plan_id,
-            replace=bool(self._photographed or self._visited),
+            replace=self._replaces,
         )
-        goal.confirmation = route_digest(goal.plan_id, goal.route)
-        on_flight = partial(self._on_flight, self._plan.plan_id)
+        self._send_flight(order, goal, partial(self._on_flight, self._plan.plan_id))
 
+    def _send_flight(
+        self, order: Order, goal: FlyRoute.Goal, on_result: Callable[..., None]
+    ) -> None:
         def send(lease: str) -> None:
             goal.lease = lease
-            self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+            goal.confirmation = route_digest(goal.plan_id, goal.route)
+            self._send_goal(self._vehicles[order.vehicle], goal, order, on_result)
 
         self._leases.carry(order.vehicle, send, partial(self._on_refusal, order))
 
@@ -161,13 +176,43 @@ class Requests:
         if self._mission is not None:
             self._mission.remarks.append(text)
 
-    def _send_hold(self, order: Order) -> None:
-        client = self._holds[order.vehicle]
-        answer = client.call_async(Trigger.Request())
-        answer.add_done_callback(partial(self._on_answer, topics.HOLD, order))
+    def _send_retreat(self, order: Order) -> None:
+        """Call a vehicle home by the way of least dose; over terrain by its own way."""
+        status = self._monitor.vehicle(order.vehicle)
+        route = self._routes.get((status.plan_id, order.vehicle))
+        if self._mission is None:
+            return
+        if route is None or route.follows_terrain or status.position is None:
+            why = 'its height above the ground is not known on the way'
+            self._mission.refused(order, f'{order.vehicle}: {why}')
+            return
+        danger, frame = conversions.danger_of(
+            self._scenario, route, self._monitor, status.position
+        )
+        way = retreat(danger)
+        self._mission.remarks.append(
+            f'{order.vehicle}: returns by the way of least dose {way.basis}: {way.dose_usv:.3g} '
+            f'uSv, {way.straight_usv:.3g} uSv straight'
+        )
+        goal = FlyRoute.Goal(
+            route=conversions.retreat_route(route, way, status.position, frame),
+            plan_id=f'{status.plan_id}-retreat',
+            replace=True,
+        )
+        self._send_flight(order, goal, self._on_retreat)
+
+    def _on_retreat(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is not None and result.outcome == result.REJECTED:
+            self._mission.refused(order, f'{order.vehicle}: {result.error_msg}')
+
+    def _send_verb(self, order: Order) -> None:
+        answer = self._verbs[order.kind, order.vehicle].call_async(Trigger.Request())
+        answer.add_done_callback(partial(self._on_answer, _VERBS[order.kind], order))
 
     def _dismiss(self, order: Order) -> None:
-        self._steps.publish(StepDone(participant=order.vehicle, has_left=True))
+        participant = FLEET if self._scenario.simulation.processes == 'fleet' else order.vehicle
+        self._steps.publish(StepDone(participant=participant, has_left=True))
         if self._mission is not None:
             self._mission.answered(order)
 
@@ -222,8 +267,10 @@ class Requests:
         visited, self._visited = self._visited, []
         if self._mission.is_gathering and self._plan is not None:
             self._photographed += len(visited)
+            self._replaces = True
             del self._plans[self._plan.plan_id]
         self._plan = self._plans[result.plan.plan_id] = result.plan
+        self._routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
@@ -256,7 +303,8 @@ class Requests:
         is_current = self._plan is not None and self._plan.plan_id == plan_id
         if self._mission is not None and is_current:
             fault = conversions.fault_of_flight(result)
-            self._mission.flown(order.vehicle, result.shots_taken, fault)
+            is_refused = result.outcome == FlyRoute.Result.REJECTED
+            self._mission.flown(order.vehicle, result.shots_taken, fault, is_refused=is_refused)
 
     def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:
         client = self._services[spec.name]

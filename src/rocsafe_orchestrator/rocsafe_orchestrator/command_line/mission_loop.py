@@ -4,10 +4,13 @@
 import signal
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.command_line.terminal import Terminal
+from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
@@ -30,9 +33,11 @@ TICK_S = 0.05
 SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
-STALL_WATCH_S = 3.0
+STALL_WATCH_S = 1.0
 # A plan of real vehicles must be confirmed within this time.
 CONFIRM_S = 120.0
+# Nobody waits for the landing of a vehicle that was not heard for longer.
+LONGEST_SILENCE_S = 15.0
 # How bad the end of a process is for the mission.
 _SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
@@ -63,6 +68,8 @@ class Parts:
     confirmed: frozenset[str]
     directory: RunDirectory
     run_info: dict[str, Any]
+    crew_watch: CrewWatch
+    real: frozenset[str]
 
 
 class MissionLoop:
@@ -88,6 +95,7 @@ class MissionLoop:
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
         self._asked_s: float | None = None
+        self._marked: dict[str, str] = {}
         self._decisions = Decisions()
 
     def fly(self) -> Phase:
@@ -115,6 +123,11 @@ class MissionLoop:
             parts.mission.cancel(parts.interrupt.text)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
+        for vehicle, why in parts.monitor.turned_back.items():
+            if parts.monitor.vehicle(vehicle).is_aloft:
+                parts.mission.turn_back(vehicle, why)
+        parts.mission.remarks += parts.crew_watch.advance()
+        self._mark_contaminated()
         if may_order:
             for order in parts.mission.advance(now_s, self._situation(now_s)):
                 self._tell(self._decisions.of_order(order))
@@ -180,6 +193,18 @@ class MissionLoop:
             self._asked_s = None
             requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
 
+    def _mark_contaminated(self) -> None:
+        """Tell which vehicles may be contaminated; of real ones it is kept, whatever happens."""
+        parts = self._parts
+        news = {n: w for n, w in parts.monitor.contaminated.items() if n not in self._marked}
+        if not news:
+            return
+        self._marked.update(news)
+        parts.mission.remarks += [f'{n}: may be contaminated, {why}' for n, why in news.items()]
+        run = parts.directory
+        real = {n: f'{why} in {run.name}' for n, why in news.items() if n in parts.real}
+        mark(run.path.parent, real)
+
     def _tell(self, decisions: list[Decision]) -> None:
         for decision in decisions:
             self._parts.node.tell(decision, time.monotonic() - self._started_s)
@@ -203,13 +228,27 @@ class MissionLoop:
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
         self._pace.note(now_s, parts.monitor.flight_time_s)
+        waiting_for = parts.node.waiting_for(parts.participants)
+        silences_s = parts.mission.silences_s(
+            waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
+        )
         return Situation(
             ready=self._ready,
             simulated_s=parts.monitor.time_s,
-            waiting_for=parts.node.waiting_for(parts.participants),
+            waiting_for=waiting_for,
             images_stored=parts.monitor.images_stored,
             images_rejected=len(parts.monitor.rejections),
             still=parts.monitor.still,
+            aloft=frozenset(
+                status.name
+                for status in parts.monitor.vehicles
+                if status.is_aloft and silences_s[status.name] < LONGEST_SILENCE_S
+            ),
+            unsettled=parts.monitor.unsettled,
+            sightings={
+                name: parts.monitor.sighting(name, now_s, silent_s)
+                for name, silent_s in silences_s.items()
+            },
         )
 
     def _carry_out(self, order: Order) -> None:
@@ -243,6 +282,8 @@ class MissionLoop:
             wall_time_s=round(time.monotonic() - self._started_s, 3),
             restarts=self._parts.supervisor.restarts,
             lost_vehicles=mission.losses,
+            may_be_contaminated=self._parts.monitor.contaminated,
+            expected_crew_doses_usv=self._parts.crew_watch.doses_usv,
             rejected_images=self._parts.monitor.rejections,
         )
         write_json(self._parts.directory.run_info, self._parts.run_info)

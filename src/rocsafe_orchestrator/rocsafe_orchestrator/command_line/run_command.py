@@ -14,6 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
+from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import (
@@ -25,6 +26,7 @@ from rocsafe_orchestrator.command_line.progress import (
 )
 from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.company_node import Claim, claimed
+from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.operator_watch import OnOperatorLost, OperatorWatch
@@ -102,6 +104,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
             import_for(executable)
         claim.require_alone()
         if scenario.linked:
+            require_clean(request.parent, tuple(vehicle.name for vehicle in scenario.linked))
             scenario = cleared(scenario, PREFLIGHT_S, started)
         return _run(request, scenario, console, claim)
 
@@ -160,7 +163,8 @@ class _Run:
         # Vehicles and orchestrator of a mission know each other by it.
         os.environ[MISSION_VARIABLE] = self.identity.token
         self.started_s = time.monotonic()
-        self.monitor = Monitor(self.scenario.vehicle_names)
+        levels = self.scenario.radiation.levels
+        self.monitor = Monitor(self.scenario.vehicle_names, levels.contamination_usvh)
         self.table = process_table(self.scenario, self.directory)
         self.supervisor = Supervisor(
             launches(self.table, self.directory, self.identity, self.request.config),
@@ -209,6 +213,8 @@ class _Run:
                 confirmed=self.request.confirmed,
                 directory=self.directory,
                 run_info=self.run_info,
+                crew_watch=CrewWatch(self.scenario, self.monitor),
+                real=frozenset(vehicle.name for vehicle in self.scenario.linked),
             )
             try:
                 run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)

@@ -99,7 +99,7 @@ class OperatorWatch:
         """Return what to tell all vehicles now; None: nothing."""
         if news.is_interrupted and not self.ends:
             self._interrupted(now_s, news)
-        elif self._asked_s is not None:
+        if self._asked_s is not None:
             self._hear(now_s, news)
         if self._returns_s is not None and now_s >= self._returns_s:
             self._returns_s = None

@@ -99,6 +99,7 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
             **{vehicle.name: BRIDGE for vehicle in scenario.linked},
         },
         processes=frozenset(spec.name for spec in table),
+        in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
     )
 
 
