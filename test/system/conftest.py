@@ -36,12 +36,14 @@ class Flight:
         folder: Path,
         *options: str,
         scenario: Path = SCENARIO,
+        has_reader: bool = True,
     ) -> None:
         self._folder = folder
         self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
-        with self._output.open('wb') as output:
+        self._output.touch()
+        with self._output.open('wb') if has_reader else _pipe_without_reader() as output:
             self.process = subprocess.Popen(
                 [command, 'run', scenario, '--out', folder / 'runs', *options],
                 stdout=output,
@@ -121,6 +123,12 @@ class Flight:
             pytest.fail(f'hangs, after:\n{self.output}')
 
 
+def _pipe_without_reader() -> Any:
+    read, write = os.pipe()
+    os.close(read)
+    return os.fdopen(write, 'wb')
+
+
 def is_alive(pid: int) -> bool:
     """Return whether a process runs; a zombie, or one that has ended, does not."""
     try:
@@ -162,10 +170,13 @@ class Hangar:
         self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
         self._flights: list[Flight] = []
 
-    def __call__(self, *options: str) -> Flight:
-        """Start the mission with `options` of `rocsafe run`."""
+    def __call__(self, *options: str, has_reader: bool = True) -> Flight:
+        """Start the mission with `options` of `rocsafe run`; its output may have no reader."""
         folder = self._folder / f'flight-{len(self._flights)}'
-        flight = Flight(self._command, self._domain_id, folder, *options, scenario=self._scenario)
+        flight = Flight(
+            self._command, self._domain_id, folder, *options,
+            scenario=self._scenario, has_reader=has_reader,
+        )  # fmt: skip
         self._flights.append(flight)
         return flight
 

@@ -132,11 +132,34 @@ def test_second_interrupt_ends_at_once(fly: Fly) -> None:
     """Who asks twice does not wait for products."""
     flight = fly(*SPEED)
     flight.wait_for_images(1)
-    flight.process.send_signal(signal.SIGINT)
-    flight.process.send_signal(signal.SIGTERM)
+    # Both are waiting when it goes on.
+    for number in (signal.SIGSTOP, signal.SIGINT, signal.SIGTERM, signal.SIGCONT):
+        flight.process.send_signal(number)
     assert flight.end() in (130, 143), flight.output
     assert not flight.run.report.exists()
     assert flight.living() == []
+
+
+def test_interrupt_while_mapping_leaves_map_and_report(fly: Fly) -> None:
+    """Also a second one: both are written, and the mission is cancelled."""
+    flight = fly()
+    flight.wait_until(lambda: 'mapping' in flight.output)
+    flight.process.send_signal(signal.SIGINT)
+    flight.wait_until(lambda: 'interrupted by' in flight.output)
+    flight.process.send_signal(signal.SIGINT)
+    assert flight.end() == 130, flight.output
+    assert flight.run.mosaic.is_file()
+    assert flight.run.report.is_file()
+    assert json.loads(flight.run.summary.read_text())['outcome'] == 'cancelled'
+    assert flight.living() == []
+
+
+def test_lost_output_ends_no_flight(complete: Any, fly: Fly) -> None:
+    """As with `rocsafe run ... | head -1`: the mission is flown to its end."""
+    flight = fly(has_reader=False)
+    assert flight.end() == 0
+    assert flight.info()['outcome'] == 'complete'
+    assert flight.images() == complete.images()
 
 
 def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
