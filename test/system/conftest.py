@@ -37,15 +37,16 @@ class Flight:
         *options: str,
         scenario: Path = SCENARIO,
         has_reader: bool = True,
+        runs: Path | None = None,
     ) -> None:
-        self._folder = folder
+        self._runs = runs or folder / 'runs'
         self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
         self._output.touch()
         with self._output.open('wb') if has_reader else _pipe_without_reader() as output:
             self.process = subprocess.Popen(
-                [command, 'run', scenario, '--out', folder / 'runs', *options],
+                [command, 'run', scenario, '--out', self._runs, *options],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
@@ -61,13 +62,13 @@ class Flight:
     def run(self) -> RunDirectory:
         """The run directory; waits until there is one."""
         pattern = f'{self._name}-*'
-        self.wait_until(lambda: any((self._folder / 'runs').glob(pattern)))
-        return RunDirectory(next((self._folder / 'runs').glob(pattern)))
+        self.wait_until(lambda: any(self._runs.glob(pattern)))
+        return RunDirectory(next(self._runs.glob(pattern)))
 
     @property
     def has_begun(self) -> bool:
         """Whether it made a run directory."""
-        return (self._folder / 'runs').exists()
+        return self._runs.exists()
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until `condition` holds; the mission must not end before."""
@@ -170,13 +171,12 @@ class Hangar:
         self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
         self._flights: list[Flight] = []
 
-    def __call__(self, *options: str, has_reader: bool = True) -> Flight:
-        """Start the mission with `options` of `rocsafe run`; its output may have no reader."""
+    def __call__(self, *options: str, **settings: Any) -> Flight:
+        """Start the mission with `options` of `rocsafe run`, and settings of `Flight`."""
         folder = self._folder / f'flight-{len(self._flights)}'
         flight = Flight(
-            self._command, self._domain_id, folder, *options,
-            scenario=self._scenario, has_reader=has_reader,
-        )  # fmt: skip
+            self._command, self._domain_id, folder, *options, scenario=self._scenario, **settings
+        )
         self._flights.append(flight)
         return flight
 

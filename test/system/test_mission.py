@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import re
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test.small_file_system import small_file_system
 
 from .conftest import DEADLINE_S
 
@@ -160,6 +162,26 @@ def test_lost_output_ends_no_flight(complete: Any, fly: Fly) -> None:
     assert flight.end() == 0
     assert flight.info()['outcome'] == 'complete'
     assert flight.images() == complete.images()
+
+
+def test_full_disk_ends_a_flight_by_name(fly: Fly, tmp_path: Path) -> None:
+    """While there is room for map and report; nothing stored is damaged. The next is refused."""
+    with small_file_system(tmp_path / 'disk', megabytes=160) as disk:
+        flight = fly(*SPEED, runs=disk)
+        flight.wait_for_images(2)
+        left = shutil.disk_usage(disk).free - 50 * 2**20
+        with (disk / 'filler').open('wb') as filler:
+            os.posix_fallocate(filler.fileno(), 0, left)
+        assert flight.end() == 1, flight.output
+        assert re.search(
+            r'mission failed: the disk of .* is full: \d+ MiB are free', flight.output
+        )
+        assert flight.run.report.is_file()
+        assert flight.run.mosaic.is_file()
+        assert flight.damaged_images() == set()
+        refused = fly(runs=disk)
+        assert refused.end() == 3
+        assert re.search(r'disk of .*: \d+ MiB are free, must be about', refused.output)
 
 
 def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
