@@ -20,6 +20,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
@@ -74,6 +75,7 @@ class Result:
     blows: list[Blow]
     code: int | None = None
     outcome: str = ''
+    text: str = ''
     wall_s: float = 0.0
     acknowledged: int = 0
     faults: list[str] = field(default_factory=list)
@@ -246,6 +248,7 @@ def judged(run: Run, result: Result, stored: set[str], *, was_killed: bool) -> l
         faults.append(f'acknowledged photographs lost: {sorted(lost)}')
     summary = json.loads(run.text_of('summary.json') or '{}')
     result.outcome = summary.get('outcome', '')
+    result.text = json.loads(run.text_of('run.json') or '{}').get('outcome_text', '')
     if result.code == 0:
         missing = [name for name in PRODUCTS if not run.text_of(name)]
         faults += [f'complete without {name}' for name in missing]
@@ -336,7 +339,7 @@ def campaign(results: Path, folder: Path, minutes: float, most: int) -> list[Res
             flights.append(result)
             with results.open('a') as file:
                 file.write(json.dumps(asdict(result)) + '\n')
-            if not result.faults:
+            if not result.faults and result.outcome in ('complete', ''):
                 shutil.rmtree(place)
     return flights
 
@@ -356,6 +359,8 @@ def main() -> int:
     for result in flights:
         for fault in result.faults:
             print(f'seed {result.seed}: {fault}')
+    ends = Counter(result.outcome or f'exit code {result.code}' for result in flights)
+    print(', '.join(f'{count} {end}' for end, count in ends.items()))
     kills, faults = sum(one.kills for one in flights), sum(len(one.faults) for one in flights)
     print(f'{len(flights)} runs, {kills} blows hit, {faults} faults')
     return 1 if faults else 0
