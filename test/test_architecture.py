@@ -26,6 +26,7 @@ MESSAGES = {
     'std_msgs',
     'std_srvs',
     'unique_identifier_msgs',
+    'tf2_msgs',
     'visualization_msgs',
 }
 # Import name of a library and its rosdep key, where they are not the same.

@@ -30,6 +30,7 @@ from rocsafe_ros.conversions import (
     point_of_position,
     velocity_message,
 )
+from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
@@ -44,8 +45,8 @@ TEXTS_PER_S = 5
 class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
-    Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
-    predicted_fix each second; state and events on change; home on change.
+    Publishes: fix, velocity, odom, /tf, rel_alt, heading at each position; state, battery_state,
+    path, predicted_fix each second; state and events on change; home on change.
 
     Parameters
     ----------
@@ -72,6 +73,7 @@ class TelemetryPublisher:
                 *(topics.EVENTS, topics.HOME),
             )
         }
+        self._frames = VehicleFrames(node, {'camera_optical': LOOKS_DOWN})
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
         self._viewers = Audience(node, self._publishers[topics.PATH.name])
@@ -97,9 +99,9 @@ class TelemetryPublisher:
         for motion, stamp in following:
             place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
             self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
-            self._publish(
-                topics.ODOM, odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
-            )
+            odometry = odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
+            self._publish(topics.ODOM, odometry)
+            self._frames.move(odometry)
             self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 

@@ -15,6 +15,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
@@ -25,6 +26,7 @@ from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.frames import publish_origin
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -81,11 +83,12 @@ class OrchestratorNode(Node):
         super().destroy_node()
 
     def publish_region(self) -> None:
-        """Publish what is surveyed."""
+        """Publish what is surveyed, and where the map lies on the earth."""
         region = conversions.region_of_scenario(self._scenario)
         region.header.stamp = self.get_clock().now().to_msg()
         region.header.frame_id = 'earth'
         self._region.publish(region)
+        publish_origin(self, LocalFrame(self._scenario.origin_position()))
 
     def has_company(self) -> bool:
         """Return whether another orchestrator is at work in this ROS domain."""

@@ -17,6 +17,7 @@ from rocsafe_ros.conversions import (
     stamp_of_ns,
     velocity_message,
 )
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import STATES, battery_message, waiting_text
@@ -35,7 +36,10 @@ EXACT_M = (0.0, 0.0)
 class Telemetry:
     """Publishes ground_truth/fix, fix, velocity, odom, battery_state, state, path and markers."""
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int, frames: VehicleFrames
+    ) -> None:
+        self._frames = frames
         self._rav = rav
         self._fixes = Cadence(fix_period_ns)
         self._slow = Cadence(SLOW_PERIOD_NS)
@@ -80,9 +84,11 @@ class Telemetry:
         self._truth.publish(fix_message(fix.true_position, stamp, gps, EXACT_M))
         self._fix.publish(fix_message(fix.position, stamp, gps, std_m))
         self._velocity.publish(velocity_message(pose.velocity_enu, stamp))
-        self._odom.publish(
-            odometry_message(fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name)
+        odometry = odometry_message(
+            fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name
         )
+        self._odom.publish(odometry)
+        self._frames.move(odometry)
 
     def _publish_state(self, seen: VehicleSnapshot, stamp: Time) -> None:
         self._said = self._news(seen)

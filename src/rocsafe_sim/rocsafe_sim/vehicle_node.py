@@ -7,10 +7,12 @@ from std_srvs.srv import Trigger
 
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_ros import topics
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.fly_route_node import FlyRouteServer
+from rocsafe_sim.picture_conversions import mounts_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
@@ -20,8 +22,8 @@ class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
-    fly_route.
+    camera/*, /tf, /tf_static. Subscribes: shots/receipts. Services: hold, resume, return_home,
+    land. Action: fly_route.
 
     Parameters
     ----------
@@ -45,9 +47,10 @@ class VehicleInterface:
         self._rav = rav
         self._log = node.get_logger()
         self._on_busy = on_busy
-        self._telemetry = Telemetry(node, rav, fix_period_ns)
+        frames = VehicleFrames(node, mounts_of(rav.parts.cameras))
+        self._telemetry = Telemetry(node, rav, fix_period_ns, frames)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
-        self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
+        self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
         self._flights = FlyRouteServer(node, rav, self._after_command)
         self._add_service(node, topics.HOLD, rav.vehicle.hold)
         self._add_service(node, topics.RESUME, rav.vehicle.resume)
