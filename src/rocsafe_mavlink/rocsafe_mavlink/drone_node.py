@@ -5,9 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Float64, Header
 
+from rocsafe_interfaces.msg import VehicleState
 from rocsafe_mavlink.conversions import (
     battery_message,
     event_message,
@@ -28,6 +30,7 @@ from rocsafe_ros.conversions import (
     odometry_message,
     path_pose,
     point_of_position,
+    vehicle_diagnostic,
     velocity_message,
 )
 from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
@@ -78,6 +81,7 @@ class TelemetryPublisher:
         self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
         self._viewers = Audience(node, self._publishers[topics.PATH.name])
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._texts_left = TEXTS_PER_S
         self._following: list[tuple[Motion, Time]] = []
 
@@ -105,6 +109,10 @@ class TelemetryPublisher:
             self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
 
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
+
     def on_event(self, event: Event) -> None:
         """Publish an event."""
         stamp = self._node.get_clock().now().to_msg()
@@ -126,7 +134,8 @@ class TelemetryPublisher:
             self._publish_slow(seen, now_s)
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
-        self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
+        self._last = state_message(seen, self._name, stamp, self._shots())
+        self._publish(topics.STATE, self._last)
 
     def _publish_slow(self, seen: DroneStatus, now_s: float) -> None:
         stamp = self._node.get_clock().now().to_msg()

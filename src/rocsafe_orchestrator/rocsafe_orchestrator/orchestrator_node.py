@@ -27,6 +27,7 @@ from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.frames import publish_origin
+from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -70,6 +71,7 @@ class OrchestratorNode(Node):
         self._state = topics.create_publisher(self, topics.MISSION_STATE)
         self._region = topics.create_publisher(self, topics.REGION)
         self._decisions = topics.create_publisher(self, topics.DECISIONS)
+        self._health = HealthReporter(self)
         for name in names:
             topics.create_subscription(self, topics.STATE, self._on_state, name)
             on_reading = partial(self._on_reading, name)

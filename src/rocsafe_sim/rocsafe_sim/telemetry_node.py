@@ -2,6 +2,7 @@
 """Telemetry of a simulated vehicle."""
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
@@ -15,6 +16,7 @@ from rocsafe_ros.conversions import (
     path_pose,
     point_of_position,
     stamp_of_ns,
+    vehicle_diagnostic,
     velocity_message,
 )
 from rocsafe_ros.frames import VehicleFrames
@@ -56,7 +58,12 @@ class Telemetry:
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._shown: FlightRoute | None = None
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
 
     def publish(self, seen: VehicleSnapshot) -> None:
         """Publish what is due at a step, position first."""
@@ -112,6 +119,7 @@ class Telemetry:
             message.viewpoint_count = len(flight.route.waypoints)
             message.text = flight.text or waiting_text(flight.command.number, seen.waits_s)
         self._state.publish(message)
+        self._last = message
 
     def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight

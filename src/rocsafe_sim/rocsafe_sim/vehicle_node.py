@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 
+from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
 
 from rocsafe_geo.storage.shot import Shot
@@ -57,6 +58,10 @@ class VehicleInterface:
         self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
         self._add_service(node, topics.LAND, rav.vehicle.land)
         self._publish_state()
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return self._telemetry.health()
 
     def step(self, time_ns: int) -> bool:
         """Advance the vehicle to `time_ns` and publish all of it; return whether it is idle."""
