@@ -70,6 +70,28 @@ def test_missing_config_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == 'rocsafe: no.yaml: no such file\n'
 
 
+@pytest.mark.parametrize(
+    ('text', 'line'),
+    [
+        ('a: [', 'config.yaml: line 1: '),
+        ('hello', "{path}: 'hello': must be blocks `node: "),
+        ('/**: {use_sim_time: true}', '{path}: use_sim_time: must be blocks `node: '),
+        ('/**: {ros__parameters: 3}', '{path}: ros__parameters: must be blocks `node: '),
+        ('a: 1\na: 2', "config.yaml: line 2: key 'a' is given twice"),
+    ],
+)
+def test_wrong_config_is_one_line(
+    text: str, line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is no file of ROS parameters starts nothing."""
+    path = tmp_path / 'config.yaml'
+    path.write_text(text)
+    assert main(['run', str(DERAILMENT), '--config', str(path)]) == errors.EXIT_USAGE
+    told = capsys.readouterr().err
+    assert told.startswith(f'rocsafe: {line.format(path=path)}')
+    assert told.count('\n') == 1
+
+
 def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

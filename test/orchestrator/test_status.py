@@ -51,6 +51,22 @@ def test_flight_time_counts_from_the_first_take_off() -> None:
     assert monitor.flight_time_s == 15.0
 
 
+def test_time_after_the_last_landing_is_not_flown() -> None:
+    """Real vehicles stand on the ground, or are switched off, while the mosaic is made."""
+    monitor = Monitor(('rav1',))
+    states = [
+        (FlightState.ARMED, 5.0),
+        (FlightState.TAKING_OFF, 10.0),
+        (FlightState.LANDING, 70.0),
+        (FlightState.LANDED, 71.0),
+        (FlightState.DISARMED, 300.0),
+        (FlightState.LOST, 400.0),
+    ]
+    for state, time_s in states:
+        monitor.on_vehicle(VehicleStatus(name='rav1', state=state, time_s=time_s))
+    assert monitor.flight_time_s == 61.0
+
+
 def test_unknown_vehicle_is_passed_over() -> None:
     """Another fleet in the same domain is not ours."""
     monitor = Monitor(('rav1',))

@@ -7,7 +7,7 @@ from typing import Any
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
-from std_msgs.msg import Float64, Header
+from std_msgs.msg import Float64, Header, UInt8MultiArray
 
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_mavlink.conversions import (
@@ -15,11 +15,14 @@ from rocsafe_mavlink.conversions import (
     event_message,
     predicted_message,
     state_message,
+    traffic_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.station import TUNNEL
 from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.telemetry import Motion
+from rocsafe_mavlink.knowledge.traffic import encounters
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -37,6 +40,8 @@ from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
+# Types of TUNNEL payloads up to this one are those of known devices.
+LARGEST_REGISTERED_TYPE = 32_767
 # Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
 # Period of a path that nobody watches, for the recorder.
@@ -49,7 +54,8 @@ class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
     Publishes: fix, velocity, odom, /tf, rel_alt, heading at each position; state, battery_state,
-    path, predicted_fix each second; state and events on change; home on change.
+    path, predicted_fix each second; state and events on change; home on change; traffic when
+    heard.
 
     Parameters
     ----------
@@ -73,7 +79,7 @@ class TelemetryPublisher:
             for spec in (
                 *(topics.FIX, topics.VELOCITY, topics.ODOM, topics.REL_ALT, topics.HEADING),
                 *(topics.BATTERY_STATE, topics.STATE, topics.PATH, topics.PREDICTED_FIX),
-                *(topics.EVENTS, topics.HOME),
+                *(topics.EVENTS, topics.HOME, topics.TRAFFIC, topics.DETECTOR_BYTES),
             )
         }
         self._frames = VehicleFrames(node, {'camera_optical': LOOKS_DOWN})
@@ -87,7 +93,11 @@ class TelemetryPublisher:
 
     def on_message(self, message: Message, now_s: float) -> None:
         """Publish the fix of a position; the rest of it waits for `follow`."""
+        if message.name == TUNNEL:
+            self._publish_bytes(message)
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
+        if message.name == 'ADSB_VEHICLE':
+            self._publish_traffic(int(message['ICAO_address']), now_s)
         if message.name != POSITION or motion is None:
             return
         stamp = self._node.get_clock().now().to_msg()
@@ -96,6 +106,13 @@ class TelemetryPublisher:
         frame_id = f'{self._name}/gps'
         self._publish(topics.FIX, fix_message(motion.position, stamp, frame_id, std_m, status))
         self._following.append((motion, stamp))
+
+    def _publish_bytes(self, message: Message) -> None:
+        """Publish the bytes of a payload, unless MAVLink says that they are of another kind."""
+        kind = message['payload_type']
+        if kind == 0 or kind > LARGEST_REGISTERED_TYPE:
+            data = message['payload'][: message['payload_length']]
+            self._publishers[topics.DETECTOR_BYTES.name].publish(UInt8MultiArray(data=data))
 
     def follow(self) -> None:
         """Publish the rest of the positions that have come: the fixes of all vehicles go first."""
@@ -136,6 +153,15 @@ class TelemetryPublisher:
         stamp = self._node.get_clock().now().to_msg()
         self._last = state_message(seen, self._name, stamp, self._shots())
         self._publish(topics.STATE, self._last)
+
+    def _publish_traffic(self, icao: int, now_s: float) -> None:
+        vehicle = self._drone.vehicle
+        stamp = self._node.get_clock().now().to_msg()
+        for seen in encounters(vehicle, now_s):
+            if seen.aircraft.icao == icao:
+                separation_m = vehicle.geoid_separation_m
+                said = traffic_message(seen, self._name, stamp, separation_m)
+                self._publish(topics.TRAFFIC, said)
 
     def _publish_slow(self, seen: DroneStatus, now_s: float) -> None:
         stamp = self._node.get_clock().now().to_msg()

@@ -28,6 +28,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.frames import publish_origin
 from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -46,13 +47,14 @@ class OrchestratorNode(Node):
     """
 
     def __init__(
-        self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
+        self, scenario: Scenario, monitor: Monitor, identity: MissionIdentity, **node_options: Any
     ) -> None:
-        super().__init__(NAME, **node_options)
+        rules = ['--ros-args', *identity.remapping_arguments]
+        super().__init__(NAME, cli_args=rules, **node_options)
         self.deadlines = Deadlines(**dataclasses.asdict(_options(self)))
         self._scenario = scenario
         self._monitor = monitor
-        self._mission_id = mission_id
+        self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
@@ -60,10 +62,11 @@ class OrchestratorNode(Node):
             f'{NAME}_requests',
             context=self.context,
             use_global_arguments=False,
+            cli_args=rules,
             start_parameter_services=False,
             enable_rosout=False,
         )
-        self.requests = Requests(self.requester, scenario, monitor)
+        self.requests = Requests(self.requester, scenario, monitor, identity.mission)
         self._wire()
 
     def _wire(self) -> None:
@@ -91,11 +94,6 @@ class OrchestratorNode(Node):
         region.header.frame_id = 'earth'
         self._region.publish(region)
         publish_origin(self, LocalFrame(self._scenario.origin_position()))
-
-    def has_company(self) -> bool:
-        """Return whether another orchestrator is at work in this ROS domain."""
-        names = self.get_node_names_and_namespaces()
-        return names.count((NAME, '/')) > 1
 
     def ready(self, table: Iterable[ProcessSpec]) -> frozenset[str]:
         """Return the names of the processes whose endpoints all exist."""
@@ -180,10 +178,17 @@ def _options(node: Node) -> OrchestratorOptions:
 
 
 @contextmanager
-def ros_session(config: Path | None = None) -> Iterator[None]:
-    """Initialise ROS, with the parameters of the file `config`, and shut it down at the end.
+def ros_session(identity: MissionIdentity, config: Path | None = None) -> Iterator[None]:
+    """Initialise ROS as a part of a mission, and shut it down at the end.
 
     Signals are left alone: a mission handles them itself.
+
+    Parameters
+    ----------
+    identity
+        The mission.
+    config
+        File with parameters of the nodes.
 
     Raises
     ------
@@ -191,7 +196,7 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
         If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
-    arguments = ['--ros-args', '-p', 'use_sim_time:=true']
+    arguments = ['--ros-args', '-p', 'use_sim_time:=true', *identity.ros_arguments]
     if config is not None:
         arguments += ['--params-file', str(config)]
     try:

@@ -95,7 +95,8 @@ class RecorderNode(Node):
         for spec, vehicle in recorded_topics(
             options.vehicles, options.other_cameras, options.real_vehicles
         ):
-            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
+            # Under the name that everybody knows, also if the mission has one of its own.
+            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle), only_expand=True)
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
                 self, spec, partial(self._on_message, number), vehicle, is_recording=True

@@ -21,7 +21,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -29,6 +29,7 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    Control,
     Decision,
     DoseAlarm,
     DoseRate,
@@ -44,15 +45,20 @@ from rocsafe_interfaces.msg import (
     ShotReceipt,
     StepDone,
     SurveyPlan,
+    Traffic,
     VehicleEvent,
     VehicleState,
 )
 from rocsafe_interfaces.srv import (
+    FleetCommand,
     GoTo,
+    Lease,
     Preflight,
     PushFence,
     PushRally,
     QueryRadiationField,
+    Resume,
+    SetHome,
     SetSpeed,
     SuggestViewpoints,
 )
@@ -182,6 +188,9 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+DETECTOR_BYTES = _vehicle(
+    'detector/bytes', UInt8MultiArray, _kept(), 'as sent', 'of MAVLink TUNNEL, real ones only'
+)
 DOSE_RATE = _vehicle(
     'dose_rate', DoseRate, _kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
 )
@@ -235,9 +244,13 @@ REL_ALT = _vehicle(
     'rel_alt', Float64, _stream(), 'as fix', 'height above home, real vehicles only'
 )
 HEADING = _vehicle('heading', Float64, _stream(), 'as fix', 'degrees, real vehicles only')
-HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns, real vehicles only')
+HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns')
+CONTROL = _vehicle('control', Control, _latched(), 'on change', 'who may give it orders')
 PREDICTED_FIX = _vehicle(
     'predicted_fix', NavSatFix, _kept(), '1 Hz while silent', 'where it should be, real ones only'
+)
+TRAFFIC = _vehicle(
+    'traffic', Traffic, _kept(), 'as heard', 'other aircraft heard, real vehicles only'
 )
 EVENTS = _vehicle(
     'events', VehicleEvent, _kept(), 'on change', 'what happened, real vehicles only'
@@ -280,17 +293,17 @@ def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> Cal
 
 FLY_ROUTE = _call('fly_route', FlyRoute, 'action', Scope.VEHICLE, 'fly, photograph, return, land')
 HOLD = _call('hold', Trigger, 'service', Scope.VEHICLE, 'stand still in the air')
-RESUME = _call('resume', Trigger, 'service', Scope.VEHICLE, 'go on after hold')
+RESUME = _call('resume', Resume, 'service', Scope.VEHICLE, 'go on after hold')
 RETURN_HOME = _call('return_home', Trigger, 'service', Scope.VEHICLE, 'give up the route')
 LAND = _call('land', Trigger, 'service', Scope.VEHICLE, 'land where it is')
+LEASE = _call('lease', Lease, 'service', Scope.VEHICLE, 'take, renew or give back the control')
 PREFLIGHT = _call('preflight', Preflight, 'service', Scope.VEHICLE, 'checks of a real vehicle')
-GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point; real vehicles')
-SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'over ground; real vehicles')
-PUSH_FENCE = _call(
-    'geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence of a real vehicle'
-)
-PUSH_RALLY = _call(
-    'rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'rally points of a real vehicle'
+GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point and stay there')
+SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'speed over ground')
+PUSH_FENCE = _call('geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence')
+PUSH_RALLY = _call('rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'replace rally points')
+SET_HOME = _call(
+    'set_home', SetHome, 'service', Scope.VEHICLE, 'before take-off; simulated vehicles only'
 )
 PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to routes')
 QUERY_FIELD = _call(
@@ -300,6 +313,12 @@ SUGGEST_VIEWPOINTS = _call(
     'hazard/suggest_viewpoints', SuggestViewpoints, 'service', Scope.FLEET, 'where to measure next'
 )
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
+FLEET_HOLD = _call('fleet/hold', FleetCommand, 'service', Scope.FLEET, 'hold of all vehicles')
+FLEET_RESUME = _call('fleet/resume', FleetCommand, 'service', Scope.FLEET, 'all go on after hold')
+FLEET_RETURN_HOME = _call(
+    'fleet/return_home', FleetCommand, 'service', Scope.FLEET, 'all give up their routes'
+)
+FLEET_LAND = _call('fleet/land', FleetCommand, 'service', Scope.FLEET, 'all land where they are')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
 CALLS = tuple(value for value in tuple(globals().values()) if isinstance(value, CallSpec))

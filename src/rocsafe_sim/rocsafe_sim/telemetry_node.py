@@ -6,6 +6,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
 from rocsafe_ros.audience import Audience
@@ -36,7 +37,7 @@ EXACT_M = (0.0, 0.0)
 
 
 class Telemetry:
-    """Publishes ground_truth/fix, fix, velocity, odom, battery_state, state, path and markers."""
+    """Publishes where a vehicle is, its battery, state, track, home and route."""
 
     def __init__(
         self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int, frames: VehicleFrames
@@ -53,6 +54,7 @@ class Telemetry:
         self._odom = topics.create_publisher(node, topics.ODOM)
         self._battery = topics.create_publisher(node, topics.BATTERY_STATE)
         self._state = topics.create_publisher(node, topics.STATE)
+        self._home = topics.create_publisher(node, topics.HOME)
         self._path = topics.create_publisher(node, topics.PATH)
         self._viewers = Audience(node, self._path)
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
@@ -60,6 +62,7 @@ class Telemetry:
         self._said: tuple[object, ...] = ()
         self._last: VehicleState | None = None
         self._shown: FlightRoute | None = None
+        self._told_home: Enu | None = None
 
     def health(self) -> DiagnosticStatus | None:
         """Return the status of the vehicle, None before its first state."""
@@ -78,11 +81,13 @@ class Telemetry:
         elif self._news(seen) != self._said:
             self._publish_state(seen, stamp)
         self._publish_markers()
+        self._publish_home()
 
     def publish_state(self, seen: VehicleSnapshot) -> None:
         """Publish the state between two steps, if a command or a receipt changed it."""
         if self._news(seen) != self._said:
             self._publish_state(seen, stamp_of_ns(seen.time_ns))
+        self._publish_home()
 
     def _publish_motion(self, seen: VehicleSnapshot, stamp: Time) -> None:
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
@@ -133,6 +138,12 @@ class Telemetry:
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
         if self._unseen_path.is_due(seen.time_ns) or self._viewers.is_watching:
             self._path.publish(self._track)
+
+    def _publish_home(self) -> None:
+        home = self._rav.vehicle.home_enu
+        if home != self._told_home:
+            self._told_home = home
+            self._home.publish(point_of_position(self._rav.parts.frame.position_of(home)))
 
     def _publish_markers(self) -> None:
         flight = self._rav.vehicle.flight

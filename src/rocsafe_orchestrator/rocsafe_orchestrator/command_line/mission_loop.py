@@ -13,7 +13,6 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
-from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
@@ -29,8 +28,6 @@ SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 3.0
-# DDS finds orchestrators on other machines in this time; on this machine there is a lock.
-DISCOVERY_S = 0.7
 # How bad the end of a process is for the mission.
 _SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
@@ -76,17 +73,9 @@ class MissionLoop:
         self._decisions = Decisions()
 
     def fly(self) -> Phase:
-        """Run the mission to its end and return how it ended; no process is left.
-
-        Raises
-        ------
-        SetupError
-            If another run uses this ROS domain, or the report cannot be started.
-        """
+        """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
         try:
-            # The processes load meanwhile; they can still be stopped without harm.
-            self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
             while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:
@@ -99,11 +88,6 @@ class MissionLoop:
             self._stop([*(spec.name for spec in parts.table), REPORT])
             self._write_outcome(is_over=True)
         return parts.mission.phase
-
-    def _look_for_company(self) -> None:
-        self._parts.spinner.spin_for(DISCOVERY_S)
-        if self._parts.node.has_company():
-            raise SetupError(COMPANY_TEXT)
 
     def _tick(self, now_s: float) -> None:
         parts = self._parts
@@ -163,8 +147,12 @@ class MissionLoop:
         # Only after the nodes have ended is the recording complete and no image being written.
         self._stop([spec.name for spec in self._parts.table])
         self._write_outcome(is_over=False)
-        if not self._parts.interrupt.is_urgent:
+        if self._parts.interrupt.is_urgent:
+            return
+        try:
             self._parts.supervisor.start(REPORT)
+        except SetupError as error:
+            self._parts.mission.gave_up(REPORT, str(error))
 
     def _stop(self, names: list[str]) -> None:
         interrupt = self._parts.interrupt

@@ -26,6 +26,11 @@ class FlightState(IntEnum):
     WAITING = 11
 
     @property
+    def is_in_air(self) -> bool:
+        """True from take-off to touch-down."""
+        return FlightState.TAKING_OFF <= self <= FlightState.LANDING
+
+    @property
     def has_left(self) -> bool:
         """True once the vehicle has taken off, wherever it is now."""
         is_flying = FlightState.TAKING_OFF <= self <= FlightState.LANDED
@@ -85,7 +90,7 @@ class RunStatus:
     viewpoints_planned, viewpoints_visited
         Viewpoints of the present plan, and those of them that were visited.
     flight_time_s
-        Simulated seconds since the first take-off.
+        Simulated or real seconds from the first take-off to the last touch-down so far.
     wall_time_s
         Seconds since the run began.
     real_time_factor
@@ -122,6 +127,7 @@ class Monitor:
         self._stored: set[str] = set()
         self._rejected: dict[str, str] = {}
         self._takeoff_s: float | None = None
+        self._flown_s = -math.inf
         self.peak: DosePeak | None = None
         self.images_expected = 0
         self.time_s = 0.0
@@ -169,13 +175,16 @@ class Monitor:
 
     @property
     def flight_time_s(self) -> float:
-        """Simulated seconds since the first take-off, 0 before it."""
-        return 0.0 if self._takeoff_s is None else max(0.0, self.time_s - self._takeoff_s)
+        """Seconds from the first take-off to the last touch-down so far, 0 before."""
+        return 0.0 if self._takeoff_s is None else max(0.0, self._flown_s - self._takeoff_s)
 
     def on_vehicle(self, status: VehicleStatus) -> None:
         """Note the state of a vehicle; unknown vehicles are ignored."""
         if status.name not in self._vehicles:
             return
+        before = self._vehicles[status.name].state
+        if before.is_in_air or status.state.is_in_air:
+            self._flown_s = max(self._flown_s, status.time_s)
         self._vehicles[status.name] = status
         if status.time_s > self.time_s:
             self.time_s = status.time_s
