@@ -87,7 +87,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
     if request.config is not None:
         require_parameter_file(request.config)
-    _stay_on_this_machine()
+    stay_on_this_machine()
     table = process_table(scenario, RunDirectory(request.parent))
     executables = require_executables(table)
     started = datetime.now().astimezone()
@@ -106,7 +106,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         return _run(request, scenario, console, claim)
 
 
-def _stay_on_this_machine() -> None:
+def stay_on_this_machine() -> None:
     """Limit ROS discovery to this machine unless the user has set a range."""
     if not any(os.environ.get(name) for name in REACH_VARIABLES):
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
