@@ -248,7 +248,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     lines = Text.assemble((f'mission {phase.name.lower()}', style))
     if text:
         lines.append(f': {text}')
-    images = f'{monitor.images_stored} of {monitor.images_expected} images stored'
+    images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
     lines.append(f'\n{images}, {clock_text(monitor.flight_time_s)} flown')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')
