@@ -131,6 +131,9 @@ class AirspaceBlock(Block):
     terrain_clearance_m: float = Field(
         default=_AIRSPACE['terrain_clearance_m'], gt=0.0, le=LARGEST_HEIGHT_M
     )
+    max_height_agl_m: float = Field(
+        default=_AIRSPACE['max_height_agl_m'], gt=0.0, le=LARGEST_HEIGHT_M
+    )
     wind_mps: tuple[float, float] = _AIRSPACE['wind_mps']
 
     def options(self) -> AirspaceOptions:
