@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_orchestrator.command_line.run_command import stay_on_this_machine
+from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
