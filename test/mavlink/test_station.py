@@ -23,8 +23,8 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import FlightLimits
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.telemetry import LOST_AFTER_S, STALE_AFTER_S, Contact
 from rocsafe_mavlink.protocols.stream_rates import WANTED
@@ -143,6 +143,7 @@ class Air:
         return self.drones[system].vehicle
 
 
+@pytest.mark.slow
 def test_three_vehicles_on_one_link_are_told_apart():
     """Each flies its own plan; no order reaches another."""
     air = Air(3)

@@ -37,6 +37,7 @@ from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
+from rocsafe_ros.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
@@ -54,6 +55,7 @@ OPTIONS: dict[str, Any] = {
     'mosaic': MosaicOptions,
     'recorder': RecorderOptions,
 }
+MISSION = new_identity('run')
 FLEET = {'simulation.processes': 'fleet'}
 
 
@@ -150,7 +152,9 @@ def test_command_starts_the_executable_in_its_namespace(
     table = process_table(read_scenario(small()), run)
     prefix = workspace(table)
     config = Path('my.yaml')
-    launch = next(launch for launch in launches(table, run, config) if launch.name == 'rav2')
+    launch = next(
+        launch for launch in launches(table, run, MISSION, config) if launch.name == 'rav2'
+    )
     assert launch.command == (
         str(prefix / 'lib' / 'rocsafe_sim' / 'rav'),
         '--ros-args',
@@ -158,6 +162,7 @@ def test_command_starts_the_executable_in_its_namespace(
         '__ns:=/rav2',
         '-p',
         'use_sim_time:=true',
+        *MISSION.ros_arguments,
         '--params-file',
         'my.yaml',
         '--params-file',
@@ -176,7 +181,7 @@ def test_empty_lists_are_not_written(
     """ROS cannot read the type of an empty list: a mission without sources leaves them out."""
     table = process_table(read_scenario(small({'radiation': {}})), run)
     workspace(table)
-    launches(table, run)
+    launches(table, run, MISSION)
     assert '[]' not in (run.parameters / 'radiation_field.yaml').read_text()
 
 
@@ -198,7 +203,7 @@ def test_products_are_made_by_a_task_that_is_not_repeated(
     """The report runs once, in a process of its own."""
     table = process_table(read_scenario(small()), run)
     workspace(table)
-    report = next(launch for launch in launches(table, run) if launch.name == REPORT)
+    report = next(launch for launch in launches(table, run, MISSION) if launch.name == REPORT)
     assert report.is_task
     assert report.restart.limit == 0
     assert report.command[-2:] == ('report', str(run.path))

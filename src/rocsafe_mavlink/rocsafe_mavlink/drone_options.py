@@ -12,6 +12,7 @@ from rocsafe_mavlink.link.endpoint import parse_endpoint
 
 LARGEST_SPEED_MPS = 50.0
 LARGEST_HOVER_S = 600.0
+ON_WIND = ('warn', 'return')
 LARGEST_SEPARATION_M = 110.0
 
 
@@ -46,6 +47,12 @@ class DroneOptions:
         command the vehicle and speak for it.
     geoid_separation_m
         Height of the geoid above the ellipsoid where it flies, metres; None: the drone tells.
+    max_wind_mps, max_gust_mps
+        Greatest mean wind and gust of a minute in which it flies, m/s, as its autopilot estimates
+        them; 0: no limit.
+    on_wind
+        What happens when they are exceeded in the air: ``warn`` (a return is offered) or
+        ``return``.
     """
 
     name: str
@@ -60,6 +67,9 @@ class DroneOptions:
     allow_lan: bool = False
     unsigned: bool = False
     geoid_separation_m: float | None = None
+    max_wind_mps: float = 0.0
+    max_gust_mps: float = 0.0
+    on_wind: str = 'warn'
 
     def __post_init__(self) -> None:
         for name, value in (('system', self.system), ('component', self.component)):
@@ -70,6 +80,10 @@ class DroneOptions:
         require_between('speed_mps', self.speed_mps, 0.0, LARGEST_SPEED_MPS, 'm/s')
         require_between('hover_s', self.hover_s, 0.0, LARGEST_HOVER_S, 's')
         require_positive('endurance_s', self.endurance_s, 's')
+        require_between('max_wind_mps', self.max_wind_mps, 0.0, LARGEST_SPEED_MPS, 'm/s')
+        require_between('max_gust_mps', self.max_gust_mps, 0.0, LARGEST_SPEED_MPS, 'm/s')
+        if self.on_wind not in ON_WIND:
+            raise ValueError(f'on_wind is {self.on_wind!r}: must be one of {", ".join(ON_WIND)}')
         if self.geoid_separation_m is not None:
             largest_m = LARGEST_SEPARATION_M
             require_between(

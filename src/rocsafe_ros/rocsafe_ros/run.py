@@ -96,11 +96,17 @@ def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> 
 def _end_with_supervisor() -> None:
     """Ask the kernel for SIGTERM when the supervisor that started this process dies."""
     supervisor = os.environ.get(SUPERVISOR_VARIABLE)
-    if not supervisor or not sys.platform.startswith('linux'):
+    if supervisor:
+        end_with(int(supervisor))
+
+
+def end_with(parent: int) -> None:
+    """Ask the kernel for SIGTERM when the process `parent`, which started this one, dies."""
+    if not sys.platform.startswith('linux'):
         return
     ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    # The supervisor may have ended before prctl took effect.
-    if os.getppid() != int(supervisor):
+    # The parent may have ended before prctl took effect.
+    if os.getppid() != parent:
         sys.exit(EXIT_FAILURE)
 
 

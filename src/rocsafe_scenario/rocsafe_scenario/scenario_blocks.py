@@ -9,9 +9,10 @@ from dataclasses import fields
 from datetime import datetime, timezone
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.storage.utc_time import in_utc, time_of_text
 from rocsafe_planner.plan.survey_options import (
     AirspaceOptions,
     CoverageOptions,
@@ -26,6 +27,9 @@ from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
+# Seconds of messages end on 2038-01-19; missions take days at most.
+EARLIEST_START = datetime(1970, 1, 1, tzinfo=timezone.utc)
+LATEST_START = datetime(2038, 1, 1, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
     {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
@@ -67,13 +71,15 @@ def _vehicle_name(name: str) -> str:
     return name
 
 
-def in_utc(start: datetime) -> datetime:
-    """Return a time in UTC; ValueError if it does not say its zone."""
-    if start.tzinfo is None:
-        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
-    return start.astimezone(timezone.utc)
+def _in_messages(start: datetime) -> datetime:
+    """Refuse a time that no message can carry: ROS counts seconds since 1970 in 31 bits."""
+    if not EARLIEST_START <= start <= LATEST_START:
+        limits = f'{EARLIEST_START:%Y-%m-%d} to {LATEST_START:%Y-%m-%d}'
+        raise ValueError(f'must be within {limits}: messages of ROS carry no other times')
+    return start
 
 
+UtcTime = Annotated[datetime, BeforeValidator(time_of_text), AfterValidator(in_utc)]
 Latitude = Annotated[float, AfterValidator(_within('latitude', -90.0, 90.0))]
 Longitude = Annotated[float, AfterValidator(_within('longitude', -180.0, 180.0))]
 LatLon = tuple[Latitude, Longitude]
@@ -92,7 +98,7 @@ class ClockBlock(Block):
 
     speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
     step_s: float = Field(default=0.1, ge=0.001, le=1.0)
-    start: Annotated[datetime, AfterValidator(in_utc)] = DEFAULT_START
+    start: Annotated[UtcTime, AfterValidator(_in_messages)] = DEFAULT_START
 
 
 class OriginBlock(Block):
