@@ -29,6 +29,7 @@ from rocsafe_interfaces.msg import (
     AccumulatedDose,
     DoseAlarm,
     DoseRate,
+    GasReading,
     GeoPoint,
     GeotaggedImage,
     GimbalCommand,
@@ -36,6 +37,7 @@ from rocsafe_interfaces.msg import (
     HazardSourceArray,
     MissionState,
     Mosaic,
+    ParticleReading,
     RadiationReading,
     Region,
     ShotReceipt,
@@ -43,6 +45,7 @@ from rocsafe_interfaces.msg import (
     SurveyPlan,
     VehicleEvent,
     VehicleState,
+    WindReading,
 )
 from rocsafe_interfaces.srv import (
     GoTo,
@@ -166,6 +169,11 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+GAS = _vehicle('gas', GasReading, _kept(), 'each window', 'a reading of each gas sensor')
+BIO = _vehicle('bio', ParticleReading, _kept(), 'each window', 'counts of particles, trigger')
+ANEMOMETER = _vehicle(
+    'anemometer', WindReading, _kept(), 'each window', 'where the air goes to, m/s'
+)
 DOSE_RATE = _vehicle(
     'dose_rate', DoseRate, _kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
 )

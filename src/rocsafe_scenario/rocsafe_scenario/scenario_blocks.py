@@ -28,8 +28,9 @@ from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
-    {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
-     'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
+    {'air', 'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic',
+     'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots',
+     'sim', 'world'}
 )  # fmt: skip
 
 
