@@ -74,6 +74,7 @@ def test_the_checker_sees_who_flies_in_another_layer():
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surveys(distance_m=8.0, by='layers'))
 def test_layered_plans_are_valid(survey):

@@ -112,6 +112,7 @@ def test_more_vehicles_than_viewpoints():
     assert all(route.duration_s == route.length_m == 0.0 for route in idle)
 
 
+@pytest.mark.slow
 def test_nearest_to_shortest_is_better_here():
     """On both of the seed's areas the second method is done earlier than the paper's."""
     for area in (RECTANGLE, FIELD):

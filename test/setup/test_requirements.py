@@ -5,6 +5,8 @@ import ast
 import sys
 from pathlib import Path
 
+import pytest
+
 from workspace.packages import SYSTEM_MINIMA, pinned
 
 FOLDER = Path(__file__).resolve().parents[2] / 'requirements'
@@ -20,6 +22,7 @@ def test_every_requirement_is_pinned_and_locked_alike():
             assert locked.get(key, '').split('==')[-1] == line.split('==')[1], line
 
 
+@pytest.mark.slow
 def test_every_imported_library_is_there_for_a_mission():
     """What the packages import is pinned for the nodes, not only for the tests."""
     imported = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The checker's look at each flight: what it visits, how long it takes, how high it is."""
+"""Checks of each flight: visits, duration, height."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -30,7 +30,7 @@ _EARTH_RADIUS_M = 6_371_009.0
 
 
 def route_faults(plan: SurveyPlan, route: Route) -> Iterator[Fault]:
-    """Yield what is wrong with a route."""
+    """Yield the faults of a route."""
     vehicle = route.vehicle
     for view in route.viewpoints:
         if not set(view.sensors) <= set(vehicle.sensors):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What to plan: regions, a camera, a fleet, and how."""
+"""The request: regions, camera, fleet and options."""
 
 import hashlib
 import json
@@ -35,12 +35,12 @@ _IDENTITY_VERSION = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyRequest:
-    """A complete question to the planner; the same question has the same answer.
+    """A complete request to the planner; equal requests have equal plans.
 
     Attributes
     ----------
     regions, camera, vehicles
-        What to photograph, the nadir camera that all vehicles carry, and the fleet.
+        Areas to photograph, the nadir camera that all vehicles carry, and the fleet.
     coverage, airspace, separation, effort
         See the values of `survey_options`.
     exclusions
@@ -48,7 +48,7 @@ class SurveyRequest:
     terrain
         Ground that flights follow at the height of the camera; None: the ground is level.
     continuation
-        What is taken over from an earlier plan.
+        Data taken over from an earlier plan.
     """
 
     regions: tuple[SurveyRegion, ...]

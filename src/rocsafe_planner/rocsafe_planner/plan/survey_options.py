@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a survey is planned: photographs, airspace, separation, effort. Defaults are written here.
+"""Options of a survey: photographs, airspace, separation, effort. The defaults are defined here.
 
 Scenarios, messages and commands take their defaults from these values.
 """
@@ -91,7 +91,7 @@ class CoverageOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AirspaceOptions:
-    """What flights keep away from, and the wind.
+    """Clearances of flights, and the wind.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class AirspaceOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeparationOptions:
-    """How far apart vehicles stay in the air.
+    """Separation of vehicles in the air.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class SeparationOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
-    """Which method plans, what it minimises, and for how long.
+    """Routing method, objective, and length of the search.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class Effort:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Continuation:
-    """What a plan that goes on with a survey takes over from the plan before.
+    """Data that a plan takes over from the plan that it continues.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ class Continuation:
     visited
         Places photographed before, which count as seen.
     ground_reference
-        Places whose altitudes tell the height of level ground; empty: the homes.
+        Places whose altitudes define the height of level ground; empty: the homes.
     """
 
     viewpoints: tuple[Viewpoint, ...] = ()
