@@ -20,6 +20,11 @@ CONFIG = Path(__file__).parents[1] / 'config' / 'rocsafe.yaml'
 # Node name, what it is for, its options.
 NODES = (
     ('orchestrator', 'who runs when', 'rocsafe_orchestrator.mission.options:OrchestratorOptions'),
+    (
+        'fleet_verbs',
+        'commands to all vehicles at once',
+        'rocsafe_orchestrator.fleet_verbs_node:FleetVerbsOptions',
+    ),
     ('recorder', 'messages of a run', 'rocsafe_orchestrator.recorder_node:RecorderOptions'),
     ('planner', 'region to routes', 'rocsafe_planner.options:PlannerOptions'),
     ('world', 'simulated time', 'rocsafe_sim.options:WorldOptions'),

@@ -32,7 +32,7 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_interfaces.srv import Lease, SuggestViewpoints
+from rocsafe_interfaces.srv import FleetCommand, Lease, SuggestViewpoints
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
@@ -84,6 +84,7 @@ class Servers(Node):
             for name in self.outcomes
         }
         self.leases = {name: LeaseServer(node, None) for name, node in self.vehicle_nodes.items()}
+        self.create_service(FleetCommand, 'fleet/hold', lambda _request, answer: answer)
         self.create_service(SetBool, 'world/run', self._run)
         self.create_service(Trigger, 'mosaic/save', self._save)
         self.places: list[GeoPoint] = []

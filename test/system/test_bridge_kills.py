@@ -32,6 +32,7 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_interfaces.srv import Lease, Resume
 from rocsafe_ros import topics
+from rocsafe_ros.plan_digest import route_digest
 
 pytestmark = pytest.mark.system
 
@@ -125,7 +126,13 @@ class Post:
         """Send the route; return the future of the result."""
         self.until(self._client.server_is_ready)
         route = survey(COUNT, height_m=HEIGHTS_M[plan_id], step_m=60.0)
-        goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=replace, lease=self.lease())
+        goal = FlyRoute.Goal(
+            route=route,
+            plan_id=plan_id,
+            replace=replace,
+            lease=self.lease(),
+            confirmation=route_digest(plan_id, route),
+        )
         *_, accepted = self._answered(lambda: self._client.send_goal_async(goal))
         return accepted.get_result_async()
 

@@ -9,6 +9,8 @@ from typing import Any
 
 from rocsafe_orchestrator.command_line import (
     check,
+    clear,
+    fleet,
     passed_on,
     plan,
     preflight,
@@ -33,6 +35,7 @@ examples:
   rocsafe plan config/scenarios/derailment.yaml     plan it; nothing flies
   rocsafe run config/scenarios/derailment.yaml      fly it as fast as possible
   rocsafe run config/scenarios/derailment.yaml --speed 1    fly it in real time
+  rocsafe fleet hold                                stop all vehicles of a mission in the air
   rocsafe localize readings.csv                     find the sources in a file of readings
 
 exit codes:
@@ -99,7 +102,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, check, plan, replan, preflight, report, replay, passed_on):
+    for module in (run, fleet, check, plan, replan, preflight, report, replay, clear, passed_on):
         module.add_to(commands)
     return parser
 

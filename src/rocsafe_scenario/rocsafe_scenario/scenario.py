@@ -40,7 +40,8 @@ class Scenario(Block):
     other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
-    replan: Literal['never', 'on_loss'] = 'never'
+    replan: Literal['never', 'on_loss'] = 'on_loss'
+    on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
     radiation: RadiationBlock = RadiationBlock()
     air: AirBlock = AirBlock()

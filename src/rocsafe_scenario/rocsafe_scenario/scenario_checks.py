@@ -254,15 +254,4 @@ def flight_mistakes(scenario: Scenario) -> list[str]:
                     f'vehicles[{index}].{key} = {value}: is for plans and simulated vehicles; '
                     f'{vehicle.name} is real and flies once, from home to home'
                 )
-    if scenario.replan != 'never' and scenario.linked:
-        lines.append(
-            f'replan = {scenario.replan}: must be never where a vehicle is real (has a link), as '
-            f'{scenario.linked[0].name}'
-        )
-    distance_m = scenario.survey.separation.distance_m
-    if distance_m > 0.0 and scenario.linked:
-        lines.append(
-            f'survey.separation.distance_m = {distance_m:g}: is for plans and simulated '
-            f'vehicles; {scenario.linked[0].name} is real and takes off when it is ready'
-        )
     return lines

@@ -45,6 +45,7 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'participants': [*_vehicle_participants(scenario), FIELD, *_air(scenario), RECORDER],
         'autostart': is_real,
         'pause_when_idle': not is_real,
+        'pause_on_news': not is_real and scenario.replan == 'on_loss',
         'scene': scenario.scene,
     }
 
@@ -99,7 +100,10 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the localizer, which is not told of the sources."""
     radiation = scenario.radiation
     search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
-    levels = {key: list(value) for key, value in radiation.levels.model_dump().items()}
+    levels = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in radiation.levels.model_dump(exclude={'contamination_usvh'}).items()
+    }
     return {
         'vehicles': list(scenario.vehicle_names),
         'model': radiation.estimator_model,
@@ -123,6 +127,11 @@ def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 def mosaic_parameters(run: RunDirectory) -> Parameters:
     """Return the parameters of the map maker."""
     return {'store_directory': str(run.images), 'output_path': str(run.mosaic)}
+
+
+def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the node that commands all vehicles at once."""
+    return {'vehicles': list(scenario.vehicle_names), 'mission': run.name}
 
 
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:

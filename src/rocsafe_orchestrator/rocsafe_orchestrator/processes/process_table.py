@@ -85,6 +85,8 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.collector_parameters(scenario, run), *_shared(topics.RECEIPTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+        _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
+                 parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
         *_air_processes(scenario),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
@@ -99,6 +101,7 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
             **{vehicle.name: BRIDGE for vehicle in scenario.linked},
         },
         processes=frozenset(spec.name for spec in table),
+        in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
     )
 
 

@@ -123,14 +123,16 @@ class SeparationOptions:
     Attributes
     ----------
     distance_m
-        Least distance of any two, metres; 0: all take off at once, at one height.
+        Least distance of any two, metres; 0: all take off at once, at one height. The default is
+        twice the 95 % error of a receiver without correction signals (about 5 m, GPS Standard
+        Positioning Service, with a vehicle's own size and its deviation from its way).
     by
-        ``'delay'`` (take-offs are delayed) or ``'layers'`` (vehicles fly at different heights,
-        too, where that lets them land earlier).
+        ``'delay'`` (vehicles wait) or ``'layers'`` (they fly at different heights, too, where
+        that lets them land earlier).
     """
 
-    distance_m: float = 0.0
-    by: str = SEPARATIONS[0]
+    distance_m: float = 10.0
+    by: str = 'layers'
 
     def __post_init__(self) -> None:
         distance = require_not_negative('separation distance_m', self.distance_m, 'm')
