@@ -11,8 +11,8 @@ from typing import Any
 
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
-from rocsafe_mapping.errors import MappingError, PlacementError
-from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.products.overlays import write_mbtiles
@@ -72,11 +72,12 @@ def make_map(options: argparse.Namespace) -> int:
     maker = Mapmaker(
         MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), _note
     )
-    for shot in shots_of(options.folder):
-        try:
-            maker.add(shot.record, shot.read_image, shot.path.stem)
-        except PlacementError as error:
-            _note(f'not on the map: {error}')
+    maker.add_all(
+        [
+            Shot(name=shot.path.name, record=shot.record, read=shot.read_image)
+            for shot in shots_of(options.folder)
+        ]
+    )
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
     watch.lap('read')

@@ -81,7 +81,7 @@ def write_products(
     step('draw')
     if wanted.labels is not None:
         images = LabelImages(wanted.labels)
-        write_labels(wanted.folder, renderer, maker.placed_photos(), images, maker.file_name)
+        write_labels(wanted.folder, renderer, maker.placed_photos(), images)
         step('labels')
     errors = error_map(alignment, renderer)
     document = quality(alignment, maker.block.state, renderer, wanted.region, errors)
