@@ -51,14 +51,15 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
-# files of a map work without.
-OPTIONAL = {'panda3d', 'pmtiles'}
+# files of a map work without. Areas of threat zones need contourpy.
+OPTIONAL = {'contourpy', 'panda3d', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
     'rocsafe_scene',
     'rocsafe_sim',
     'rocsafe_radiation',
+    'rocsafe_dispersion',
     'rocsafe_mapping',
     'rocsafe_mavlink',
 }
@@ -106,6 +107,7 @@ EXEMPT_CLOCKS = {
     'rocsafe_dataset.worker_pool': {'os.environ'},
     # A command that waits until vehicles are heard.
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
+    'rocsafe_mavlink.signing_command': {'time.monotonic', 'time.time', 'time.sleep'},
     # a command: tells how long each stage took
     'rocsafe_mapping.command_line.map_command': {'time.perf_counter'},
     'rocsafe_planner.solver.search.outcome': {

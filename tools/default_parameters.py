@@ -31,6 +31,7 @@ NODES = (
         'simulated gamma field',
         'rocsafe_radiation.field_parameters.field_options:FieldOptions',
     ),
+    ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),

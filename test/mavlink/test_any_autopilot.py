@@ -29,7 +29,7 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, SetSpeed
+from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetSpeed
 from rocsafe_mavlink import bridge_node
 from rocsafe_mavlink.knowledge import telemetry as vehicle
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
@@ -205,7 +205,7 @@ def test_hold_resume_and_return(start):
     assert (held.success, held.message) == (True, '')
     with ground.air.calm():
         ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
-    assert ground.call('rav1/resume', Trigger).success
+    assert ground.call('rav1/resume', Resume).success
     visited = ground.seen().viewpoints_visited
     with ground.air.calm():
         ground.until(lambda: ground.seen().viewpoints_visited > visited, DEADLINE_S)
@@ -227,7 +227,7 @@ def test_climb_is_held(start):
         assert (held.success, held.message) == (True, '')
         ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
         assert ground.seen().viewpoints_visited == 0
-        resumed = ground.call('rav1/resume', Trigger)
+        resumed = ground.call('rav1/resume', Resume)
         assert (resumed.success, resumed.message) == (True, '')
     answer = ended(ground, result)
     assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 3)
@@ -366,7 +366,7 @@ def test_operator_flies_to_a_point(start):
     refused = ground.call('rav1/go_to', GoTo, position=far, height_m=35.0)
     assert not refused.success
     assert 'distance from home' in refused.message
-    assert ground.call('rav1/resume', Trigger).success
+    assert ground.call('rav1/resume', Resume).success
     answer = ended(ground, result)
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == 6

@@ -26,7 +26,7 @@ def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> N
         assert signal_code in text
 
 
-@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report'])
+@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report', 'replay'])
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`rocsafe COMMAND --help` says what the command does."""
     with pytest.raises(SystemExit) as ended:
@@ -68,6 +68,28 @@ def test_missing_config_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     """The parameter file of `--config` has to be there."""
     assert main(['run', str(DERAILMENT), '--config', 'no.yaml']) == errors.EXIT_USAGE
     assert capsys.readouterr().err == 'rocsafe: no.yaml: no such file\n'
+
+
+@pytest.mark.parametrize(
+    ('text', 'line'),
+    [
+        ('a: [', 'config.yaml: line 1: '),
+        ('hello', "{path}: 'hello': must be blocks `node: "),
+        ('/**: {use_sim_time: true}', '{path}: use_sim_time: must be blocks `node: '),
+        ('/**: {ros__parameters: 3}', '{path}: ros__parameters: must be blocks `node: '),
+        ('a: 1\na: 2', "config.yaml: line 2: key 'a' is given twice"),
+    ],
+)
+def test_wrong_config_is_one_line(
+    text: str, line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is no file of ROS parameters starts nothing."""
+    path = tmp_path / 'config.yaml'
+    path.write_text(text)
+    assert main(['run', str(DERAILMENT), '--config', str(path)]) == errors.EXIT_USAGE
+    told = capsys.readouterr().err
+    assert told.startswith(f'rocsafe: {line.format(path=path)}')
+    assert told.count('\n') == 1
 
 
 def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
@@ -139,7 +161,7 @@ def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) ->
     """`rocsafe --version` prints the version that all packages have, and the git revision."""
     sources = Path(__file__).parents[2] / 'src'
     manifests = [re.search(r'<version>(.*)</version>', path.read_text())
-                 for path in sources.glob('*/package.xml')]  # fmt: skip
+                 for path in sources.glob('rocsafe_*/package.xml')]  # fmt: skip
     setups = [
         re.search(r"version='(.*)'", path.read_text()) for path in sources.glob('*/setup.py')
     ]

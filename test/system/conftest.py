@@ -9,7 +9,9 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 
 import pytest
@@ -59,6 +61,11 @@ class Flight:
         pattern = f'{self._name}-*'
         self.wait_until(lambda: any((self._folder / 'runs').glob(pattern)))
         return RunDirectory(next((self._folder / 'runs').glob(pattern)))
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether it made a run directory."""
+        return (self._folder / 'runs').exists()
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until `condition` holds; the mission must not end before."""
@@ -195,3 +202,69 @@ def complete(
         flight = hangar()
         assert flight.end() == 0, flight.output
         yield flight
+
+
+class Intruder:
+    """Another program in the domain of the missions."""
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self.heard_steps = 0
+
+    def disturb(self) -> None:
+        """Publish times of the far future, and steps of the vehicles, from now on."""
+        from rosgraph_msgs.msg import Clock
+
+        from rocsafe_interfaces.msg import StepDone
+        from rocsafe_ros import topics
+        from rocsafe_ros.conversions import stamp_of_ns
+
+        later = stamp_of_ns(2_000_000_000_000_000_000)
+        clock = topics.create_publisher(self._node, topics.CLOCK)
+        steps = topics.create_publisher(self._node, topics.STEP_DONE)
+        topics.create_subscription(self._node, topics.STEP_DONE, self._on_step)
+
+        def publish() -> None:
+            clock.publish(Clock(clock=later))
+            for name in ('rav1', 'rav2', 'recorder', 'radiation_field'):
+                steps.publish(StepDone(participant=name, step=later))
+
+        self._node.create_timer(0.05, publish)
+
+    def _on_step(self, report: Any) -> None:
+        self.heard_steps += report.step.sec < 2_000_000_000
+
+    @contextmanager
+    def vehicle(self, name: str) -> Iterator[None]:
+        """Serve a vehicle's flights."""
+        from rclpy.action import ActionServer
+        from rclpy.node import Node
+
+        from rocsafe_interfaces.action import FlyRoute
+
+        node = Node('bridge', namespace=f'/{name}', context=self._node.context)
+        server = ActionServer(node, FlyRoute, 'fly_route', lambda _goal: FlyRoute.Result())
+        yield
+        server.destroy()
+        node.destroy_node()
+
+
+@pytest.fixture
+def intruder(ros: Any) -> Iterator[Intruder]:
+    """Give another program, which spins beside the test."""
+    from rclpy.node import Node
+
+    node = Node('intruder', context=ros.context)
+    ros.executor.add_node(node)
+    is_over = Event()
+
+    def spin() -> None:
+        while not is_over.is_set():
+            ros.executor.spin_once(timeout_sec=0.02)
+
+    thread = Thread(target=spin)
+    thread.start()
+    yield Intruder(node)
+    is_over.set()
+    thread.join()
+    node.destroy_node()

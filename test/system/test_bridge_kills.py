@@ -30,6 +30,7 @@ from test.mavlink.operator_post import survey
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
+from rocsafe_interfaces.srv import Lease, Resume
 from rocsafe_ros import topics
 
 pytestmark = pytest.mark.system
@@ -104,19 +105,27 @@ class Post:
             self.air.step()
             self._executor.spin_once(timeout_sec=0.02)
 
-    def call(self, name):
-        """Call a service without arguments; return its answer."""
-        client = self._node.create_client(Trigger, f'rav1/{name}')
+    def call(self, name, request=None):
+        """Call a service; return its answer."""
+        kind = {'lease': Lease, 'resume': Resume}.get(name, Trigger)
+        client = self._node.create_client(kind, f'rav1/{name}')
         self.until(client.service_is_ready)
-        answers = self._answered(lambda: client.call_async(Trigger.Request()))
+        answers = self._answered(lambda: client.call_async(request or kind.Request()))
         # Asked twice, one may be refused because the other is under way.
         return max(answers, key=lambda answer: answer.success)
+
+    def lease(self):
+        """Take the lease, which survives a kill, and return what orders carry."""
+        answer = self.call('lease', Lease.Request(holder='post', duration_s=3600.0))
+        assert answer.success, answer.message
+        assert answer.control.epoch == 1
+        return answer.control.lease
 
     def fly(self, plan_id='p1', *, replace=False):
         """Send the route; return the future of the result."""
         self.until(self._client.server_is_ready)
         route = survey(COUNT, height_m=HEIGHTS_M[plan_id], step_m=60.0)
-        goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=replace)
+        goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=replace, lease=self.lease())
         *_, accepted = self._answered(lambda: self._client.send_goal_async(goal))
         return accepted.get_result_async()
 
@@ -222,7 +231,8 @@ def resume(post):
 
     Of two calls the second may be answered first: the order of the other is under way.
     """
-    while not (answer := post.call('resume')).success:
+    request = Resume.Request(lease=post.lease())
+    while not (answer := post.call('resume', request)).success:
         assert 'still being read' in answer.message or 'resume is under way' in answer.message
 
 

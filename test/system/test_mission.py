@@ -163,6 +163,27 @@ def test_second_mission_in_a_domain_is_refused(fly: Fly) -> None:
     assert first.end() == 130
 
 
+def test_foreign_clock_and_steps_move_nothing(complete: Any, fly: Fly, intruder: Any) -> None:
+    """Another program's /clock, years ahead, and its reports of steps: the same mission."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    intruder.disturb()
+    assert flight.end() == 0, flight.output
+    assert intruder.heard_steps == 0
+    assert flight.images() == complete.images()
+    assert readings(flight.run.readings) == readings(complete.run.readings)
+
+
+def test_vehicle_that_somebody_has_is_not_flown(fly: Fly, intruder: Any) -> None:
+    """A bridge that serves rav1 is up: nothing is started, and the line says who has it."""
+    with intruder.vehicle('rav1'):
+        flight = fly()
+        assert flight.end() == 3
+    assert 'node /rav1/bridge (process' in flight.output
+    assert 'already speaks for /rav1/fly_route' in flight.output
+    assert not flight.has_begun
+
+
 def readings(path: Path) -> list[dict[str, str]]:
     """Return the rows of a table of readings."""
     with path.open(encoding='utf-8', newline='') as stream:

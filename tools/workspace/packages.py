@@ -20,6 +20,7 @@ from workspace.ros import SystemRos
 # or missing comes, pinned, from python.txt.
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
+    'contourpy': ('contourpy', (1, 0, 7)),
     'cv2': ('opencv-python-headless', (4, 6)),
     'jinja2': ('Jinja2', (3, 1)),
     'markupsafe': ('MarkupSafe', (2, 1)),

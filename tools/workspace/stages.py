@@ -231,7 +231,7 @@ def _ready_build(workspace: Workspace, version: str) -> None:
     ):
         building.clear(layout)
     with step(f'colcon build of the packages in src/, {core_count()} at a time'):
-        building.build(layout, workspace.tools)
+        building.build(layout, workspace.tools, workspace.ros)
     record = {'build': workspace.build_mark(version), 'ground': ground, 'files': files}
     for path in layout.build_records:
         records.write(path, record)

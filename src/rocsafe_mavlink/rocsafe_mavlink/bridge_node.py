@@ -10,7 +10,12 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import MissionState
-from rocsafe_mavlink.assembly import make_drone, make_geotagger, make_stations
+from rocsafe_mavlink.assembly import (
+    clock_warnings,
+    make_drone,
+    make_geotagger,
+    make_stations,
+)
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
@@ -25,6 +30,7 @@ from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
@@ -42,14 +48,20 @@ class DroneInterface:
     """All topics, services and the action in a vehicle's namespace."""
 
     def __init__(
-        self, node: VehicleScopeNode, drone: Drone, geotagger: Geotagger, fov_rad: float
+        self,
+        node: VehicleScopeNode,
+        drone: Drone,
+        geotagger: Geotagger,
+        options: BridgeOptions,
     ) -> None:
         self.node = node
         self.drone = drone
-        self.shots = ShotSender(node, drone, geotagger, fov_rad)
+        self._master = ''
+        self._lease = LeaseServer(node, options.state_path(drone.spec.name))
+        self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
-        self._commands = CommandServices(node, drone, time.monotonic)
-        self._flights = FlyRouteServer(node, drone, lambda: self.shots.delivered)
+        self._commands = CommandServices(node, drone, self._lease, time.monotonic)
+        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed)
         drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:
@@ -68,10 +80,20 @@ class DroneInterface:
     def step(self, now_s: float, time_s: float) -> None:
         """Let time pass."""
         self.drone.step(now_s)
+        self._watch_master()
         self._flights.step(now_s)
         self._commands.step()
         self._telemetry.step(now_s)
         self.shots.step(now_s, time_s)
+
+    def _watch_master(self) -> None:
+        """Make the lease void when a pilot or another station takes the vehicle."""
+        kind, before = self.drone.session.known_autopilot(), self._master
+        if kind is None:
+            return
+        self._master = self.drone.session.custody.new_master(self.drone.vehicle, kind)
+        if self._master and self._master != before:
+            self._lease.revoke(self._master)
 
 
 class BridgeNode(Node):
@@ -87,6 +109,8 @@ class BridgeNode(Node):
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
+            for line in clock_warnings(self._fleet, time.time()):
+                self.get_logger().warning(line)
             self._interfaces = [
                 self._interface(drone, node_options) for drone in self._fleet.drones
             ]
@@ -117,7 +141,7 @@ class BridgeNode(Node):
         drone = make_drone(options, self._options, self._stations[options.link])
         geotagger = make_geotagger(options, self._options, time.time)
         node = self._vehicle_node(drone, node_options)
-        return DroneInterface(node, drone, geotagger, self._options.horizontal_fov_rad)
+        return DroneInterface(node, drone, geotagger, self._options)
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(

@@ -7,17 +7,21 @@ from typing import Any
 from rocsafe_mavlink.conversions import check_message, ring_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import failures
 from rocsafe_mavlink.flight.fence import Fence
-from rocsafe_mavlink.flight.preflight import failures
 from rocsafe_ros import topics
+from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 Begin = Callable[[Any, float], None]
 
 
 class CommandServices:
-    """Services: hold, resume, return_home, land, go_to, set_speed, preflight, fence and rally.
+    """Services: hold, return_home and land, always taken; with the lease all others.
+
+    These are resume, go_to, set_speed, fence and rally; preflight commands nothing.
 
     Parameters
     ----------
@@ -25,13 +29,22 @@ class CommandServices:
         Node in the vehicle's namespace.
     drone
         The vehicle.
+    lease
+        Judges who may give orders.
     clock
         Returns steady time, seconds.
     """
 
-    def __init__(self, node: VehicleScopeNode, drone: Drone, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        drone: Drone,
+        lease: LeaseServer,
+        clock: Callable[[], float],
+    ) -> None:
         self._node = node
         self._drone = drone
+        self._lease = lease
         self._clock = clock
         self._waiting: list[_Answer] = []
         commands = drone.commands
@@ -67,12 +80,18 @@ class CommandServices:
         def on_call(request: Any, response: Any) -> Any:
             answer = _Answer(response, self._drone.spec.name, ends_flight)
             answers.append(answer)
+            # Hold, return_home and land carry no lease.
+            lease = getattr(request, 'lease', None)
+            if lease is not None and self._lease.is_for_another(lease):
+                return response  # that node answers
             now_s = self._clock()
             # A flight that has just been found may be resumed.
             self._drone.step(now_s)
             try:
+                if lease is not None:
+                    self._lease.require(lease)
                 begin(request, now_s)
-            except (CommandRefusedError, ValueError) as refusal:
+            except (LeaseRefusedError, CommandRefusedError, ValueError) as refusal:
                 answer.give(str(refusal))
                 return response
             answer.number = self._drone.commands.count

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Vector3
 from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
@@ -15,6 +16,7 @@ from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
     PreflightCheck,
+    Traffic,
     VehicleEvent,
     VehicleState,
     Viewpoint,
@@ -23,12 +25,13 @@ from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone.status import DroneStatus
+from rocsafe_mavlink.flight.check import Check, CheckVerdict
 from rocsafe_mavlink.flight.fence import Ring
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
+from rocsafe_mavlink.knowledge.traffic import Encounter
 from rocsafe_ros.conversions import point_of_position, position_of_point
 
 STATES = {
@@ -77,6 +80,8 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
         takes_photographs=spec.takes_photographs,
         trigger_distance_m=spec.trigger_distance_m,
         home=GeoPosition(home.latitude_deg, home.longitude_deg, 0.0),
+        exclusions=tuple(tuple(map(_level, ring_of(zone))) for zone in message.exclusions),
+        clearance_m=message.clearance_m,
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
@@ -105,6 +110,7 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
         height_m=height_m,
         hold_s=hover_s,
         heading_deg=math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)) % 360.0,
+        height_agl_m=viewpoint.height_agl_m if viewpoint.height_agl_m > 0.0 else None,
     )
     return [*(_bend(point, stop) for point in viewpoint.approach), stop]
 
@@ -180,6 +186,7 @@ def state_message(
         battery_fraction=seen.charge,
         distance_flown_m=seen.distance_m,
         text=seen.text,
+        advice=seen.advice,
         position=_point(seen.motion),
         speed_mps=_speed_mps(seen.motion),
     )
@@ -204,6 +211,30 @@ def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
         severity=severity,
         kind=event.kind.value,
         text=event.text,
+    )
+
+
+def traffic_message(seen: Encounter, vehicle: str, stamp: Time, separation_m: float) -> Traffic:
+    """Return another aircraft; `separation_m` is the height of the geoid, NaN if not known."""
+    aircraft = seen.aircraft
+    east, north, up = aircraft.velocity_enu_mps or (math.nan,) * 3
+    place = aircraft.position
+    return Traffic(
+        header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
+        vehicle=vehicle,
+        icao=aircraft.icao,
+        callsign=aircraft.callsign,
+        position=GeoPoint(
+            latitude=place.latitude_deg,
+            longitude=place.longitude_deg,
+            altitude=aircraft.altitude_msl_m + separation_m,
+        ),
+        velocity=Vector3(x=east, y=north, z=up),
+        distance_m=seen.distance_m,
+        above_m=seen.above_m,
+        closest_m=seen.closest_m,
+        closest_in_s=seen.closest_in_s,
+        is_close=seen.is_close,
     )
 
 

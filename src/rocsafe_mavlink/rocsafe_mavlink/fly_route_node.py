@@ -18,6 +18,8 @@ from rocsafe_mavlink.result_conversions import (
     result_message,
 )
 from rocsafe_ros import topics
+from rocsafe_ros.control_lease import LeaseRefusedError
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
@@ -36,12 +38,17 @@ class FlyRouteServer:
         Node in the vehicle's namespace.
     drone
         The vehicle.
+    lease
+        Judges who may send goals.
     shots
-        Returns how many photographs of the flight will be in the store.
+        Returns how many photographs the store must get, of so many viewpoints visited.
     """
 
-    def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, drone: Drone, lease: LeaseServer, shots: Callable[[int], int]
+    ) -> None:
         self._drone = drone
+        self._lease = lease
         self._shots = shots
         self._now_s = 0.0
         self._feedback_s = 0.0
@@ -69,7 +76,7 @@ class FlyRouteServer:
         self._watch_cancelling()
         summary = self._drone.summary()
         if summary is not None and self._flying:
-            self._end_all(result_message(summary, self._shots()))
+            self._end_all(result_message(summary, self._shots(summary.visited)))
         if self._flying and now_s - self._feedback_s >= FEEDBACK_S:
             self._feedback_s = now_s
             feedback = self._feedback()
@@ -77,6 +84,8 @@ class FlyRouteServer:
                 goal.publish_feedback(feedback)
 
     def _on_goal(self, goal: Any) -> None:
+        if self._lease.is_for_another(goal.request.lease):
+            return  # that node executes it
         self._early.append((goal, self._now_s or time.monotonic()))
 
     def _begin(self, goal: Any, since_s: float) -> None:
@@ -86,6 +95,7 @@ class FlyRouteServer:
             self._end(goal, refusal_message(f'{name}: the route is for {request.route.vehicle}'))
             return
         try:
+            self._lease.require(request.lease)
             assignment = assignment_of(request.route, request.plan_id, self._drone.spec)
             if request.replace and self._drone.flies_another(assignment):
                 self._drone.replace_route(assignment, self._now_s)
@@ -98,7 +108,7 @@ class FlyRouteServer:
             else:
                 self._early.append((goal, since_s))
             return
-        except (CommandRefusedError, ValueError) as error:
+        except (LeaseRefusedError, CommandRefusedError, ValueError) as error:
             self._end(goal, refusal_message(f'{name}: {error}'))
             return
         self._flying.append(goal)
@@ -159,7 +169,8 @@ class FlyRouteServer:
             elif goal in self._flying:
                 self._flying.remove(goal)
                 remaining = self._drone.remaining()
-                self._end(goal, cancelled_message(remaining, self._shots(), error))
+                shots = self._shots(remaining.visited)
+                self._end(goal, cancelled_message(remaining, shots, error))
 
     def _feedback(self) -> FlyRoute.Feedback:
         left = self._drone.remaining()

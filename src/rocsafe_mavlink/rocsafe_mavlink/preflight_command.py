@@ -21,8 +21,8 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone_options import DroneFleet
 from rocsafe_mavlink.errors import MavlinkError
+from rocsafe_mavlink.flight.check import NOT_READ, Check, CheckVerdict, failures
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.flight.preflight import NOT_READ, Check, CheckVerdict, failures
 
 POLL_S = 0.02
 LARGEST_PATIENCE_S = 300.0

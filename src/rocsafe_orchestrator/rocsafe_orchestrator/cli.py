@@ -13,6 +13,7 @@ from rocsafe_orchestrator.command_line import (
     plan,
     preflight,
     replan,
+    replay,
     report,
     run,
 )
@@ -98,7 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, check, plan, replan, preflight, report, passed_on):
+    for module in (run, check, plan, replan, preflight, report, replay, passed_on):
         module.add_to(commands)
     return parser
 

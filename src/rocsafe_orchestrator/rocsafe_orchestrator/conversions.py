@@ -24,6 +24,8 @@ from rocsafe_interfaces.msg import (
     VehicleSpec,
     VehicleState,
 )
+from rocsafe_interfaces.msg import Decision as DecisionMessage
+from rocsafe_orchestrator.mission.decisions import Decision
 from rocsafe_orchestrator.mission.status import (
     GROUNDED,
     FlightState,
@@ -266,6 +268,19 @@ def fault_of_flight(result: FlyRoute.Result) -> str:
     fault = _FAULTS.get(result.outcome, f'ended with outcome {result.outcome}')
     visited = f'after {result.viewpoints_visited} viewpoints'
     return f'{fault} {visited}' + (f': {result.error_msg}' if result.error_msg else '')
+
+
+def decision_message(decision: Decision, by: str, wall_time_s: float) -> DecisionMessage:
+    """Return a decision of the node `by` as a message, without a stamp."""
+    return DecisionMessage(
+        wall_time_s=wall_time_s,
+        severity=decision.severity,
+        kind=decision.kind,
+        by=by,
+        vehicles=list(decision.vehicles),
+        text=decision.text,
+        reason=decision.reason,
+    )
 
 
 def mission_state(

@@ -14,6 +14,7 @@ from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
@@ -34,9 +35,11 @@ class Requests:
         Node that owns the clients.
     monitor
         Receives the number of photographs of the plan.
+    mission_id
+        Name of the mission, for the leases of the vehicles.
     """
 
-    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:
+    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
         self._scenario = scenario
         self._monitor = monitor
         self._mission: Mission | None = None
@@ -48,6 +51,7 @@ class Requests:
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
+        self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name)
             for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
@@ -114,7 +118,20 @@ class Requests:
             replace=bool(self._photographed or self._visited),
         )
         on_flight = partial(self._on_flight, self._plan.plan_id)
-        self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+
+        def send(lease: str) -> None:
+            goal.lease = lease
+            self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+
+        self._leases.carry(order.vehicle, send, partial(self._on_refusal, order))
+
+    def _on_refusal(self, order: Order, text: str) -> None:
+        if self._mission is not None:
+            self._mission.refused(order, text)
+
+    def _remark(self, text: str) -> None:
+        if self._mission is not None:
+            self._mission.remarks.append(text)
 
     def _send_hold(self, order: Order) -> None:
         client = self._holds[order.vehicle]
@@ -183,7 +200,8 @@ class Requests:
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
+        viewpoints = conversions.viewpoint_count(result.plan)
+        self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._mission.planned([route.vehicle for route in routed], len(visited))
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:

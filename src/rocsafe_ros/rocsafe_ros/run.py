@@ -19,6 +19,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 EXIT_OK = 0
@@ -56,6 +57,11 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
     _end_with_supervisor()
     stop = StopRequest()
     try:
+        bind_interfaces(os.environ)
+    except ParameterError as error:
+        print(f'error: {error}', file=sys.stderr)  # noqa: T201
+        return EXIT_USAGE
+    try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public
         print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201
@@ -90,11 +96,17 @@ def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> 
 def _end_with_supervisor() -> None:
     """Ask the kernel for SIGTERM when the supervisor that started this process dies."""
     supervisor = os.environ.get(SUPERVISOR_VARIABLE)
-    if not supervisor or not sys.platform.startswith('linux'):
+    if supervisor:
+        end_with(int(supervisor))
+
+
+def end_with(parent: int) -> None:
+    """Ask the kernel for SIGTERM when the process `parent`, which started this one, dies."""
+    if not sys.platform.startswith('linux'):
         return
     ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    # The supervisor may have ended before prctl took effect.
-    if os.getppid() != int(supervisor):
+    # The parent may have ended before prctl took effect.
+    if os.getppid() != parent:
         sys.exit(EXIT_FAILURE)
 
 

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The radiation block of a scenario file: sources, shields, background and detectors."""
 
-from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block, LatLon, in_utc
+from rocsafe_scenario.scenario_blocks import Block, LatLon, UtcTime
 
 LARGEST_TIME_S = 604_800.0
 Material = Literal['iron', 'lead', 'concrete', 'water']
@@ -41,7 +40,7 @@ class SourceBlock(Block):
     nuclide: Nuclide | None = None
     sigma_usvps: float | None = Field(default=None, gt=0.0, le=1e12)
     activity_gbq: float | None = Field(default=None, gt=0.0, le=1e9)
-    activity_date: Annotated[datetime, AfterValidator(in_utc)] | None = None
+    activity_date: UtcTime | None = None
 
     @property
     def shapes(self) -> tuple[str, ...]:

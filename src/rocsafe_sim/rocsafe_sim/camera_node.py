@@ -6,6 +6,7 @@ from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import jpeg_message
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
@@ -26,8 +27,6 @@ from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 
 GIMBAL_PERIOD_NS = 1_000_000_000
-# Subscriptions of these nodes do not start a stream.
-RECORDERS = frozenset({'recorder'})
 
 
 class CameraInterface:
@@ -50,6 +49,10 @@ class CameraInterface:
         self._labels = self._publisher(topics.CAMERA_LABELS)
         self._pose = self._publisher(topics.CAMERA_POSE)
         self._table = self._publisher(topics.CAMERA_LABEL_TABLE)
+        self._audiences = [
+            Audience(node, publisher)
+            for publisher in (self._image, self._compressed, self._depth, self._labels)
+        ]
         if camera.model.camera.label_table():
             self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
@@ -106,12 +109,7 @@ class CameraInterface:
         self._publish(picture, self._jpeg_of(picture) if _is_heard(self._compressed) else None)
 
     def _is_watched(self) -> bool:
-        if any(map(_is_heard, (self._image, self._depth, self._labels))):
-            return True
-        if not _is_heard(self._compressed):
-            return False
-        listeners = self._node.get_subscriptions_info_by_topic(self._compressed.topic_name)
-        return any(listener.node_name not in RECORDERS for listener in listeners)
+        return any(audience.is_watching for audience in self._audiences)
 
     def _add_gimbal(self) -> None:
         self._gimbals = Cadence(GIMBAL_PERIOD_NS)

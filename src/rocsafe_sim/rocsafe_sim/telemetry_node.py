@@ -5,8 +5,10 @@ from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -32,7 +34,7 @@ EXACT_M = (0.0, 0.0)
 
 
 class Telemetry:
-    """Publishes ground_truth/fix, fix, velocity, odom, battery_state, state, path and markers."""
+    """Publishes where a vehicle is, its battery, state, track, home and route."""
 
     def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
         self._rav = rav
@@ -46,11 +48,14 @@ class Telemetry:
         self._odom = topics.create_publisher(node, topics.ODOM)
         self._battery = topics.create_publisher(node, topics.BATTERY_STATE)
         self._state = topics.create_publisher(node, topics.STATE)
+        self._home = topics.create_publisher(node, topics.HOME)
         self._path = topics.create_publisher(node, topics.PATH)
+        self._viewers = Audience(node, self._path)
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
         self._shown: FlightRoute | None = None
+        self._told_home: Enu | None = None
 
     def publish(self, seen: VehicleSnapshot) -> None:
         """Publish what is due at a step, position first."""
@@ -65,11 +70,13 @@ class Telemetry:
         elif self._news(seen) != self._said:
             self._publish_state(seen, stamp)
         self._publish_markers()
+        self._publish_home()
 
     def publish_state(self, seen: VehicleSnapshot) -> None:
         """Publish the state between two steps, if a command or a receipt changed it."""
         if self._news(seen) != self._said:
             self._publish_state(seen, stamp_of_ns(seen.time_ns))
+        self._publish_home()
 
     def _publish_motion(self, seen: VehicleSnapshot, stamp: Time) -> None:
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
@@ -115,9 +122,14 @@ class Telemetry:
             return
         self._track.header.stamp = stamp
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
-        is_seen = self._path.get_subscription_count() > 0
-        if self._unseen_path.is_due(seen.time_ns) or is_seen:
+        if self._unseen_path.is_due(seen.time_ns) or self._viewers.is_watching:
             self._path.publish(self._track)
+
+    def _publish_home(self) -> None:
+        home = self._rav.vehicle.home_enu
+        if home != self._told_home:
+            self._told_home = home
+            self._home.publish(point_of_position(self._rav.parts.frame.position_of(home)))
 
     def _publish_markers(self) -> None:
         flight = self._rav.vehicle.flight

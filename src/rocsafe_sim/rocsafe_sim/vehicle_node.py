@@ -3,13 +3,11 @@
 
 from collections.abc import Callable
 
-from std_srvs.srv import Trigger
-
 from rocsafe_geo.storage.shot import Shot
-from rocsafe_ros import topics
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
-from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.command_node import CommandServices
 from rocsafe_sim.fly_route_node import FlyRouteServer
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
@@ -20,8 +18,8 @@ class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
-    fly_route.
+    home, camera/*, control. Subscribes: shots/receipts. Services: lease, and those of
+    `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
@@ -33,6 +31,11 @@ class VehicleInterface:
         Simulated time between fixes, nanoseconds.
     on_busy
         Called when a command wakes an idle vehicle.
+
+    Attributes
+    ----------
+    lease
+        Judges who may give orders.
     """
 
     def __init__(
@@ -48,11 +51,9 @@ class VehicleInterface:
         self._telemetry = Telemetry(node, rav, fix_period_ns)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
         self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
-        self._flights = FlyRouteServer(node, rav, self._after_command)
-        self._add_service(node, topics.HOLD, rav.vehicle.hold)
-        self._add_service(node, topics.RESUME, rav.vehicle.resume)
-        self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
-        self._add_service(node, topics.LAND, rav.vehicle.land)
+        self.lease = LeaseServer(node, rav.spool)
+        self._flights = FlyRouteServer(node, rav, self.lease, self._after_command)
+        self._commands = CommandServices(node, rav, self.lease, self._after_command)
         self._publish_state()
 
     def step(self, time_ns: int) -> bool:
@@ -87,18 +88,3 @@ class VehicleInterface:
         self._publish_state()
         if not self._rav.vehicle.is_idle:
             self._on_busy()
-
-    def _add_service(
-        self, node: VehicleScopeNode, spec: topics.CallSpec, command: Callable[[], None]
-    ) -> None:
-        def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            try:
-                command()
-            except CommandRefusedError as refusal:
-                response.message = f'{self._rav.parts.name}: {refusal}'
-                return response
-            self._after_command()
-            response.success = True
-            return response
-
-        node.create_service(spec.call_type, spec.name, on_call)

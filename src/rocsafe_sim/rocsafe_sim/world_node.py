@@ -42,16 +42,42 @@ class WorldNode(Node):
             pauses_when_idle=options.pause_when_idle,
         )
         self._missing: list[str] = []
-        self._clock_out = topics.create_publisher(self, topics.CLOCK)
+        self._clocks_out = [topics.create_publisher(self, topics.CLOCK)]
         self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
         self._markers = topics.create_publisher(self, topics.SCENE_MARKERS)
         self._markers.publish(scene_markers(read_boxes(options.scene)))
         topics.create_subscription(self, topics.STEP_DONE, self._on_step_done)
         self.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        self._public = self._open_to_the_public()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         tick_s = min(TICK_S, options.step_s / options.speed) if options.speed else TICK_S
         self.create_timer(tick_s, self._advance, clock=steady)
         self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
+
+    def _open_to_the_public(self) -> Node | None:
+        """Return a node with the names that viewers know, None if this node has them itself.
+
+        The nodes of a mission keep their time under names of their own, so that no other clock
+        and no other mission can move or stop it.
+        """
+        if self.resolve_topic_name(topics.CLOCK.name) == topics.CLOCK.name:
+            return None
+        public = Node(
+            'world_public',
+            context=self.context,
+            namespace=self.get_namespace(),
+            use_global_arguments=False,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        self._clocks_out.append(topics.create_publisher(public, topics.CLOCK))
+        public.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        return public
+
+    @property
+    def nodes(self) -> list[Node]:
+        """The node itself, and the one for the public where there is one."""
+        return [self] if self._public is None else [self, self._public]
 
     def _on_step_done(self, report: StepDone) -> None:
         if report.has_left:
@@ -64,7 +90,9 @@ class WorldNode(Node):
     def _advance(self) -> None:
         due_ns = self._clockwork.due(time.monotonic())
         if due_ns is not None:
-            self._clock_out.publish(ClockMessage(clock=stamp_of_ns(due_ns)))
+            message = ClockMessage(clock=stamp_of_ns(due_ns))
+            for clock in self._clocks_out:
+                clock.publish(message)
 
     def _on_run(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._clockwork.run(is_running=request.data)
@@ -97,7 +125,7 @@ def _running_text(is_running: bool) -> str:
 
 def main() -> int:
     """Run the node until it is asked to stop."""
-    return run(WorldNode)
+    return run(lambda: WorldNode().nodes)
 
 
 if __name__ == '__main__':

@@ -10,9 +10,11 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
+from rocsafe_mavlink.drone.advice import Advice
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.flight.flight_journal import JournalEntry
-from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE, FlightLimits
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, Motion, VehicleTelemetry
@@ -44,12 +46,13 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """Inputs of a status; `frame` is that of the mission."""
+    """Inputs of a status; `frame` is that of the mission, `advice` what an operator is told."""
 
     session: VehicleSession
     entry: JournalEntry | None
     frame: LocalFrame
     distance_m: float
+    advice: tuple[Advice, ...] = ()
 
     @property
     def vehicle(self) -> VehicleTelemetry:
@@ -89,6 +92,8 @@ class DroneStatus:
         Distance flown.
     text
         Explanation for people.
+    advice
+        Order that is offered; empty: none.
     prediction
         Expected position while it is silent.
     """
@@ -111,6 +116,7 @@ class DroneStatus:
     current_a: float
     distance_m: float
     text: str
+    advice: str
     prediction: Prediction | None
 
 
@@ -141,6 +147,7 @@ def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
         current_a=vehicle.battery.current_a,
         distance_m=inputs.distance_m,
         text=_text(inputs, fault, prediction, now_s),
+        advice=inputs.advice[0].order if inputs.advice else '',
         prediction=prediction,
     )
 
@@ -214,6 +221,7 @@ def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s
     parts = [] if kind is None else [f'mode {kind.mode_name(vehicle.custom_mode)}']
     if custody.takeover and custody.failsafe is None:
         parts.append(custody.takeover)
+    parts += [f'{one.reason}: {one.order} is offered' for one in inputs.advice]
     if prediction is not None:
         place, silent_s = prediction.position, now_s - vehicle.heartbeat_s
         parts.append(

@@ -108,6 +108,14 @@ class Custody:
             return ''
         return f'it is not ours to command: it is in {mode}'
 
+    def new_master(self, vehicle: VehicleTelemetry, autopilot: Autopilot) -> str:
+        """Return words on a pilot or another station that has taken the vehicle; empty: none.
+
+        A failsafe is none, nor is a vehicle that returns or lands: autopilots do so by themselves.
+        """
+        by_itself = any(autopilot.is_in(vehicle, verb) for verb in (Verb.RETURN, Verb.LAND))
+        return '' if by_itself or self.failsafe is not None else self.takeover
+
     def _with_failsafe(self, failsafe: FlightOutcome | None, now_s: float) -> 'Custody':
         if failsafe is None:
             return self

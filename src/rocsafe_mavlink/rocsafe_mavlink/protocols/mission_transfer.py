@@ -6,6 +6,7 @@ after an upload the mission is read back and compared. If it differs it is sent 
 does not help it is cleared, so that no partial mission can be flown.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -41,6 +42,8 @@ class Transfer:
         Progress of the transfer.
     tries
         Uploads begun.
+    until_s
+        Steady time at which it is given up, whatever the autopilot asks for.
     error
         Why it failed, or why the try before this one did.
     asked_s, clears
@@ -58,6 +61,7 @@ class Transfer:
     first_compared: int
     stage: TransferStage = TransferStage.UPLOADING
     tries: int = 0
+    until_s: float = math.inf
     error: str = ''
     asked_s: float = 0.0
     clears: int = 0
@@ -87,8 +91,16 @@ class Transfer:
             heard_s=now_s,
         )
         upload, sent = fresh.begin(now_s)
-        stage = TransferStage.UPLOADING
-        return replace(self, stage=stage, upload=upload, tries=self.tries + 1), sent
+        timing = self.upload.timing
+        longest_s = timing.longest_s + timing.longest_item_s * len(self.upload.items)
+        begun = replace(
+            self,
+            stage=TransferStage.UPLOADING,
+            upload=upload,
+            tries=self.tries + 1,
+            until_s=min(self.until_s, now_s + longest_s),
+        )
+        return begun, sent
 
     def on_message(self, message: Message, now_s: float) -> tuple['Transfer', list[Message]]:
         """Take a message of the autopilot; those of others change nothing."""
@@ -106,6 +118,10 @@ class Transfer:
 
     def on_tick(self, now_s: float) -> tuple['Transfer', list[Message]]:
         """Let time pass."""
+        is_moving = self.stage in (TransferStage.UPLOADING, TransferStage.READING_BACK)
+        if is_moving and now_s >= self.until_s:
+            error = self.error or 'it took too long'
+            return self._try_again(now_s, error, is_passing=False)
         if self.stage is TransferStage.UPLOADING:
             upload, sent = self.upload.on_tick(now_s)
             return replace(self, upload=upload)._after_upload(now_s, sent)

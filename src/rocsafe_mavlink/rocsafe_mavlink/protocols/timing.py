@@ -18,7 +18,9 @@ class CommandTiming:
         Texts of the autopilot in this time around a refusal explain it, seconds; measured on
         ArduCopter 4.7.
     progress_s
-        A command that is in progress may take so long, seconds.
+        An answer that a command is in progress extends the wait by this time, seconds.
+    longest_s
+        A command is given up after this time whatever is answered, seconds.
     """
 
     repeat_s: float = 1.5
@@ -26,6 +28,7 @@ class CommandTiming:
     text_before_s: float = 0.5
     text_after_s: float = 1.5
     progress_s: float = 10.0
+    longest_s: float = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +56,9 @@ class TransferTiming:
         goes unanswered so often.
     largest_try_count
         Uploads at most until one is read back as it was sent.
+    longest_s, longest_item_s
+        A transfer is given up after this time and so much for each item, seconds: a radio of
+        57600 baud that loses a message in five carries an item both ways in half of it.
     clear_again_s, largest_clear_count
         A request to clear is repeated after this time, seconds, and at most so often.
     """
@@ -65,6 +71,8 @@ class TransferTiming:
     ask_again_s: float = 1.0
     largest_ask_count: int = 20
     largest_try_count: int = 5
+    longest_s: float = 180.0
+    longest_item_s: float = 2.0
     clear_again_s: float = 1.5
     largest_clear_count: int = 5
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.command_line.progress import Display
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
 from rocsafe_orchestrator.mission.mission import REPORT, Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
-from rocsafe_orchestrator.processes.domain_lock import COMPANY_TEXT
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
@@ -28,8 +28,8 @@ SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 3.0
-# DDS finds orchestrators on other machines in this time; on this machine there is a lock.
-DISCOVERY_S = 0.7
+# How bad the end of a process is for the mission.
+_SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,19 +70,12 @@ class MissionLoop:
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = 0.0
         self._shown_phase: Phase | None = None
+        self._decisions = Decisions()
 
     def fly(self) -> Phase:
-        """Run the mission to its end and return how it ended; no process is left.
-
-        Raises
-        ------
-        SetupError
-            If another run uses this ROS domain, or the report cannot be started.
-        """
+        """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
         try:
-            # The processes load meanwhile; they can still be stopped without harm.
-            self._look_for_company()
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
             while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:
@@ -96,11 +89,6 @@ class MissionLoop:
             self._write_outcome(is_over=True)
         return parts.mission.phase
 
-    def _look_for_company(self) -> None:
-        self._parts.spinner.spin_for(DISCOVERY_S)
-        if self._parts.node.has_company():
-            raise SetupError(COMPANY_TEXT)
-
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         if parts.interrupt.count:
@@ -108,11 +96,19 @@ class MissionLoop:
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
         for order in parts.mission.advance(now_s, self._situation(now_s)):
+            self._tell(self._decisions.of_order(order))
             self._carry_out(order)
+        self._tell(self._decisions.of_mission(parts.mission))
         while parts.mission.remarks:
-            parts.display.say(parts.mission.remarks.pop(0))
+            remark = parts.mission.remarks.pop(0)
+            self._tell([Decision(kind='remark', text=remark)])
+            parts.display.say(remark)
         parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
         self._show(now_s)
+
+    def _tell(self, decisions: list[Decision]) -> None:
+        for decision in decisions:
+            self._parts.node.tell(decision, time.monotonic() - self._started_s)
 
     def _on_event(self, event: ProcessEvent, now_s: float) -> None:
         mission = self._parts.mission
@@ -120,6 +116,9 @@ class MissionLoop:
             mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
             return
         self._parts.display.say(f'{event.name} {event.text}')
+        if (severity := _SEVERITIES.get(event.kind)) is not None:
+            text = f'process {event.name} {event.text}'
+            self._tell([Decision(kind='restart', text=text, severity=severity)])
         if event.kind is ProcessEventKind.RESTARTED:
             mission.restarted(event.name, now_s)
         elif event.kind is ProcessEventKind.GAVE_UP:
@@ -129,7 +128,7 @@ class MissionLoop:
         parts = self._parts
         if parts.mission.phase is Phase.STARTING:
             self._ready = parts.node.ready(parts.table)
-        self._pace.note(now_s, parts.monitor.time_s)
+        self._pace.note(now_s, parts.monitor.flight_time_s)
         return Situation(
             ready=self._ready,
             simulated_s=parts.monitor.time_s,
@@ -148,8 +147,12 @@ class MissionLoop:
         # Only after the nodes have ended is the recording complete and no image being written.
         self._stop([spec.name for spec in self._parts.table])
         self._write_outcome(is_over=False)
-        if not self._parts.interrupt.is_urgent:
+        if self._parts.interrupt.is_urgent:
+            return
+        try:
             self._parts.supervisor.start(REPORT)
+        except SetupError as error:
+            self._parts.mission.gave_up(REPORT, str(error))
 
     def _stop(self, names: list[str]) -> None:
         interrupt = self._parts.interrupt
@@ -192,6 +195,7 @@ class MissionLoop:
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
             viewpoints_planned=monitor.viewpoints_planned,
+            viewpoints_visited=monitor.viewpoints_visited,
             peak=monitor.peak,
             flight_time_s=monitor.flight_time_s,
             wall_time_s=now_s - self._started_s,

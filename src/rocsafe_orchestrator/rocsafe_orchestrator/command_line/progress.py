@@ -140,8 +140,8 @@ def plain_line(status: RunStatus) -> str:
     """Return `status` in one line."""
     parts = [f'{clock_text(status.wall_time_s)} {status.phase.name.lower()}']
     if status.images_expected:
-        waypoints = sum(vehicle.viewpoints_visited for vehicle in status.vehicles)
-        parts.append(f'waypoint {waypoints} of {status.viewpoints_planned}')
+        seen, planned = status.viewpoints_visited, status.viewpoints_planned
+        parts.append(f'waypoint {seen} of {planned}')
         parts.append(f'{status.images_stored} images stored')
     if status.peak is not None:
         parts.append(peak_text(status.peak))
@@ -186,7 +186,8 @@ def _figures(status: RunStatus) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_column(style='dim')
     table.add_column()
-    table.add_row('images stored', f'{status.images_stored} of {status.images_expected or "?"}')
+    expected = status.images_expected or '?'
+    table.add_row('images stored', f'{status.images_stored} for {expected} viewpoints')
     table.add_row('highest reading', '-' if status.peak is None else peak_text(status.peak))
     times = f'{clock_text(status.flight_time_s)} flown, {clock_text(status.wall_time_s)} passed'
     table.add_row('time', times + _factor_text(status))

@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -17,10 +17,13 @@ from rich.text import Text
 from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
 from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
-from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
+from rocsafe_orchestrator.company_node import Claim, claimed
+from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, SetupError
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.company import needed_names
+from rocsafe_orchestrator.processes.config_file import require_parameter_file
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.launches import (
@@ -29,12 +32,16 @@ from rocsafe_orchestrator.processes.launches import (
     require_executables,
 )
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
-from rocsafe_orchestrator.processes.process_start import begin_as_fork
+from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
-from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
+from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
+from rocsafe_ros.control_lease import MISSION_VARIABLE
+from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.network import bind_interfaces
+from rocsafe_ros.parameters import ParameterError
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
@@ -42,6 +49,7 @@ from rocsafe_scenario.scenario_file import read_scenario
 
 # Variables that limit how far ROS searches for participants; one that is set is respected.
 REACH_VARIABLES = (
+    'ROCSAFE_INTERFACES',
     'ROS_AUTOMATIC_DISCOVERY_RANGE',
     'ROS_STATIC_PEERS',
     'ROS_DISCOVERY_SERVER',
@@ -77,26 +85,41 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     lines = flight_mistakes(scenario)
     if lines:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
-    if request.config is not None and not request.config.is_file():
-        raise ScenarioError(f'{request.config}: no such file')
+    if request.config is not None:
+        require_parameter_file(request.config)
     _stay_on_this_machine()
-    require_executables(process_table(scenario, RunDirectory(request.parent)))
-    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
+    table = process_table(scenario, RunDirectory(request.parent))
+    executables = require_executables(table)
+    started = datetime.now().astimezone()
+    mission = new_identity(run_name(scenario.name, started))
+    holder = f'{mission.mission}, process {os.getpid()}'
+    with (
+        domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0', holder),
+        claimed(mission, needed_names(scenario, table), request.config) as claim,
+    ):
+        # The modules load while the claim looks.
+        for executable in executables:
+            import_for(executable)
+        claim.require_alone()
         if scenario.linked:
-            scenario = cleared(scenario, PREFLIGHT_S, datetime.now().astimezone())
-        return _run(request, scenario, console)
+            scenario = cleared(scenario, PREFLIGHT_S, started)
+        return _run(request, scenario, console, claim)
 
 
 def _stay_on_this_machine() -> None:
     """Limit ROS discovery to this machine unless the user has set a range."""
     if not any(os.environ.get(name) for name in REACH_VARIABLES):
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    try:
+        bind_interfaces(os.environ)
+    except ParameterError as error:
+        raise SetupError(str(error)) from error
 
 
-def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
+def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim) -> int:
     interrupt = Interrupt()
     started = datetime.now().astimezone()
-    directory = create_run_directory(request.parent, scenario.name, started)
+    directory = create_run_directory(request.parent, claim.mission.mission)
     source = f'# As flown: {request.scenario}, with every default written out.\n'
     directory.scenario.write_text(source + scenario.to_yaml(), encoding='utf-8')
     run_info = provenance(sys.argv, started)
@@ -110,6 +133,7 @@ def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
         directory=directory,
         interrupt=interrupt,
         run_info=run_info,
+        claim=claim,
     )
     display.say(f'run directory: {directory.path}')
     with flight.processes(), display:
@@ -133,14 +157,18 @@ class _Run:
     directory: RunDirectory
     interrupt: Interrupt
     run_info: dict[str, object]
+    claim: Claim
     text: str = ''
 
     def __post_init__(self) -> None:
+        self.identity = replace(self.claim.mission, mission=self.directory.name)
+        # Vehicles and orchestrator of a mission know each other by it.
+        os.environ[MISSION_VARIABLE] = self.identity.token
         self.started_s = time.monotonic()
         self.monitor = Monitor(self.scenario.vehicle_names)
         self.table = process_table(self.scenario, self.directory)
         self.supervisor = Supervisor(
-            launches(self.table, self.directory, self.request.config),
+            launches(self.table, self.directory, self.identity, self.request.config),
             child_environment(self.directory),
         )
 
@@ -159,8 +187,9 @@ class _Run:
         # Imported late: `rocsafe check` works without ROS.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
-        with ros_session(self.request.config):
-            node = OrchestratorNode(self.scenario, self.monitor, self.directory.name)
+        with ros_session(self.identity, self.request.config):
+            node = OrchestratorNode(self.scenario, self.monitor, self.identity)
+            self.claim.close()
             speed = self.scenario.clock.speed
             mission = Mission(
                 crew_of(self.scenario, self.table),

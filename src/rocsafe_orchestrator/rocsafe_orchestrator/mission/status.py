@@ -26,6 +26,11 @@ class FlightState(IntEnum):
     WAITING = 11
 
     @property
+    def is_in_air(self) -> bool:
+        """True from take-off to touch-down."""
+        return FlightState.TAKING_OFF <= self <= FlightState.LANDING
+
+    @property
     def has_left(self) -> bool:
         """True once the vehicle has taken off, wherever it is now."""
         is_flying = FlightState.TAKING_OFF <= self <= FlightState.LANDED
@@ -82,10 +87,10 @@ class RunStatus:
         Why the mission failed or was cancelled, empty if neither.
     images_expected
         Photographs of all plans that are flown one after the other.
-    viewpoints_planned
-        Viewpoints of the present plan.
+    viewpoints_planned, viewpoints_visited
+        Viewpoints of the present plan, and those of them that were visited.
     flight_time_s
-        Simulated seconds since the first take-off.
+        Simulated or real seconds from the first take-off to the last touch-down so far.
     wall_time_s
         Seconds since the run began.
     real_time_factor
@@ -100,6 +105,7 @@ class RunStatus:
     images_stored: int = 0
     images_expected: int = 0
     viewpoints_planned: int = 0
+    viewpoints_visited: int = 0
     peak: DosePeak | None = None
     flight_time_s: float = 0.0
     wall_time_s: float = 0.0
@@ -121,10 +127,12 @@ class Monitor:
         self._stored: set[str] = set()
         self._rejected: dict[str, str] = {}
         self._takeoff_s: float | None = None
+        self._flown_s = -math.inf
         self.peak: DosePeak | None = None
         self.images_expected = 0
-        self.viewpoints_planned = 0
         self.time_s = 0.0
+        self._plan_id = ''
+        self._viewpoints_planned = 0
 
     @property
     def vehicles(self) -> tuple[VehicleStatus, ...]:
@@ -134,6 +142,21 @@ class Monitor:
     def vehicle(self, name: str) -> VehicleStatus:
         """Return the latest status of one vehicle."""
         return self._vehicles[name]
+
+    @property
+    def viewpoints_planned(self) -> int:
+        """Viewpoints of the present plan."""
+        return self._viewpoints_planned
+
+    @property
+    def viewpoints_visited(self) -> int:
+        """Viewpoints of the present plan that were visited; none of an earlier plan."""
+        own = (v for v in self._vehicles.values() if v.plan_id == self._plan_id)
+        return min(sum(v.viewpoints_visited for v in own), self._viewpoints_planned)
+
+    def begin_plan(self, plan_id: str, viewpoints: int) -> None:
+        """Note the plan that is flown from now on."""
+        self._plan_id, self._viewpoints_planned = plan_id, viewpoints
 
     @property
     def still(self) -> frozenset[str]:
@@ -152,17 +175,21 @@ class Monitor:
 
     @property
     def flight_time_s(self) -> float:
-        """Simulated seconds since the first take-off, 0 before it."""
-        return 0.0 if self._takeoff_s is None else max(0.0, self.time_s - self._takeoff_s)
+        """Seconds from the first take-off to the last touch-down so far, 0 before."""
+        return 0.0 if self._takeoff_s is None else max(0.0, self._flown_s - self._takeoff_s)
 
     def on_vehicle(self, status: VehicleStatus) -> None:
         """Note the state of a vehicle; unknown vehicles are ignored."""
         if status.name not in self._vehicles:
             return
+        before = self._vehicles[status.name].state
+        if before.is_in_air or status.state.is_in_air:
+            self._flown_s = max(self._flown_s, status.time_s)
         self._vehicles[status.name] = status
         if status.time_s > self.time_s:
             self.time_s = status.time_s
-        if self._takeoff_s is None and status.state.has_left:
+        # A stamp of 0 is none: the vehicle has not heard the clock yet.
+        if self._takeoff_s is None and status.state.has_left and status.time_s > 0.0:
             self._takeoff_s = status.time_s
 
     def on_dose_rate(self, vehicle: str, dose_rate_usvh: float, position: GeoPosition) -> None:

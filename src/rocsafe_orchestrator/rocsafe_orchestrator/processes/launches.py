@@ -12,6 +12,7 @@ from rocsafe_orchestrator.processes.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_ros.mission_identity import MissionIdentity
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
@@ -39,25 +40,29 @@ def find_executable(package: str, executable: str) -> Path:
     )
 
 
-def require_executables(table: Iterable[ProcessSpec]) -> None:
-    """Make sure that every process of `table` can be started.
+def require_executables(table: Iterable[ProcessSpec]) -> list[Path]:
+    """Return the executable of every process of `table`.
 
     Raises
     ------
     SetupError
         If an executable is missing.
     """
-    for spec in table:
-        find_executable(spec.package, spec.executable)
+    return [find_executable(spec.package, spec.executable) for spec in table]
 
 
 def launches(
-    table: Iterable[ProcessSpec], run: RunDirectory, config: Path | None = None
+    table: Iterable[ProcessSpec],
+    run: RunDirectory,
+    identity: MissionIdentity,
+    config: Path | None = None,
 ) -> tuple[Launch, ...]:
     """Write the parameter file of every process and return how to start each, and the report.
 
     Parameters
     ----------
+    identity
+        The mission that every process tells that it belongs to.
     config
         A parameter file for all nodes; the scenario's values take precedence.
 
@@ -66,7 +71,7 @@ def launches(
     SetupError
         If an executable is missing.
     """
-    return (*(_launch(spec, run, config) for spec in table), _report_launch(run))
+    return (*(_launch(spec, run, identity, config) for spec in table), _report_launch(run))
 
 
 def child_environment(run: RunDirectory) -> Mapping[str, str]:
@@ -82,13 +87,16 @@ def child_environment(run: RunDirectory) -> Mapping[str, str]:
     }
 
 
-def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch:
+def _launch(
+    spec: ProcessSpec, run: RunDirectory, identity: MissionIdentity, config: Path | None
+) -> Launch:
     executable = find_executable(spec.package, spec.executable)
     parameters = run.parameters_of(spec.name)
     write_parameters(parameters, spec.node, spec.parameters)
     files = [str(path) for path in (config, parameters) if path is not None]
     # Every process uses simulated time.
     arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
+    arguments += identity.ros_arguments
     for file in files:
         arguments += ['--params-file', file]
     return Launch(

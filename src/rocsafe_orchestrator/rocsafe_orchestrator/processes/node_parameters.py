@@ -131,6 +131,7 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'output_directory': str(run.path),
         'vehicles': list(scenario.vehicle_names),
         'other_cameras': [camera.name for camera in scenario.other_cameras],
+        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
         **LOCK_STEP,
     }
 

@@ -12,7 +12,7 @@ from rocsafe_orchestrator.processes.node_parameters import BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import VehicleBlock
+from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
 Spec = topics.TopicSpec | topics.CallSpec
 VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
@@ -116,6 +116,13 @@ def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Proces
     if linked:
         values = parameters.bridge_parameters(scenario, str(run.spool))
         yield _process(BRIDGE, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS))
+    for vehicle in linked:
+        if isinstance(vehicle.drone.detector, DetectorBlock):
+            yield _process(
+                f'detector_{vehicle.name}', 'rocsafe_radiation/detector',
+                vehicle.drone.detector.model_dump(), *_of_each((vehicle,), topics.RADIATION),
+                node=f'/{vehicle.name}/detector',
+            )  # fmt: skip
 
 
 def _shared(*specs: Spec) -> Iterator[Endpoint]:

@@ -62,6 +62,26 @@ def hold_timeline(airframe: Airframe, start: FlightPose) -> Timeline:
     return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
 
 
+def go_to_timeline(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, goal: Enu
+) -> Timeline:
+    """Return the way from `start` around exclusions to a place in the air, and a stand there.
+
+    It is flown level, at the greater of both heights.
+    """
+    stop, at = stopped(airframe, start)
+    up_m = max(at.position_enu[2], goal[2])
+    bends = route.around(at.position_enu, goal)
+    corners = [(*place[:2], up_m) for place in (at.position_enu, *bends, goal)]
+    tasks: list[Task] = []
+    for corner in (*corners, goal):
+        if corner != at.position_enu:
+            tasks.append(_task(airframe.performance.way(at.position_enu, corner), Mode.FLYING, at))
+            at = _at_end(tasks[-1])
+    stand = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
+    return Timeline(airframe, start, stop, [*tasks, _task(stand, Mode.HOLDING, at)])
+
+
 def land_timeline(
     airframe: Airframe, start: FlightPose, route: FlightRoute, ground_up_m: float | None = None
 ) -> Timeline:
