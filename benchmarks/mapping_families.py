@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drawn surveys with exact truth: is the stated error the true one, also where fixes drift?
+"""Compares the stated error of maps with the true one, on drawn surveys with exact truth.
 
 Each survey is drawn from its seed: size, overlap, flying height, altitude of the ground, whether
 tags tell the height above the ground, scatter and drift of the fixes, what they claim, tilt, and
@@ -132,7 +132,7 @@ def flown(survey: Survey, seed: int) -> tuple[list[Shot], list[FloatArray], Loca
         off = fresh if number == 0 else (
             survey.drift * off + math.sqrt(1.0 - survey.drift**2) * fresh
         )  # fmt: skip
-        told = centre + [*off, rng.normal(0.0, 0.5 * survey.fix_m)]
+        told = centre + np.array([*off, rng.normal(0.0, 0.5 * survey.fix_m)])
         shots.append(_shot(survey, number, frame, told, _seen(ground, side_m, centre, rotation)))
         truths.append(_corners(centre, rotation))
     return shots, truths, frame
@@ -233,8 +233,10 @@ def _found(maker: Mapmaker, alignment: Alignment, name: str, frame: LocalFrame) 
     lens = maker.block.state.lenses.get(photo.lens)
     factor = math.exp(lens.log_focal) if lens else 1.0
     corners = footprint(photo, alignment.placements[name].pose, factor)
-    assert maker.frame is not None
-    degrees = maker.frame.geodetic(corners)
+    map_frame = maker.frame
+    if map_frame is None:
+        raise PlacementError('no photograph is placed')
+    degrees = map_frame.geodetic(corners)
     altitude = np.full(4, frame.origin.altitude_m)
     return frame.to_enu(degrees[:, 0], degrees[:, 1], altitude)[:, :2]
 

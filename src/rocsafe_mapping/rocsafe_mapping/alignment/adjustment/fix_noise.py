@@ -5,7 +5,7 @@ The errors of a receiver drift: each is like the one before. Many fixes then say
 place of the whole block than a few, and the residuals, from which the block's own shift, turn and
 scale were taken, look smaller than the errors. The errors are modelled as autoregressive of first
 order; correlation and variance are drawn from their posterior by the restricted likelihood
-(Patterson and Thompson, Biometrika 58, 1971), flat in the correlation.
+(Patterson and Thompson, Biometrika 58, 1971) with a prior that favours small correlations.
 """
 
 import numpy as np
@@ -13,6 +13,12 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 
 CORRELATIONS = np.linspace(0.0, 0.98, 50)
+PRIOR_POWER = 3.0
+"""Prior of the correlation: (1 - correlation) to this power; short flights hardly show it.
+
+Chosen on the part `develop` of ``benchmarks/mapping_families.py``.
+"""
+
 SIMILARITY_SIZE = 4
 """Shift (2), turn and scale of a block."""
 
@@ -20,13 +26,14 @@ LARGEST_SCATTERS = 4.0
 """Residuals are cut at this many times their robust scatter: wrong fixes have little weight."""
 
 NORMAL_MEDIAN_RADIUS = 1.1774
-LEAST_FIXES = 6
+LEAST_FIXES = 10
+"""With fewer fixes the residuals do not show a correlation."""
 
 
 def fix_errors_m(
     fixes_m: FloatArray, found_m: FloatArray, samples: int, rng: np.random.Generator
 ) -> FloatArray | None:
-    """Return random errors that the fixes may have; None for fewer than six fixes.
+    """Return random errors that the fixes may have; None for fewer than ten fixes.
 
     Parameters
     ----------
@@ -46,7 +53,7 @@ def fix_errors_m(
     off = _cut(fixes_m - found_m)
     design = _similarity(found_m - found_m.mean(axis=0))
     fits = [_restricted(off, design, alike) for alike in CORRELATIONS]
-    logs = np.array([log for log, _ in fits])
+    logs = np.array([log for log, _ in fits]) + PRIOR_POWER * np.log1p(-CORRELATIONS)
     weights = np.exp(logs - logs.max())
     chosen = rng.choice(len(CORRELATIONS), samples, p=weights / weights.sum())
     squares = np.array([square for _, square in fits])[chosen]
