@@ -7,16 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rocsafe_orchestrator.command_line import (
-    check,
-    passed_on,
-    plan,
-    preflight,
-    replan,
-    replay,
-    report,
-    run,
-)
+from rocsafe_orchestrator.command_line import passed_on
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
@@ -91,6 +82,17 @@ class _Version(argparse.Action):
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Imported here: commands that are passed on need none of it.
+    from rocsafe_orchestrator.command_line import (
+        check,
+        plan,
+        preflight,
+        replan,
+        replay,
+        report,
+        run,
+    )
+
     parser = argparse.ArgumentParser(
         prog='rocsafe',
         description=DESCRIPTION,

@@ -12,7 +12,7 @@ from rich.table import Table
 from rocsafe_orchestrator.command_line.plan_command import planned
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, OrchestratorError
 from rocsafe_orchestrator.processes.answers import answer_of
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
 from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_scenario.errors import ScenarioError
