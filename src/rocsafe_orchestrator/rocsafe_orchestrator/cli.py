@@ -7,18 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rocsafe_orchestrator.command_line import (
-    check,
-    clear,
-    fleet,
-    passed_on,
-    plan,
-    preflight,
-    replan,
-    replay,
-    report,
-    run,
-)
+from rocsafe_orchestrator.command_line import passed_on
 from rocsafe_orchestrator.command_line.lasting_output import lasting_output
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.provenance import version_text
@@ -108,6 +97,19 @@ class _Version(argparse.Action):
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Imported here: commands that are passed on need none of it.
+    from rocsafe_orchestrator.command_line import (
+        check,
+        clear,
+        fleet,
+        plan,
+        preflight,
+        replan,
+        replay,
+        report,
+        run,
+    )
+
     parser = argparse.ArgumentParser(
         prog='rocsafe',
         description=DESCRIPTION,
