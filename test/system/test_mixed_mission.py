@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -85,7 +86,12 @@ def test_real_and_simulated_fly_one_mission(field):
     assert looked.returncode == 0, looked.stdout + looked.stderr
     assert 'link-loss action' in looked.stdout
     assert 'all may fly' in looked.stdout
-    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs')
+    asked = field.rocsafe('run', field.scenario, '--out', field.folder / 'asked')
+    assert asked.returncode == 1, asked.stdout + asked.stderr
+    found = re.search('run again with --confirm ([0-9a-f]{8})', ' '.join(asked.stdout.split()))
+    assert found, asked.stdout
+    confirmed = ('--confirm', found.group(1))
+    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs', *confirmed)
     assert flown.returncode == 0, flown.stdout + flown.stderr
     (run,) = (field.folder / 'runs').glob('mixed-*')
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))

@@ -20,6 +20,7 @@ from rocsafe_mavlink.result_conversions import (
 from rocsafe_ros import topics
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.plan_digest import route_digest
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
@@ -139,6 +140,7 @@ class FlyRouteServer:
                 self._drone.replace_route(assignment, self._now_s)
                 self._replacing = (goal, assignment, self._drone.commands.count)
                 return
+            _require_confirmed(request)
             self._drone.fly(assignment, self._now_s)
         except WaitError as reason:
             if self._now_s - since_s > LARGEST_WAIT_S:
@@ -220,6 +222,22 @@ class FlyRouteServer:
             viewpoint_count=left.count,
             distance_left_m=left.distance_m,
             time_left_s=left.time_s,
+        )
+
+
+def _require_confirmed(request: FlyRoute.Goal) -> None:
+    """Refuse a take-off that nobody has confirmed for exactly this route.
+
+    Raises
+    ------
+    CommandRefusedError
+        Naming what the goal must carry.
+    """
+    wanted = route_digest(request.plan_id, request.route)
+    if request.confirmation != wanted:
+        raise CommandRefusedError(
+            f'the take-off of a real vehicle must be confirmed: send this goal with '
+            f'confirmation {wanted}'
         )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.client import Client
 from rclpy.node import Node
@@ -12,19 +13,30 @@ from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
-from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
+from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
 
+SERVICES = (
+    topics.WORLD_RUN,
+    topics.SAVE_MOSAIC,
+    topics.SUGGEST_VIEWPOINTS,
+    topics.FLEET_HOLD,
+    topics.FLEET_RETURN_HOME,
+)
 _VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
+# A server whose callback fails answers with an empty result, which looks like success.
+BROKEN_OFF = 'broke off with an error, see its log'
 
 
 class Requests:
@@ -41,6 +53,11 @@ class Requests:
         Receives the number of photographs of the plan.
     mission_id
         Name of the mission, for the leases of the vehicles.
+
+    Attributes
+    ----------
+    unconfirmed
+        Hash of a plan by which real vehicles would take off, until it is confirmed; empty: none.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
@@ -58,8 +75,7 @@ class Requests:
         }
         self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
-            spec.name: node.create_client(spec.call_type, spec.name)
-            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
+            spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
         self._verbs: dict[tuple[OrderKind, str], Client] = {
             (kind, name): node.create_client(spec.call_type, topics.name_of(spec, name))
@@ -69,6 +85,8 @@ class Requests:
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
+        self._routed: list[str] = []
+        self.unconfirmed = ''
         self._replaces = False
         self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
@@ -104,6 +122,17 @@ class Requests:
         client = self._vehicles.get(endpoint.vehicle, self._planner)
         return bool(client.server_is_ready())
 
+    def command_fleet(self, verb: Verb) -> None:
+        """Command all vehicles; what they refuse is told."""
+        spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
+        answer = self._services[spec.name].call_async(FleetCommand.Request())
+        answer.add_done_callback(self._on_fleet)
+
+    def _on_fleet(self, future: Any) -> None:
+        for answer in future.result().answers:
+            if answer.message:
+                self._remark(answer.message)
+
     def _send_plan(self, order: Order) -> None:
         goal = conversions.plan_goal(self._scenario)
         if self._mission is not None and self._mission.is_gathering and self._plan is not None:
@@ -137,6 +166,7 @@ class Requests:
     ) -> None:
         def send(lease: str) -> None:
             goal.lease = lease
+            goal.confirmation = route_digest(goal.plan_id, goal.route)
             self._send_goal(self._vehicles[order.vehicle], goal, order, on_result)
 
         self._leases.carry(order.vehicle, send, partial(self._on_refusal, order))
@@ -228,8 +258,12 @@ class Requests:
         handle.get_result_async().add_done_callback(partial(on_result, order))
 
     def _on_plan(self, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
+        result = answer.result
         if self._mission is None:
+            return
+        if result.error_code == result.NONE and answer.status != GoalStatus.STATUS_SUCCEEDED:
+            self._mission.refused(order, f'planner: {BROKEN_OFF}')
             return
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
@@ -250,15 +284,36 @@ class Requests:
         self._monitor.images_expected = expected + self._photographed
         viewpoints = conversions.viewpoint_count(result.plan)
         self._monitor.begin_plan(result.plan.plan_id, viewpoints)
-        self._mission.planned([route.vehicle for route in routed], len(visited))
+        self._routed = [route.vehicle for route in routed]
+        real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
+        # The rest of a plan that was confirmed needs no confirmation of its own.
+        if real and not self._mission.is_gathering:
+            self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
+        else:
+            self._mission.planned(self._routed, len(visited))
+
+    def confirm(self) -> None:
+        """Fly the plan that waits for a confirmation."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.planned(self._routed)
+
+    def reject(self, text: str) -> None:
+        """Do not fly the plan that waits for a confirmation, and say why."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.refused(Order(kind=OrderKind.PLAN), text)
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
         # A repeated request is answered twice; the second answer may come in the next round.
         is_current = self._plan is not None and self._plan.plan_id == plan_id
         if self._mission is not None and is_current:
+            result = answer.result
             fault = conversions.fault_of_flight(result)
             is_refused = result.outcome == FlyRoute.Result.REJECTED
+            if not (fault or is_refused) and answer.status != GoalStatus.STATUS_SUCCEEDED:
+                fault = BROKEN_OFF
             self._mission.flown(order.vehicle, result.shots_taken, fault, is_refused=is_refused)
 
     def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:
