@@ -145,7 +145,7 @@ def test_second_interrupt_ends_at_once(fly: Fly) -> None:
 def test_interrupt_while_mapping_leaves_map_and_report(fly: Fly) -> None:
     """Also a second one: both are written, and the mission is cancelled."""
     flight = fly()
-    flight.wait_until(lambda: 'mapping' in flight.output)
+    flight.wait_until(lambda: ' mapping, ' in flight.output)
     flight.process.send_signal(signal.SIGINT)
     flight.wait_until(lambda: 'interrupted by' in flight.output)
     flight.process.send_signal(signal.SIGINT)
