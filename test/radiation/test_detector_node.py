@@ -20,6 +20,7 @@ from rocsafe_interfaces.msg import VehicleEvent
 from rocsafe_radiation.detector_node import DetectorNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 30.0
@@ -35,6 +36,7 @@ class Bench:
             namespace='/rav1',
             parameter_overrides=[Parameter(name, value=value) for name, value in values.items()],
         )
+        HealthReporter(self.node)
         self.vehicle = Node('vehicle', context=ros.context)
         self.readings, self.events, self.statuses = [], [], []
         self.fix = topics.create_publisher(self.vehicle, topics.FIX, 'rav1')

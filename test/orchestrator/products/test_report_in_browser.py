@@ -62,7 +62,9 @@ def test_nothing_is_clipped_on_a_phone(flown_run, tmp_path):
     page = (run / 'report.html').read_text(encoding='utf-8')
     # The policy of the page admits its own script alone.
     page = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', '', page)
-    frame = f'<iframe width="390" height="800" srcdoc="{escape(page.replace("</body>", MEASURE))}">'
+    frame = (
+        f'<iframe width="390" height="800" srcdoc="{escape(page.replace("</body>", MEASURE))}">'
+    )
     (run / 'phone.html').write_text(f'<body>{frame}</iframe></body>', encoding='utf-8')
     done = subprocess.run(
         [CHROMIUM, *OPTIONS, f'--user-data-dir={tmp_path / "profile"}', f'file://{run}/phone.html'],
