@@ -197,6 +197,37 @@ def test_three_vehicles_fly_one_plan(start):
         )
 
 
+def late(delay_s):
+    """Return a route that is begun late."""
+    route = survey()
+    route.delay_s = delay_s
+    return route
+
+
+def test_late_start_is_told_and_kept(start):
+    """A drone that keeps away from others says so on the ground, then flies its whole route."""
+    ground = start()
+    states = ground.listen(topics.STATE)
+    result = ground.fly(route=late(2.0))
+    ground.until(lambda: any(state.state == VehicleState.WAITING for state in states))
+    assert 'takes off in' in next(s for s in states if s.state == VehicleState.WAITING).text
+    assert ended(ground, result).outcome == FlyRoute.Result.COMPLETED
+
+
+@pytest.mark.parametrize('verb', ['hold', 'return_home', 'land'])
+def test_late_start_is_withdrawn_by_a_command(start, verb):
+    """A drone that was told to hold, return or land on the ground does not take off later."""
+    ground = start()
+    states = ground.listen(topics.STATE)
+    result = ground.fly(route=late(30.0))
+    ground.until(lambda: any(state.state == VehicleState.WAITING for state in states))
+    assert ground.call(f'rav1/{verb}', Trigger).success
+    answer = ended(ground, result)
+    assert answer.outcome == FlyRoute.Result.REJECTED
+    assert 'withdrawn by a command' in answer.error_msg
+    assert not ground.seen().shots_taken
+
+
 def test_hold_resume_and_return(start):
     """The operator's orders are obeyed, and answered when they are."""
     ground = start()

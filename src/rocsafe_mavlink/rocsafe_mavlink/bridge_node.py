@@ -81,11 +81,11 @@ class DroneInterface:
         """Publish what can wait until the fixes of all vehicles are published."""
         self._telemetry.follow()
 
-    def step(self, now_s: float, time_s: float) -> None:
+    def step(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
         """Let time pass."""
         self.drone.step(now_s)
         self._watch_master()
-        self._flights.step(now_s)
+        self._flights.step(now_s, is_supervised=is_supervised)
         self._commands.step()
         self._telemetry.step(now_s)
         self.shots.step(now_s, time_s)
@@ -174,7 +174,7 @@ class BridgeNode(Node):
         for station in self._stations.values():
             station.tick(now_s, time_s, is_supervised=is_supervised)
         for interface in self._interfaces:
-            interface.step(now_s, time_s)
+            interface.step(now_s, time_s, is_supervised=is_supervised)
 
     def health(self) -> list[DiagnosticStatus]:
         """Return its own status, those of its links and those of its vehicles."""

@@ -2,6 +2,7 @@
 """The command services of a real vehicle: answered when it has obeyed or refused."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rocsafe_mavlink.conversions import check_message, ring_of
@@ -48,10 +49,13 @@ class CommandServices:
         self._clock = clock
         self._waiting: list[_Answer] = []
         commands = drone.commands
-        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
+        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s), ends_wait=True)
         self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
-        self._serve(topics.RETURN_HOME, lambda _request, now_s: commands.return_home(now_s), True)
-        self._serve(topics.LAND, lambda _request, now_s: commands.land(now_s), True)
+        for spec, end in (
+            (topics.RETURN_HOME, commands.return_home),
+            (topics.LAND, commands.land),
+        ):
+            self._serve(spec, partial(_given, end), ends_flight=True, ends_wait=True)
         self._serve(topics.GO_TO, self._go_to)
         self._serve(
             topics.SET_SPEED,
@@ -74,7 +78,14 @@ class CommandServices:
                 self._drone.gave_up()
             answer.give(error)
 
-    def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
+    def _serve(
+        self,
+        spec: topics.CallSpec,
+        begin: Begin,
+        ends_flight: bool = False,
+        ends_wait: bool = False,
+    ) -> None:
+        """Serve a command; `ends_wait`: on the ground it withdraws a start that is to come."""
         answers: list[_Answer] = []
 
         def on_call(request: Any, response: Any) -> Any:
@@ -87,6 +98,9 @@ class CommandServices:
             now_s = self._clock()
             # A flight that has just been found may be resumed.
             self._drone.step(now_s)
+            if ends_wait and self._drone.withdraw_start() and not self._drone.is_in_air:
+                answer.give('')
+                return response
             try:
                 if lease is not None:
                     self._lease.require(lease)
@@ -131,6 +145,11 @@ class CommandServices:
         response.checks = [check_message(check) for check in checks]
         response.may_fly = not failures(checks)
         return response
+
+
+def _given(command: Callable[[float], None], _request: Any, now_s: float) -> None:
+    """Give a command that has no arguments."""
+    command(now_s)
 
 
 class _Answer:

@@ -32,6 +32,7 @@ from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
 from rocsafe_mavlink.knowledge.traffic import Encounter
+from rocsafe_mavlink.result_conversions import OUTCOMES
 from rocsafe_ros.conversions import diagnostic, point_of_position, position_of_point
 
 STATES = {
@@ -45,6 +46,7 @@ STATES = {
     FlightState.LANDING: VehicleState.LANDING,
     FlightState.LANDED: VehicleState.LANDED,
     FlightState.LOST: VehicleState.LOST,
+    FlightState.WAITING: VehicleState.WAITING,
 }
 _VERDICTS = {
     CheckVerdict.PASS: PreflightCheck.PASS,
@@ -66,14 +68,14 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
         Naming what cannot be flown.
     """
     home = position_of_point(message.home)
-    if not message.viewpoints:
-        raise ValueError('the route has no viewpoint')
     _require_plain(message)
     waypoints: list[FlightWaypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
-    last = waypoints[-1]
+    last = waypoints[-1] if waypoints else _over_home(home, message.flight_height_m)
     waypoints += [_bend(point, last) for point in message.homeward]
+    if not message.viewpoints:
+        waypoints.append(last)
     plan = FlightPlan(
         waypoints=tuple(waypoints),
         speed_mps=spec.speed_mps,
@@ -87,10 +89,13 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
 
 
+def _over_home(home: GeoPosition, height_m: float) -> FlightWaypoint:
+    """Return where a vehicle that is called home comes to, before it returns and lands."""
+    return FlightWaypoint(position=_level(home), height_m=height_m, is_bend=True)
+
+
 def _require_plain(message: RouteMessage) -> None:
-    """Refuse what real vehicles do not fly: a late start, several flights, another end."""
-    if message.delay_s > 0.0:
-        raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
+    """Refuse what real vehicles do not fly: several flights, another end."""
     if len(message.flights) > 1:
         count = len(message.flights)
         raise ValueError(f'the route has {count} flights: must be 1, batteries are not changed')
@@ -189,6 +194,8 @@ def state_message(
         advice=seen.advice,
         position=_point(seen.motion),
         speed_mps=_speed_mps(seen.motion),
+        ending=0 if seen.ending is None else OUTCOMES[seen.ending],
+        taken_by=seen.taken_by,
     )
 
 

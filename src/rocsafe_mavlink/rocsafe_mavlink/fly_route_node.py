@@ -20,6 +20,7 @@ from rocsafe_mavlink.result_conversions import (
 from rocsafe_ros import topics
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.plan_digest import route_digest
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
@@ -29,6 +30,10 @@ LARGEST_WAIT_S = 45.0
 
 class FlyRouteServer:
     """Serves fly_route: any number of goals may join one flight, and all end with it.
+
+    A goal with a delay is begun so long after it came, on the ground or in the air. It is given up
+    if the vehicle is told to hold, return or land meanwhile, if another route comes, or if nobody
+    supervises the flight any more.
 
     A goal is executed, as rclpy calls it, when its result is known.
 
@@ -53,6 +58,7 @@ class FlyRouteServer:
         self._now_s = 0.0
         self._feedback_s = 0.0
         self._early: list[tuple[Any, float]] = []
+        self._late: tuple[list[Any], float] | None = None
         self._flying: list[Any] = []
         self._cancelling: list[tuple[Any, int]] = []
         self._replacing: tuple[Any, Assignment, int] | None = None
@@ -66,9 +72,10 @@ class FlyRouteServer:
             cancel_callback=self._on_cancel,
         )
 
-    def step(self, now_s: float) -> None:
+    def step(self, now_s: float, *, is_supervised: bool = True) -> None:
         """Begin flights, give feedback, and end the goals of a flight that has ended."""
         self._now_s = now_s
+        self._watch_late(is_supervised=is_supervised)
         early, self._early = self._early, []
         for goal, since_s in early:
             self._begin(goal, since_s)
@@ -86,7 +93,39 @@ class FlyRouteServer:
     def _on_goal(self, goal: Any) -> None:
         if self._lease.is_for_another(goal.request.lease):
             return  # that node executes it
-        self._early.append((goal, self._now_s or time.monotonic()))
+        now_s, delay_s = self._now_s or time.monotonic(), goal.request.route.delay_s
+        if self._late is not None and _is_same(self._late[0][0].request, goal.request):
+            self._late[0].append(goal)
+            return
+        self._end_late('another route came')
+        if delay_s > 0.0:
+            self._late = ([goal], now_s + delay_s)
+            self._drone.wait_until(now_s + delay_s)
+        else:
+            self._early.append((goal, now_s))
+
+    def _watch_late(self, *, is_supervised: bool) -> None:
+        """Begin the goals with a delay when they are due, or give them up."""
+        if self._late is None:
+            return
+        goals, due_s = self._late
+        if not self._drone.is_waiting:
+            self._end_late('its start was withdrawn by a command')
+        elif not is_supervised:
+            self._end_late('nobody supervises the mission')
+        elif self._now_s >= due_s:
+            self._late = None
+            self._drone.wait_until(None)
+            self._early += [(goal, self._now_s) for goal in goals]
+
+    def _end_late(self, why: str) -> None:
+        """Give up the goals with a delay, if there are any."""
+        if self._late is None:
+            return
+        (goals, _due_s), self._late = self._late, None
+        self._drone.wait_until(None)
+        for goal in goals:
+            self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
 
     def _begin(self, goal: Any, since_s: float) -> None:
         """Begin the flight, or say why not; a goal that cannot be judged yet waits."""
@@ -101,6 +140,7 @@ class FlyRouteServer:
                 self._drone.replace_route(assignment, self._now_s)
                 self._replacing = (goal, assignment, self._drone.commands.count)
                 return
+            _require_confirmed(request)
             self._drone.fly(assignment, self._now_s)
         except WaitError as reason:
             if self._now_s - since_s > LARGEST_WAIT_S:
@@ -151,6 +191,9 @@ class FlyRouteServer:
 
     def _on_cancel(self, goal: Any) -> CancelResponse:
         """Hold; the goal ends when the vehicle holds, or has refused to."""
+        if self._late is not None and goal in self._late[0]:
+            self._drone.withdraw_start()
+            return CancelResponse.ACCEPT
         if goal not in self._flying:
             return CancelResponse.REJECT
         try:
@@ -180,3 +223,24 @@ class FlyRouteServer:
             distance_left_m=left.distance_m,
             time_left_s=left.time_s,
         )
+
+
+def _require_confirmed(request: FlyRoute.Goal) -> None:
+    """Refuse a take-off that nobody has confirmed for exactly this route.
+
+    Raises
+    ------
+    CommandRefusedError
+        Naming what the goal must carry.
+    """
+    wanted = route_digest(request.plan_id, request.route)
+    if request.confirmation != wanted:
+        raise CommandRefusedError(
+            f'the take-off of a real vehicle must be confirmed: send this goal with '
+            f'confirmation {wanted}'
+        )
+
+
+def _is_same(one: FlyRoute.Goal, other: FlyRoute.Goal) -> bool:
+    """Return whether two goals ask for the same flight."""
+    return bool(one.plan_id == other.plan_id and one.route == other.route)

@@ -16,7 +16,14 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
+from rocsafe_interfaces.msg import (
+    DoseAlarm,
+    HazardSourceArray,
+    RadiationReading,
+    ShotReceipt,
+    StepDone,
+    VehicleState,
+)
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.decisions import Decision
@@ -42,7 +49,8 @@ class OrchestratorNode(Node):
     """Receives the state of the nodes and publishes the state of the mission.
 
     Publishes ``region``, ``mission/state`` and ``decisions``. Subscribes ``<vehicle>/state``,
-    ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
+    ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``, ``hazard/sources``, ``shots/receipts`` and,
+    while time stands still, ``sim/step_done``.
     Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
 
@@ -79,6 +87,9 @@ class OrchestratorNode(Node):
             topics.create_subscription(self, topics.STATE, self._on_state, name)
             on_reading = partial(self._on_reading, name)
             topics.create_subscription(self, topics.RADIATION, on_reading, name)
+            on_alarm = partial(self._on_alarm, name)
+            topics.create_subscription(self, topics.DOSE_ALARM, on_alarm, name)
+        topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
 
     def destroy_node(self) -> None:
@@ -146,12 +157,19 @@ class OrchestratorNode(Node):
 
     def _on_state(self, message: VehicleState) -> None:
         self._states[message.vehicle] = message
-        self._monitor.on_vehicle(conversions.status_of_vehicle(message))
+        self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)
         if position is not None:
             self._monitor.on_dose_rate(vehicle, message.dose_rate_usvh, position)
+
+    def _on_alarm(self, vehicle: str, message: DoseAlarm) -> None:
+        if message.triggered and message.turns_back:
+            self._monitor.on_turn_back(vehicle, conversions.turn_back_text(message))
+
+    def _on_sources(self, message: HazardSourceArray) -> None:
+        self._monitor.sources = conversions.sources_of(message)
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from types import FrameType
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException
@@ -45,8 +46,23 @@ class StopRequest:
         self.is_set = True
 
 
-def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | None = None) -> int:
+def run(
+    make_node: Callable[[], Node | Iterable[Node]],
+    args: Sequence[str] | None = None,
+    *,
+    outlives: Callable[[Any], bool] | None = None,
+) -> int:
     """Spin the node or nodes that `make_node` returns until asked to stop; return the exit code.
+
+    Parameters
+    ----------
+    make_node
+        Makes the node or nodes.
+    args
+        Arguments of ROS; None: those of the process.
+    outlives
+        Returns, of what `make_node` returned, whether it is still needed; it then does not end
+        with its supervisor. None: it does.
 
     Returns
     -------
@@ -55,7 +71,8 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
         a parameter is wrong. Any other exception ends the process with its traceback, and its
         supervisor decides whether to start it again.
     """
-    _end_with_supervisor()
+    if outlives is None:
+        _end_with_supervisor()
     stop = StopRequest()
     try:
         bind_interfaces(os.environ)
@@ -68,7 +85,7 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
         print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     try:
-        return _spin(make_node, stop)
+        return _spin(make_node, stop, outlives)
     except (ParameterError, InvalidParameterTypeException) as error:
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
@@ -76,7 +93,11 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
         rclpy.try_shutdown()
 
 
-def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> int:
+def _spin(
+    make_node: Callable[[], Node | Iterable[Node]],
+    stop: StopRequest,
+    outlives: Callable[[Any], bool] | None,
+) -> int:
     made = make_node()
     nodes = [made] if isinstance(made, Node) else list(made)
     executor = EventsExecutor()
@@ -85,7 +106,7 @@ def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> 
     # The first node is that of the process; others are small ones in vehicles' namespaces.
     health = HealthReporter(nodes[0])
     try:
-        while rclpy.ok() and not stop.is_set:
+        while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
             executor.spin_once(timeout_sec=POLL_S)
     except ExternalShutdownException:
         pass
@@ -95,6 +116,12 @@ def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> 
             executor.remove_node(node)
             node.destroy_node()
     return EXIT_OK
+
+
+def is_orphan() -> bool:
+    """Return whether the supervisor that started this process has died."""
+    supervisor = os.environ.get(SUPERVISOR_VARIABLE)
+    return bool(supervisor) and os.getppid() != int(supervisor or 0)
 
 
 def _end_with_supervisor() -> None:

@@ -33,6 +33,7 @@ from rocsafe_interfaces.msg import (
     Decision,
     DoseAlarm,
     DoseRate,
+    GasReading,
     GeoPoint,
     GeotaggedImage,
     GimbalCommand,
@@ -40,6 +41,7 @@ from rocsafe_interfaces.msg import (
     HazardSourceArray,
     MissionState,
     Mosaic,
+    ParticleReading,
     RadiationReading,
     Region,
     ShotReceipt,
@@ -48,6 +50,7 @@ from rocsafe_interfaces.msg import (
     Traffic,
     VehicleEvent,
     VehicleState,
+    WindReading,
 )
 from rocsafe_interfaces.srv import (
     FleetCommand,
@@ -188,6 +191,11 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+GAS = _vehicle('gas', GasReading, _kept(), 'each window', 'a reading of each gas sensor')
+BIO = _vehicle('bio', ParticleReading, _kept(), 'each window', 'counts of particles, trigger')
+ANEMOMETER = _vehicle(
+    'anemometer', WindReading, _kept(), 'each window', 'where the air goes to, m/s'
+)
 DETECTOR_BYTES = _vehicle(
     'detector/bytes', UInt8MultiArray, _kept(), 'as sent', 'of MAVLink TUNNEL, real ones only'
 )

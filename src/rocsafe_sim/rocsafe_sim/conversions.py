@@ -19,7 +19,7 @@ from rocsafe_ros.conversions import position_of_point
 from rocsafe_sim.flight.fence import Fence
 from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord
 from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
 
 STATES = {
@@ -92,6 +92,11 @@ def _waypoint(viewpoint: Viewpoint, places: '_Places') -> RouteWaypoint:
             f'viewpoint {viewpoint.id} is {up_m:g} m above the ground: must be above 0'
         )
     return waypoint
+
+
+def ending_of(flight: FlightRecord) -> int:
+    """Return the outcome that a flight has or will have, as in FlyRoute."""
+    return int(OUTCOMES[flight.outcome or flight.ending])
 
 
 def fence_of(request: PushFence.Request, frame: LocalFrame) -> Fence:

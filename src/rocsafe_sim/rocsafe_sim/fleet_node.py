@@ -49,7 +49,9 @@ class FleetNode(Node):
             for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
         ]
         if options.lock_step:
-            self._participant = Participant(self, self.get_name(), self._on_step)
+            self._participant = Participant(
+                self, self.get_name(), self._on_step, has_news=self._has_news
+            )
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
 
@@ -61,6 +63,9 @@ class FleetNode(Node):
     def _on_step(self, time_ns: int) -> bool:
         are_idle = [interface.step(time_ns) for interface in self._interfaces]
         return all(are_idle)
+
+    def _has_news(self) -> bool:
+        return any(interface.has_news for interface in self._interfaces)
 
     def _on_busy(self) -> None:
         if self._participant is not None:

@@ -40,6 +40,7 @@ class WorldOptions:
     participants: tuple[str, ...] = option((), 'names of those who must finish each step')
     autostart: bool = option(True, 'let time run from the start; otherwise world/run starts it')
     pause_when_idle: bool = option(False, 'pause when all participants have become idle')
+    pause_on_news: bool = option(False, 'pause when a loss is announced, or a hold is obeyed')
     start_time_s: float = option(0.0, 'time of the first step, s since 1970', 0.0, LATEST_S)
     scene: str = option(NO_SCENE, f'objects shown as markers: {", ".join(SCENE_NAMES)}')
 

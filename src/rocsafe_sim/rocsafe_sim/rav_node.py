@@ -39,7 +39,12 @@ class RavNode(VehicleScopeNode):
             self, _rav(options, self.vehicle_name), options.fix_period_ns, self._on_busy
         )
         if options.lock_step:
-            self._participant = Participant(self, self.vehicle_name, self._interface.step)
+            self._participant = Participant(
+                self,
+                self.vehicle_name,
+                self._interface.step,
+                has_news=lambda: self._interface.has_news,
+            )
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
 

@@ -23,7 +23,7 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.conversions import STATES, battery_message, waiting_text
+from rocsafe_sim.conversions import STATES, battery_message, ending_of, waiting_text
 from rocsafe_sim.flight.route import FlightRoute
 from rocsafe_sim.marker_conversions import route_markers
 from rocsafe_sim.rav.rav import Rav
@@ -122,14 +122,23 @@ class Telemetry:
         if flight is not None:
             message.plan_id = flight.route.plan_id
             message.viewpoint_count = len(flight.route.waypoints)
+            message.ending = ending_of(flight)
             message.text = flight.text or waiting_text(flight.command.number, seen.waits_s)
         self._state.publish(message)
         self._last = message
 
     def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight
-        why = None if flight is None else (flight.route.plan_id, flight.text)
-        return seen.mode, seen.viewpoints_visited, seen.shots_taken, len(self._rav.shots), why
+        why = None if flight is None else (flight.route.plan_id, flight.text, ending_of(flight))
+        stands = self._rav.vehicle.stands
+        return (
+            seen.mode,
+            stands,
+            seen.viewpoints_visited,
+            seen.shots_taken,
+            len(self._rav.shots),
+            why,
+        )
 
     def _publish_path(self, seen: VehicleSnapshot, stamp: Time) -> None:
         if not seen.mode.is_airborne:

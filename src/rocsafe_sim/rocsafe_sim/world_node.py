@@ -39,6 +39,7 @@ class WorldNode(Node):
             time.monotonic(),
             is_running=options.autostart,
             pauses_when_idle=options.pause_when_idle,
+            pauses_on_news=options.pause_on_news,
         )
         self._missing: list[str] = []
         self._clocks_out = [topics.create_publisher(self, topics.CLOCK)]
@@ -81,7 +82,12 @@ class WorldNode(Node):
             self._clockwork.dismiss(report.participant)
             self._advance()
             return
-        self._clockwork.take(report.participant, ns_of_stamp(report.step), is_idle=report.is_idle)
+        self._clockwork.take(
+            report.participant,
+            ns_of_stamp(report.step),
+            is_idle=report.is_idle,
+            has_news=report.has_news,
+        )
         self._advance()
 
     def _advance(self) -> None:
@@ -92,10 +98,12 @@ class WorldNode(Node):
                 clock.publish(message)
 
     def _on_run(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        was_running = self._clockwork.is_running
         self._clockwork.run(is_running=request.data)
         response.success = True
         response.message = 'time runs' if request.data else 'time is paused'
-        self.get_logger().info(response.message)
+        if was_running != request.data:
+            self.get_logger().info(response.message)
         self._advance()
         return response
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.drone.advice import RETURN_HOME, advice_of
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.drone.flight_record import FlightRecord, FlightSummary
@@ -102,6 +103,7 @@ class Drone:
         self.session = session
         self.commands = DroneCommands(session, spec.limits)
         self._record = FlightRecord(journal)
+        self._starts_at_s: float | None = None
         self._wind_return = _WindReturn()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
 
@@ -134,6 +136,20 @@ class Drone:
         """Whether it says that it flies."""
         in_air = (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)
         return self.vehicle.is_armed and self.vehicle.landed in in_air
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a route is to be begun by itself later."""
+        return self._starts_at_s is not None
+
+    def wait_until(self, starts_at_s: float | None) -> None:
+        """Note when a route is to be begun, steady seconds; None: none is."""
+        self._starts_at_s = starts_at_s
+
+    def withdraw_start(self) -> bool:
+        """Let a late start be given up; return whether there was one."""
+        was_waiting, self._starts_at_s = self.is_waiting, None
+        return was_waiting
 
     def listen(self, on_message: OnMessage, on_event: OnEvent) -> None:
         """Call these for each message and event of the vehicle from now on."""
@@ -174,13 +190,20 @@ class Drone:
             vehicle.is_armed,
             vehicle.landed,
             vehicle.mission.phase,
+            self.is_waiting,
+            self.flight and self.flight.cause,
             entry and (entry.assignment.plan_id, entry.visited, entry.outcome),
         )
 
     def status(self, now_s: float) -> DroneStatus:
         """Return what there is to say of it at `now_s`, steady seconds."""
         advice = advice_of(self.session, self.spec.limits, now_s)
-        return status_of(replace(self._status_inputs(), advice=advice), now_s)
+        seen = status_of(replace(self._status_inputs(), advice=advice), now_s)
+        is_ready = seen.state in (FlightState.DISARMED, FlightState.LANDED)
+        if self._starts_at_s is None or not is_ready:
+            return seen
+        text = f'keeps away from others: takes off in {max(0.0, self._starts_at_s - now_s):.0f} s'
+        return replace(seen, state=FlightState.WAITING, text=f'{text}; {seen.text}')
 
     def remaining(self) -> RemainingRoute:
         """Return what is left of its plan."""

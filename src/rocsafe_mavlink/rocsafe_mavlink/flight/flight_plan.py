@@ -71,7 +71,7 @@ class FlightPlan:
     Attributes
     ----------
     waypoints
-        At least one that is no bend.
+        At least one; only bends where the vehicle is called home.
     speed_mps
         Speed over ground.
     takes_photographs
@@ -97,7 +97,7 @@ class FlightPlan:
     clearance_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.stops:
+        if not self.waypoints:
             raise ValueError('a flight plan must have at least one waypoint')
         require_positive('speed_mps', self.speed_mps, 'm/s')
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')

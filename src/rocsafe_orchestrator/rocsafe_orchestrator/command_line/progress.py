@@ -2,6 +2,7 @@
 """Progress of a mission on the console: a live table on a terminal, plain lines elsewhere."""
 
 import math
+from collections.abc import Callable
 from types import TracebackType
 from typing import Protocol
 
@@ -63,6 +64,48 @@ def make_display(console: Console, title: str, *, is_quiet: bool) -> Display:
     if console.is_terminal:
         return LiveDisplay(console, title)
     return PlainDisplay(console)
+
+
+class SteadyDisplay:
+    """Shows what `display` shows, and goes on when there is no terminal any more.
+
+    Parameters
+    ----------
+    display
+        Where to show it.
+    on_lost
+        Called when the terminal refuses output.
+    """
+
+    def __init__(self, display: Display, on_lost: Callable[[], None]) -> None:
+        self._display = display
+        self._on_lost = on_lost
+
+    def __enter__(self) -> 'SteadyDisplay':
+        self._try(self._display.__enter__)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._try(lambda: self._display.__exit__(kind, error, traceback))
+
+    def show(self, status: RunStatus) -> None:
+        """Show `status`."""
+        self._try(lambda: self._display.show(status))
+
+    def say(self, text: str) -> None:
+        """Print one line."""
+        self._try(lambda: self._display.say(text))
+
+    def _try(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except OSError:
+            self._on_lost()
 
 
 class QuietDisplay:

@@ -5,8 +5,9 @@ import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.presence import Sighting
 
 
 class FlightState(IntEnum):
@@ -40,13 +41,36 @@ class FlightState(IntEnum):
 GROUNDED = frozenset(
     {FlightState.DISARMED, FlightState.WAITING, FlightState.LANDED, FlightState.CRASHED}
 )
-# A vehicle that holds counts as still below this speed.
+_ALOFT = frozenset(
+    {FlightState.TAKING_OFF, FlightState.FLYING, FlightState.HOLDING, FlightState.RETURNING}
+    | {FlightState.LANDING}
+)
+# A vehicle that holds counts as still below this speed: a simulated one, and a real one, whose
+# receiver shows some tenths of a metre per second at rest.
 STILL_MPS = 0.05
+STILL_REAL_MPS = 0.5
+# Vehicles that an operator sends home one after the other all announce it within this time,
+# seconds: until then the others are not made to hold.
+SETTLE_S = 2.0
+# Places on the way of a vehicle are kept so far apart, metres.
+TRACK_STEP_M = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleStatus:
-    """Latest state of one vehicle; `time_s` is its stamp, seconds since the epoch."""
+    """Latest state of one vehicle.
+
+    Attributes
+    ----------
+    time_s
+        Stamp of the state, seconds since the epoch.
+    ending
+        Why its present flight will end otherwise than planned; empty: it will not.
+    is_by_request
+        Whether an operator ended its flight.
+    taken_by
+        Who has it in the air instead of the suite; empty: nobody.
+    """
 
     name: str
     state: FlightState = FlightState.UNKNOWN
@@ -59,12 +83,21 @@ class VehicleStatus:
     plan_id: str = ''
     position: GeoPosition | None = None
     speed_mps: float = math.nan
+    is_simulated: bool = True
+    ending: str = ''
+    is_by_request: bool = False
+    taken_by: str = ''
+
+    @property
+    def is_aloft(self) -> bool:
+        """Whether it is in the air."""
+        return self.state in _ALOFT
 
     @property
     def is_still(self) -> bool:
         """Whether it does not move, in the air or on the ground."""
         if self.state is FlightState.HOLDING:
-            return self.speed_mps < STILL_MPS
+            return self.speed_mps < (STILL_MPS if self.is_simulated else STILL_REAL_MPS)
         return self.state in GROUNDED
 
 
@@ -120,15 +153,24 @@ class Monitor:
     ----------
     vehicles
         Names, in the order in which they are shown.
+    contamination_usvh
+        Dose rate from which a vehicle may be contaminated; 0: none.
     """
 
-    def __init__(self, vehicles: tuple[str, ...]) -> None:
+    def __init__(self, vehicles: tuple[str, ...], contamination_usvh: float = 0.0) -> None:
         self._vehicles = {name: VehicleStatus(name=name) for name in vehicles}
+        self._heard_s: dict[str, float] = {}
+        self._ending_s: dict[str, float] = {}
         self._stored: set[str] = set()
         self._rejected: dict[str, str] = {}
         self._takeoff_s: float | None = None
         self._flown_s = -math.inf
         self.peak: DosePeak | None = None
+        self.turned_back: dict[str, str] = {}
+        self.contaminated: dict[str, str] = {}
+        self._contamination_usvh = contamination_usvh
+        self.sources: tuple[tuple[GeoPosition, float], ...] = ()
+        self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0
         self.time_s = 0.0
         self._plan_id = ''
@@ -164,6 +206,30 @@ class Monitor:
         return frozenset(name for name, status in self._vehicles.items() if status.is_still)
 
     @property
+    def unsettled(self) -> frozenset[str]:
+        """Names of the vehicles with photographs that are not stored yet."""
+        return frozenset(n for n, status in self._vehicles.items() if status.shots_pending)
+
+    def heard_ago_s(self, name: str, now_s: float) -> float:
+        """Return the wall time since a vehicle was heard; 0 before it was ever heard."""
+        return now_s - self._heard_s.get(name, now_s)
+
+    def sighting(self, name: str, now_s: float, silent_s: float) -> Sighting:
+        """Return what is known of a vehicle that has been silent for `silent_s`."""
+        status = self._vehicles[name]
+        if not status.ending:
+            self._ending_s.pop(name, None)
+        ending_s = now_s - self._ending_s.setdefault(name, now_s) if status.ending else 0.0
+        is_settling = status.is_by_request and ending_s < SETTLE_S
+        return Sighting(
+            silent_s=silent_s,
+            ending='' if is_settling else status.ending,
+            taken_by='operator' if is_settling else status.taken_by,
+            is_grounded=status.state in GROUNDED,
+            is_unheard=status.state is FlightState.LOST,
+        )
+
+    @property
     def images_stored(self) -> int:
         """Number of photographs in the store."""
         return len(self._stored)
@@ -178,10 +244,11 @@ class Monitor:
         """Seconds from the first take-off to the last touch-down so far, 0 before."""
         return 0.0 if self._takeoff_s is None else max(0.0, self._flown_s - self._takeoff_s)
 
-    def on_vehicle(self, status: VehicleStatus) -> None:
-        """Note the state of a vehicle; unknown vehicles are ignored."""
+    def on_vehicle(self, status: VehicleStatus, wall_s: float = 0.0) -> None:
+        """Note the state of a vehicle, heard at `wall_s`; unknown vehicles are ignored."""
         if status.name not in self._vehicles:
             return
+        self._heard_s[status.name] = wall_s
         before = self._vehicles[status.name].state
         if before.is_in_air or status.state.is_in_air:
             self._flown_s = max(self._flown_s, status.time_s)
@@ -193,9 +260,22 @@ class Monitor:
             self._takeoff_s = status.time_s
 
     def on_dose_rate(self, vehicle: str, dose_rate_usvh: float, position: GeoPosition) -> None:
-        """Note a reading."""
+        """Note a reading, and on the way of a vehicle one every few metres."""
+        flown = self._flown.setdefault(vehicle, [])
+        if not flown or distance_m(flown[-1][0], position) >= TRACK_STEP_M:
+            flown.append((position, dose_rate_usvh))
+        if 0.0 < self._contamination_usvh <= dose_rate_usvh and vehicle not in self.contaminated:
+            self.contaminated[vehicle] = f'it read {dose_rate_usvh:.3g} uSv/h'
         if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
+
+    def flown(self, vehicle: str) -> tuple[tuple[GeoPosition, float], ...]:
+        """Return places that a vehicle has flown over, with the dose rate that it read there."""
+        return tuple(self._flown.get(vehicle, ()))
+
+    def on_turn_back(self, vehicle: str, why: str) -> None:
+        """Note that a vehicle is to return because of its dose rate or dose."""
+        self.turned_back.setdefault(vehicle, why)
 
     def on_stored(self, shot_id: str) -> None:
         """Note that a photograph is stored."""

@@ -44,9 +44,13 @@ class _Watched:
         self._plan, self._route, self._frame = plan, route, frame
 
     def places(self, times: FloatArray) -> FloatArray:
-        """Return (east, north, up), NaN on the ground."""
+        """Return (east, north, up), NaN on the ground; who begins in the air waits there."""
         places = np.full((len(times), 3), np.nan)
         now = self._route.delay_s
+        if self._spec.aloft is not None:
+            first = motion_of(self._plan, self._route, 0, self._frame)
+            waits = times < now
+            places[waits] = first.positions(np.zeros(int(waits.sum())))
         for number in range(len(self._route.sorties)):
             motion = motion_of(self._plan, self._route, number, self._frame)
             end = now + motion.duration_s

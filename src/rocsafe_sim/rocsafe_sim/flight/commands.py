@@ -43,6 +43,8 @@ class Command:
         Simulated time at which it takes effect, nanoseconds.
     wait_ns
         Time on the ground before that, nanoseconds.
+    hover_s
+        Time to stand in the air after that before it is carried out, seconds.
     start
         Pose at that time.
     first_index
@@ -69,6 +71,7 @@ class Command:
     distance_m: float
     number: int = 0
     wait_ns: int = 0
+    hover_s: float = 0.0
     ground_up_m: float | None = None
     goal_enu: Enu | None = None
     speed_mps: float = 0.0
@@ -77,7 +80,8 @@ class Command:
 def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:
     """Return the motion that follows from a command."""
     if command.kind is CommandKind.FLY:
-        return fly_timeline(airframe, command.start, route, (command.number, command.first_index))
+        from_here = (command.number, command.first_index)
+        return fly_timeline(airframe, command.start, route, from_here, command.hover_s)
     if command.kind is CommandKind.HOLD:
         return hold_timeline(airframe, command.start)
     if command.kind is CommandKind.GO_TO and command.goal_enu is not None:

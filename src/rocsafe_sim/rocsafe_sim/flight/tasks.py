@@ -14,18 +14,28 @@ from rocsafe_sim.flight.timeline import Task, Timeline
 
 # Heights nearer than this count as equal; a conversion to degrees and back changes about 1 nm.
 LEVEL_TOLERANCE_M = 1e-3
+# A bend whose height differs by less is flown level.
+LAYER_TOLERANCE_M = 0.4
 
 
 def fly_timeline(
-    airframe: Airframe, start: FlightPose, route: FlightRoute, from_here: tuple[int, int]
+    airframe: Airframe,
+    start: FlightPose,
+    route: FlightRoute,
+    from_here: tuple[int, int],
+    hover_s: float = 0.0,
 ) -> Timeline:
     """Return the rest of a flight: over its viewpoints, to its landing place, and down.
 
     `from_here` holds the number of the flight and the index of the first viewpoint left.
-    `start` may be on the ground or in the air, standing or moving.
+    `start` may be on the ground or in the air, standing or moving. In the air it stands for
+    `hover_s` first.
     """
     stop, at = stopped(airframe, start)
     tasks = list(_route_tasks(airframe, at, route, *from_here))
+    if hover_s > 0.0:
+        way = airframe.performance.way(at.position_enu, at.position_enu, hover_s)
+        tasks.insert(0, _task(way, Mode.FLYING, at))
     return Timeline(airframe, start, stop, tasks)
 
 
@@ -188,8 +198,9 @@ def _landing_tasks(
 
 
 def _over(bend: Enu, at: FlightPose, *, is_level: bool) -> Enu:
-    """Return a bend at the height of `at`; over uneven ground at its own."""
-    return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
+    """Return a bend at the height of `at`; over uneven ground, or in another layer, at its own."""
+    is_layer = abs(bend[2] - at.position_enu[2]) > LAYER_TOLERANCE_M
+    return bend if is_layer or not is_level else (bend[0], bend[1], at.position_enu[2])
 
 
 def _down_tasks(airframe: Airframe, at: FlightPose, ground_up_m: float) -> Iterator[Task]:

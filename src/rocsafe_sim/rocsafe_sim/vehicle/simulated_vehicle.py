@@ -94,6 +94,17 @@ class SimulatedVehicle:
         return not self.mode.is_airborne and self.mode is not Mode.WAITING
 
     @property
+    def ends_early(self) -> bool:
+        """Whether its flight ends, or has ended, otherwise than planned."""
+        ending = FlightOutcome.COMPLETED if self.flight is None else self.flight.ending
+        return ending is not FlightOutcome.COMPLETED
+
+    @property
+    def stands(self) -> bool:
+        """Whether it holds and has come to a stop."""
+        return self.mode is Mode.HOLDING and self.pose_at(self.time_ns).motion.is_still
+
+    @property
     def waits_s(self) -> float:
         """Time on the ground before it takes off by itself, seconds; 0 if it does not wait."""
         if self.flight is None or self.mode is not Mode.WAITING:
@@ -356,14 +367,15 @@ class SimulatedVehicle:
         return left_m, left_s + self.waits_s
 
     def _beginning(self, route: FlightRoute) -> Command:
-        """Return the command to fly `route` from here; on the ground after its delay.
+        """Return the command to fly `route` from here, after its delay.
 
-        A change of the battery in progress is completed first.
+        In the air the vehicle stands meanwhile. A change of the battery in progress is completed
+        first.
         """
         command = self._command(CommandKind.FLY, self.time_ns, first_index=0)
         command = replace(command, number=0)
         if self.mode.is_airborne:
-            return command
+            return replace(command, hover_s=route.delay_s)
         place = command.start.position_enu
         # The height of the ground at home is that of the plan.
         start = standing((*place[:2], route.home_enu[2]), command.start.yaw_rad)
