@@ -20,6 +20,7 @@ from rocsafe_interfaces.msg import VehicleEvent
 from rocsafe_radiation.detector_node import DetectorNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 30.0
@@ -35,6 +36,7 @@ class Bench:
             namespace='/rav1',
             parameter_overrides=[Parameter(name, value=value) for name, value in values.items()],
         )
+        self.reporter = HealthReporter(self.node)
         self.vehicle = Node('vehicle', context=ros.context)
         self.readings, self.events, self.statuses = [], [], []
         self.fix = topics.create_publisher(self.vehicle, topics.FIX, 'rav1')
@@ -55,6 +57,13 @@ class Bench:
         fix.status.status = NavSatStatus.STATUS_FIX
         fix.header.stamp = stamp_of_ns(time.time_ns())
         self.fix.publish(fix)
+
+    def close(self):
+        """Take the nodes down: what they published would reach the next test."""
+        self.reporter.close()
+        for node in (self.node, self.vehicle):
+            self.ros.executor.remove_node(node)
+            node.destroy_node()
 
     def until(self, condition):
         """Fly until `condition` holds."""
@@ -85,6 +94,7 @@ def test_lines_of_a_serial_port_become_readings(ros):
     values = {pair.key: pair.value for pair in bench.statuses[-1].values}
     assert 'bad lines, no number' in values
     assert 'rubbish' in values['last bad line']
+    bench.close()
     os.close(master)
     os.close(slave)
 
@@ -103,6 +113,7 @@ def test_bytes_of_a_tunnel_become_readings_and_silence_is_an_event(ros):
 
     bench.until(is_read)
     assert bench.readings[0].dose_rate_usvh == 0.5
+    bench.close()
 
 
 @pytest.mark.parametrize(
