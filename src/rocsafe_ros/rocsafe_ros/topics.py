@@ -23,6 +23,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
 from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
@@ -284,6 +285,9 @@ MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and fil
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
+TF = _fleet('/tf', TFMessage, _stream(), 'as odom', 'frames that move, see ros.md')
+# Many publish here, each once: a subscriber that kept one message would have one of them.
+TF_STATIC = _fleet('/tf_static', TFMessage, _kept(), 'once', 'frames that are fixed')
 ROSOUT = _fleet('/rosout', Log, _stream(), 'on change', 'log of all nodes')
 DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health of the nodes')
 

@@ -60,7 +60,7 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
     SetupError
         If it is not installed.
     """
-    from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
+    from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
 
     command = [str(find_executable(row.package, row.word)), *arguments]
     done = subprocess.run(command, env={**ONE_THREAD, **os.environ}, check=False)

@@ -91,6 +91,7 @@ def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
         },
         'state_directory': state_directory,
         'needs_supervisor': True,
+        'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
         'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **_origin(scenario),
     }
