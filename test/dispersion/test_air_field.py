@@ -67,6 +67,7 @@ def test_gas_is_downwind():
     assert sums[1] == 0.0
 
 
+@pytest.mark.slow
 def test_sensors_of_a_vehicle_read_gas_particles_and_wind():
     """Chlorine by its cell, not by the lamp; spores by the counter; the wind by the anemometer."""
     gases, windows = flown(SETTINGS, place(40.0, 0.0), 230)
@@ -80,6 +81,7 @@ def test_sensors_of_a_vehicle_read_gas_particles_and_wind():
     assert 2.0 < east < 3.6
 
 
+@pytest.mark.slow
 def test_readings_do_not_depend_on_restarts():
     """Of gas and wind; of the counter its counts."""
     whole_gases, whole = flown(SETTINGS, place(40.0, 0.0), 260)

@@ -109,6 +109,7 @@ def test_limits():
     assert full.raw == PID.ceiling
 
 
+@pytest.mark.slow
 def test_false_alarms_in_clean_air_are_rare():
     """Of 2000 readings at most 1 % are above the limit."""
     readings = flown(PID, lambda _: 0.0, 2020.0)

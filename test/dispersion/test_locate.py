@@ -79,6 +79,7 @@ def test_one_release_is_found(source):
     assert release.holds(*source[:2])
 
 
+@pytest.mark.slow
 def test_two_releases_are_found():
     """Both, in one wind."""
     sources = [(-32.0, 22.0, 2.0), (-12.0, -18.0, 1.0)]
@@ -88,6 +89,7 @@ def test_two_releases_are_found():
         assert math.dist(release.place_m, source[:2]) < 10.0
 
 
+@pytest.mark.slow
 def test_background_alone_is_no_release():
     """In 30 surveys of clean or evenly polluted air at most one is found."""
     options = replace(QUICK, most_releases=1)
@@ -125,6 +127,7 @@ def test_censored_readings_tell_no_more_than_they_say():
     assert math.dist(found.releases[0].place_m, (-22.0, 13.0)) < 10.0
 
 
+@pytest.mark.slow
 def test_wrong_wind_direction_is_noticed():
     """Turned by 8 degrees: the turn is among those that are tried, and is found."""
     survey = readings([(-32.0, 3.0, 2.0)], 5)

@@ -69,7 +69,7 @@ class LocateOptions:
     turn_std_deg: float = 6.0
     fluctuations: tuple[tuple[float, float], ...] = ((0.0, 0.4), (0.6, 0.6))
     missed_probability: float = 0.1
-    information_share: float = 0.6
+    information_share: float = 0.3
     most_releases: int = 3
     least_gain: float = 4.0
 
