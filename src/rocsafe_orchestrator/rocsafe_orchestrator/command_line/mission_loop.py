@@ -94,6 +94,7 @@ class MissionLoop:
         self._pace = Pace()
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = self._look_at_disk_s = 0.0
+        self._is_shortage_told = False
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
         self._asked_s: float | None = None
@@ -296,12 +297,16 @@ class MissionLoop:
             self._parts.display.say(f'{self._parts.directory.run_info}: {error.strerror}')
 
     def _watch_disk(self, now_s: float) -> None:
-        """Break off while there is still room for what has been measured."""
+        """Break off while there is room for what was measured; real vehicles land first."""
         if now_s < self._look_at_disk_s:
             return
         self._look_at_disk_s = now_s + DISK_PERIOD_S
-        if text := shortage(self._parts.directory.path):
+        text = shortage(self._parts.directory.path)
+        if text and not self._parts.interrupt.is_guarded:
             self._parts.mission.break_off(text)
+        elif text and not self._is_shortage_told:
+            self._is_shortage_told = True
+            self._say(text)
 
     def _show(self, now_s: float) -> None:
         mission = self._parts.mission
