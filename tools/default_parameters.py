@@ -36,6 +36,11 @@ NODES = (
         'simulated gamma field',
         'rocsafe_radiation.field_parameters.field_options:FieldOptions',
     ),
+    (
+        'air',
+        'simulated gas, particles and wind',
+        'rocsafe_dispersion.air_field.air_options:AirOptions',
+    ),
     ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),

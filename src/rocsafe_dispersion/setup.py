@@ -18,4 +18,10 @@ setup(
     ],
     extras_require={'test': ['pytest']},
     zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'air = rocsafe_dispersion.air_node:main',
+            'locate-release = rocsafe_dispersion.command_line.locate_command:main',
+        ]
+    },
 )

@@ -200,7 +200,8 @@ class HostileVehicle:
             self.stored[kind], self._taking = [], None
             return self.say('MISSION_ACK', type=0, mission_type=kind)
         name = 'MISSION_REQUEST' if self.rng.random() < 0.3 else 'MISSION_REQUEST_INT'
-        return self.say(name, seq=len(items), mission_type=kind)
+        named = {'target_system': 255, 'target_component': 190}
+        return self.say(name, seq=len(items), mission_type=kind, **named)
 
     def _give(self, kind, number):
         if number < len(self.stored[kind]):

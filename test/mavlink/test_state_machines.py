@@ -24,6 +24,7 @@ from test.mavlink.hostile_vehicle import (
     modes_of,
     spite_of,
 )
+from test.mavlink.test_advice import adsb
 from test.mavlink.test_flight import plan
 
 from rocsafe_geo.frame import LocalFrame
@@ -159,7 +160,9 @@ class Run:
         self.vehicle = HostileVehicle(kind, modes_of(kind, Verb), rng, spite_of(rng))
         session = VehicleSession.of((1, 1), (255, 190))
         frame = LocalFrame(GeoPosition(*HOME, 535.0))
-        limits = FlightLimits()
+        limits = FlightLimits(
+            max_wind_mps=rng.choice((0.0, 12.0)), returns_in_wind=rng.random() < 0.3
+        )
         spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
         self.drone = Drone(spec, session, FlightJournal())
         bad = rng.choice((0.0, 0.0, 0.1, 0.4))
@@ -204,6 +207,8 @@ class Run:
             self.send()
         self.drone.step(now_s)
         session.tick(now_s)
+        if self.rng.random() < 0.1:
+            self.drone.status(now_s)
         self.send()
         for message in self.up.due(now_s):
             self.vehicle.receive(message, now_s)
@@ -351,6 +356,8 @@ def _noise(run):
             lambda: vehicle.say('MISSION_ITEM_REACHED', seq=rng.randrange(70)),
             lambda: vehicle.say('MISSION_CURRENT', seq=rng.randrange(70), mission_state=9),
             lambda: vehicle.say('FENCE_STATUS', breach_status=0),
+            lambda: vehicle.say('WIND', speed=30.0 * rng.random()),
+            lambda: vehicle.say('ADSB_VEHICLE', **adsb(0.0, 900.0 * rng.random()).fields),
             lambda: vehicle.say('EXTENDED_SYS_STATE', landed_state=rng.randrange(9)),
         )
     )()

@@ -110,6 +110,30 @@ def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
         assert part in text
 
 
+OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2798, -9.0605]]
+
+
+@pytest.mark.parametrize(
+    ('changes', 'words'),
+    [
+        ({'exclusions': [{'polygon': OVER_THE_HOME}]}, 'rav1 home lies in an exclusion'),
+        ({'vehicles[0].endurance_s': 5.0}, 'endurance_s is 4 s'),
+    ],
+)
+def test_check_finds_what_has_no_plan(
+    changes: dict[str, object],
+    words: str,
+    small: Callable[..., Path],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The planner itself is asked, so that what it refuses in a mission is told here."""
+    path = small({'vehicles[1].endurance_s': 5.0, **changes})
+    assert main(['check', str(path)]) == errors.EXIT_FAILED
+    told = capsys.readouterr()
+    assert words in told.err
+    assert 'valid' not in told.out
+
+
 def test_check_shows_other_cameras(capsys: pytest.CaptureFixture[str]) -> None:
     """Each with its name and how it hangs."""
     scenario = DERAILMENT.with_name('derailment_cameras.yaml')

@@ -18,8 +18,9 @@ from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
+from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes

@@ -65,6 +65,7 @@ class Servers(Node):
         self.plan_error = ''
         self.outcomes = {'rav1': FlyRoute.Result.COMPLETED, 'rav2': FlyRoute.Result.COMPLETED}
         self.accepts = True
+        self.breaks = ''
         self.saves = True
         self.asked: list[str] = []
         self.goals: list[PlanSurvey.Goal] = []
@@ -102,6 +103,8 @@ class Servers(Node):
 
     def _plan(self, handle: Any) -> PlanSurvey.Result:
         self.goals.append(handle.request)
+        if self.breaks == 'plan':
+            raise RuntimeError('no memory')
         handle.succeed()
         if self.plan_error:
             return PlanSurvey.Result(
@@ -118,6 +121,8 @@ class Servers(Node):
     def _fly(self, name: str, handle: Any) -> FlyRoute.Result:
         self.leases[name].require(handle.request.lease)
         self.asked.append(f'{name} {handle.request.plan_id}')
+        if self.breaks == name:
+            raise RuntimeError('no memory')
         handle.succeed()
         outcome = self.outcomes[name]
         return FlyRoute.Result(outcome=outcome, shots_taken=2, viewpoints_visited=2)
@@ -284,6 +289,22 @@ def test_flight_with_a_fault_is_told(stage: Stage) -> None:
     stage.advance_to(Phase.REPORTING)
     assert stage.mission.outcome is Phase.FAILED
     assert stage.mission.text.startswith('rav1: returned early to keep its reserve of battery')
+
+
+@pytest.mark.parametrize(
+    ('who', 'phase', 'words'),
+    [
+        ('plan', Phase.REPORTING, 'planner: broke off'),
+        ('rav1', Phase.COLLECTING, 'rav1: broke off'),
+    ],
+)
+def test_server_that_breaks_off_has_not_succeeded(
+    stage: Stage, who: str, phase: Phase, words: str
+) -> None:
+    """Its empty result reads like a plan without routes, or like a flight as planned."""
+    stage.servers.breaks = who
+    stage.advance_to(phase)
+    assert stage.mission.text.startswith(f'{words} with an error')
 
 
 def test_refused_route_is_told(stage: Stage) -> None:

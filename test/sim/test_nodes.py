@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from action_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.action import ActionClient
 from std_srvs.srv import SetBool, Trigger
 from test.sim.node_stand import (
@@ -293,14 +294,12 @@ def test_without_lock_step_the_wall_clock_steps(operator: Operator, rav: Any) ->
 
 
 def test_world_names_who_it_waits_for(operator: Operator, world: Any, rav: Any) -> None:
-    """A participant that is not there is named in the diagnostics; the others do not hang."""
-    world('rav1', 'missing')
-    rav()
-    reports: list[Any] = []
-    topics.create_subscription(operator.node, topics.DIAGNOSTICS, reports.append)
-    operator.ros.spin_until(
-        lambda: any(r.status[0].message == 'waits for missing' for r in reports), DEADLINE_S
-    )
+    """A participant that is not there is named in its health; the others do not hang."""
+    node = world('rav1', 'missing')
+    vehicle = rav()
+    operator.ros.spin_until(lambda: node.health()[0].message == 'waits for missing', DEADLINE_S)
+    assert node.health()[0].level == DiagnosticStatus.WARN
+    assert [told.name for told in vehicle.health()] == ['', 'rav1']
 
 
 def test_world_shows_its_scene(operator: Operator, world: Any) -> None:

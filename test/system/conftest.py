@@ -18,7 +18,7 @@ import pytest
 from test.conftest import reserved_domain
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 SCENARIO = Path(__file__).with_name('small.yaml')
@@ -36,14 +36,17 @@ class Flight:
         folder: Path,
         *options: str,
         scenario: Path = SCENARIO,
+        has_reader: bool = True,
+        runs: Path | None = None,
     ) -> None:
-        self._folder = folder
+        self._runs = runs or folder / 'runs'
         self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
-        with self._output.open('wb') as output:
+        self._output.touch()
+        with self._output.open('wb') if has_reader else _pipe_without_reader() as output:
             self.process = subprocess.Popen(
-                [command, 'run', scenario, '--out', folder / 'runs', *options],
+                [command, 'run', scenario, '--out', self._runs, *options],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
@@ -59,13 +62,13 @@ class Flight:
     def run(self) -> RunDirectory:
         """The run directory; waits until there is one."""
         pattern = f'{self._name}-*'
-        self.wait_until(lambda: any((self._folder / 'runs').glob(pattern)))
-        return RunDirectory(next((self._folder / 'runs').glob(pattern)))
+        self.wait_until(lambda: any(self._runs.glob(pattern)))
+        return RunDirectory(next(self._runs.glob(pattern)))
 
     @property
     def has_begun(self) -> bool:
         """Whether it made a run directory."""
-        return (self._folder / 'runs').exists()
+        return self._runs.exists()
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until `condition` holds; the mission must not end before."""
@@ -121,6 +124,12 @@ class Flight:
             pytest.fail(f'hangs, after:\n{self.output}')
 
 
+def _pipe_without_reader() -> Any:
+    read, write = os.pipe()
+    os.close(read)
+    return os.fdopen(write, 'wb')
+
+
 def is_alive(pid: int) -> bool:
     """Return whether a process runs; a zombie, or one that has ended, does not."""
     try:
@@ -162,10 +171,12 @@ class Hangar:
         self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
         self._flights: list[Flight] = []
 
-    def __call__(self, *options: str) -> Flight:
-        """Start the mission with `options` of `rocsafe run`."""
+    def __call__(self, *options: str, **settings: Any) -> Flight:
+        """Start the mission with `options` of `rocsafe run`, and settings of `Flight`."""
         folder = self._folder / f'flight-{len(self._flights)}'
-        flight = Flight(self._command, self._domain_id, folder, *options, scenario=self._scenario)
+        flight = Flight(
+            self._command, self._domain_id, folder, *options, scenario=self._scenario, **settings
+        )
         self._flights.append(flight)
         return flight
 

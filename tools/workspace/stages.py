@@ -58,15 +58,14 @@ class Workspace:
 
     def packages_mark(self, version: str) -> str:
         """Fingerprint of the packages that the nodes need."""
-        names = ('ros.txt', 'python.txt', 'constraints.txt')
+        names = ('ros.txt', 'python.txt', 'lock.txt')
         files = [self.layout.requirements / name for name in names]
         return records.fingerprint(self.venv_mark(version), *files)
 
     def development_mark(self, version: str) -> str:
         """Fingerprint of the packages that checks and tests need."""
-        return records.fingerprint(
-            self.packages_mark(version), self.layout.requirements / 'dev.txt'
-        )
+        files = [self.layout.requirements / name for name in ('dev.txt', 'lock-dev.txt')]
+        return records.fingerprint(self.packages_mark(version), *files)
 
     def ground_mark(self, version: str) -> str:
         """Fingerprint of what a build cannot survive a change of."""

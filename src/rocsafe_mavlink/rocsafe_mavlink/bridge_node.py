@@ -5,7 +5,7 @@ import os
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
@@ -30,6 +30,7 @@ from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import diagnostic
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -39,7 +40,6 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 POLL_S = 0.005
 # Period of what is due by time; messages of vehicles do not wait for it.
 TICK_S = 0.02
-DIAGNOSE_S = 1.0
 # mission/state is published twice a second while the mission lives.
 SUPERVISOR_LEASE_S = 3.0
 
@@ -73,6 +73,10 @@ class DroneInterface:
         """Take something that happened to the vehicle."""
         self._telemetry.on_event(event)
 
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return self._telemetry.health()
+
     def follow(self) -> None:
         """Publish what can wait until the fixes of all vehicles are published."""
         self._telemetry.follow()
@@ -100,7 +104,7 @@ class BridgeNode(Node):
     """Serves all drones of `drones_file`, each behind a node in its own namespace.
 
     Takes no part in lock-step: real vehicles fly by the clock on the wall. Subscribes:
-    mission/state, if its supervisor is to be watched. Publishes: /diagnostics.
+    mission/state, if its supervisor is to be watched.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -119,10 +123,8 @@ class BridgeNode(Node):
         self._supervised_s = self._ticked_s = time.monotonic()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
-        self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(POLL_S, self._poll, clock=steady)
-        self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
 
     @property
     def vehicle_nodes(self) -> list[VehicleScopeNode]:
@@ -174,10 +176,10 @@ class BridgeNode(Node):
         for interface in self._interfaces:
             interface.step(now_s, time_s, is_supervised=is_supervised)
 
-    def _diagnose(self) -> None:
+    def health(self) -> list[DiagnosticStatus]:
+        """Return its own status, those of its links and those of its vehicles."""
         now_s = time.monotonic()
-        message = DiagnosticArray()
-        message.header.stamp = self.get_clock().now().to_msg()
+        links = []
         for link, station in self._stations.items():
             names = {drone.name for drone in self._fleet.on(link)}
             contacts = {
@@ -185,8 +187,9 @@ class BridgeNode(Node):
                 for interface in self._interfaces
                 if interface.drone.spec.name in names
             }
-            message.status.append(link_status(link, contacts, station.link.counters.by_name()))
-        self._diagnostics.publish(message)
+            links.append(link_status(link, contacts, station.link.counters.by_name()))
+        vehicles = (interface.health() for interface in self._interfaces)
+        return [diagnostic('runs'), *links, *filter(None, vehicles)]
 
 
 def make_nodes() -> list[Node]:

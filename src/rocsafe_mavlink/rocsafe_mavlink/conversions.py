@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Vector3
 from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
@@ -33,7 +33,7 @@ from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
 from rocsafe_mavlink.knowledge.traffic import Encounter
 from rocsafe_mavlink.result_conversions import OUTCOMES
-from rocsafe_ros.conversions import point_of_position, position_of_point
+from rocsafe_ros.conversions import diagnostic, point_of_position, position_of_point
 
 STATES = {
     FlightState.UNKNOWN: VehicleState.UNKNOWN,
@@ -257,10 +257,5 @@ def link_status(
 ) -> DiagnosticStatus:
     """Return the health of a link: who is heard, and how much was dropped and why."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
-    return DiagnosticStatus(
-        name=f'bridge: {name}',
-        hardware_id=name,
-        level=DiagnosticStatus.WARN if silent else DiagnosticStatus.OK,
-        message=', '.join(silent) or 'all are heard',
-        values=[KeyValue(key=key, value=str(value)) for key, value in counts.items()],
-    )
+    text = ', '.join(silent) or 'all are heard'
+    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(silent), values=counts)

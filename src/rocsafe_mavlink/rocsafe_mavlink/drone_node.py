@@ -5,9 +5,11 @@ from collections.abc import Callable
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Float64, Header, UInt8MultiArray
 
+from rocsafe_interfaces.msg import VehicleState
 from rocsafe_mavlink.conversions import (
     battery_message,
     event_message,
@@ -31,8 +33,10 @@ from rocsafe_ros.conversions import (
     odometry_message,
     path_pose,
     point_of_position,
+    vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
@@ -49,8 +53,9 @@ TEXTS_PER_S = 5
 class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
-    Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
-    predicted_fix each second; state and events on change; home on change; traffic when heard.
+    Publishes: fix, velocity, odom, /tf, rel_alt, heading at each position; state, battery_state,
+    path, predicted_fix each second; state and events on change; home on change; traffic when
+    heard.
 
     Parameters
     ----------
@@ -77,10 +82,12 @@ class TelemetryPublisher:
                 *(topics.EVENTS, topics.HOME, topics.TRAFFIC, topics.DETECTOR_BYTES),
             )
         }
+        self._frames = VehicleFrames(node, {'camera_optical': LOOKS_DOWN})
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
         self._viewers = Audience(node, self._publishers[topics.PATH.name])
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._texts_left = TEXTS_PER_S
         self._following: list[tuple[Motion, Time]] = []
 
@@ -113,11 +120,15 @@ class TelemetryPublisher:
         for motion, stamp in following:
             place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
             self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
-            self._publish(
-                topics.ODOM, odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
-            )
+            odometry = odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
+            self._publish(topics.ODOM, odometry)
+            self._frames.move(odometry)
             self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
 
     def on_event(self, event: Event) -> None:
         """Publish an event."""
@@ -140,7 +151,8 @@ class TelemetryPublisher:
             self._publish_slow(seen, now_s)
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
-        self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
+        self._last = state_message(seen, self._name, stamp, self._shots())
+        self._publish(topics.STATE, self._last)
 
     def _publish_traffic(self, icao: int, now_s: float) -> None:
         vehicle = self._drone.vehicle

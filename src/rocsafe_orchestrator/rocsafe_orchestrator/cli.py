@@ -7,18 +7,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rocsafe_orchestrator.command_line import (
-    check,
-    clear,
-    fleet,
-    passed_on,
-    plan,
-    preflight,
-    replan,
-    replay,
-    report,
-    run,
-)
+from rocsafe_orchestrator.command_line import passed_on
+from rocsafe_orchestrator.command_line.lasting_output import lasting_output
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
@@ -50,6 +40,12 @@ exit codes:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with `argv`, by default the arguments of this process."""
     words = sys.argv[1:] if argv is None else argv
+    with lasting_output():
+        return _answered(words)
+
+
+def _answered(words: Sequence[str]) -> int:
+    """Return the exit code, having told in a line what went wrong."""
     try:
         return _obey(words)
     except (OrchestratorError, ScenarioError) as error:
@@ -62,6 +58,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             'source the workspace (. install/setup.bash)',
             file=sys.stderr,
         )
+        return EXIT_SETUP
+    except MemoryError:
+        print('rocsafe: not enough memory', file=sys.stderr)
+        return EXIT_SETUP
+    except OSError as error:
+        what = ': '.join(filter(None, (error.filename and str(error.filename), error.strerror)))
+        print(f'rocsafe: {what or error}', file=sys.stderr)
         return EXIT_SETUP
     except KeyboardInterrupt:
         return EXIT_SIGNAL_BASE + signal.SIGINT
@@ -94,6 +97,19 @@ class _Version(argparse.Action):
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Imported here: commands that are passed on need none of it.
+    from rocsafe_orchestrator.command_line import (
+        check,
+        clear,
+        fleet,
+        plan,
+        preflight,
+        replan,
+        replay,
+        report,
+        run,
+    )
+
     parser = argparse.ArgumentParser(
         prog='rocsafe',
         description=DESCRIPTION,

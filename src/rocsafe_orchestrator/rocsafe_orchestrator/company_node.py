@@ -14,6 +14,7 @@ from typing import Any
 
 import rclpy
 from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.processes.company import Speaker, objections
@@ -98,7 +99,9 @@ def _claim(
     if parent is not None and parent.pid is not None:
         end_with(parent.pid)
     try:
-        rclpy.init(args=['--ros-args', *ros_arguments])
+        # Its handlers would take the signal that ends this process with its parent.
+        no_handlers = SignalHandlerOptions.NO
+        rclpy.init(args=['--ros-args', *ros_arguments], signal_handler_options=no_handlers)
         node = LookoutNode(f'orchestrator_claim_{token}')
         await_discovery(node, REMOTE_S)
         told.send(node.speakers(names))

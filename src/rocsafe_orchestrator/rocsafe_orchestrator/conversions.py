@@ -96,6 +96,7 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
         airspace=SurveyAirspace(
             clearance_m=survey.airspace.clearance_m,
             terrain_clearance_m=survey.airspace.terrain_clearance_m,
+            max_height_agl_m=survey.airspace.max_height_agl_m,
             wind_east_mps=survey.airspace.wind_mps[0],
             wind_north_mps=survey.airspace.wind_mps[1],
         ),

@@ -15,6 +15,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
     DoseAlarm,
     HazardSourceArray,
@@ -32,6 +33,8 @@ from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.frames import publish_origin
+from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
@@ -79,6 +82,7 @@ class OrchestratorNode(Node):
         self._state = topics.create_publisher(self, topics.MISSION_STATE)
         self._region = topics.create_publisher(self, topics.REGION)
         self._decisions = topics.create_publisher(self, topics.DECISIONS)
+        self._health = HealthReporter(self)
         for name in names:
             topics.create_subscription(self, topics.STATE, self._on_state, name)
             on_reading = partial(self._on_reading, name)
@@ -95,11 +99,12 @@ class OrchestratorNode(Node):
         super().destroy_node()
 
     def publish_region(self) -> None:
-        """Publish what is surveyed."""
+        """Publish what is surveyed, and where the map lies on the earth."""
         region = conversions.region_of_scenario(self._scenario)
         region.header.stamp = self.get_clock().now().to_msg()
         region.header.frame_id = 'earth'
         self._region.publish(region)
+        publish_origin(self, LocalFrame(self._scenario.origin_position()))
 
     def ready(self, table: Iterable[ProcessSpec]) -> frozenset[str]:
         """Return the names of the processes whose endpoints all exist."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.client import Client
 from rclpy.node import Node
@@ -34,6 +35,8 @@ SERVICES = (
     topics.FLEET_RETURN_HOME,
 )
 _VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
+# A server whose callback fails answers with an empty result, which looks like success.
+BROKEN_OFF = 'broke off with an error, see its log'
 
 
 class Requests:
@@ -255,8 +258,12 @@ class Requests:
         handle.get_result_async().add_done_callback(partial(on_result, order))
 
     def _on_plan(self, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
+        result = answer.result
         if self._mission is None:
+            return
+        if result.error_code == result.NONE and answer.status != GoalStatus.STATUS_SUCCEEDED:
+            self._mission.refused(order, f'planner: {BROKEN_OFF}')
             return
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
@@ -298,12 +305,15 @@ class Requests:
             self._mission.refused(Order(kind=OrderKind.PLAN), text)
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
         # A repeated request is answered twice; the second answer may come in the next round.
         is_current = self._plan is not None and self._plan.plan_id == plan_id
         if self._mission is not None and is_current:
+            result = answer.result
             fault = conversions.fault_of_flight(result)
             is_refused = result.outcome == FlyRoute.Result.REJECTED
+            if not (fault or is_refused) and answer.status != GoalStatus.STATUS_SUCCEEDED:
+                fault = BROKEN_OFF
             self._mission.flown(order.vehicle, result.shots_taken, fault, is_refused=is_refused)
 
     def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:

@@ -101,6 +101,7 @@ def _airspace(message: msg.SurveyAirspace) -> AirspaceOptions:
         **_given(
             clearance_m=_known(message.clearance_m),
             terrain_clearance_m=_known(message.terrain_clearance_m),
+            max_height_agl_m=_known(message.max_height_agl_m),
         ),
     )
 

@@ -4,7 +4,7 @@
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import NavSatFix
 from std_msgs.msg import UInt8MultiArray
@@ -19,13 +19,13 @@ from rocsafe_radiation.conversions import coordinates_of_fix
 from rocsafe_radiation.detector_options import DetectorOptions
 from rocsafe_radiation.errors import DetectorLostError
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import has_position, ns_of_stamp
+from rocsafe_ros.conversions import diagnostic, has_position, ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 POLL_S = 0.05
-DIAGNOSE_S = 1.0
+WATCH_S = 1.0
 
 
 class DetectorNode(VehicleScopeNode):
@@ -33,7 +33,7 @@ class DetectorNode(VehicleScopeNode):
 
     Subscribes in that namespace: ``fix``, and ``detector/bytes`` where the lines come in MAVLink
     TUNNEL messages. Publishes there: ``radiation``, and ``events`` when the detector falls silent
-    or is heard again. Publishes /diagnostics. Bad lines are counted and named, never guessed.
+    or is heard again. Bad lines are counted and named, never guessed.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -51,13 +51,12 @@ class DetectorNode(VehicleScopeNode):
         self._bad_told = 0
         self._readings = topics.create_publisher(self, topics.RADIATION)
         self._events = topics.create_publisher(self, topics.EVENTS)
-        self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
         topics.create_subscription(self, topics.FIX, self._on_fix)
         if options.tunnel:
             topics.create_subscription(self, topics.DETECTOR_BYTES, self._on_bytes)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(POLL_S, self._poll, clock=steady)
-        self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
+        self.create_timer(WATCH_S, self._watch, clock=steady)
 
     def destroy_node(self) -> None:
         """Close the port."""
@@ -86,12 +85,14 @@ class DetectorNode(VehicleScopeNode):
                 acquired_reading_of(acquired, self.vehicle_name, self._format.name)
             )
 
-    def _diagnose(self) -> None:
+    def health(self) -> list[DiagnosticStatus]:
+        """Return its own status and that of the detector."""
+        health = self._acquisition.health(time.time())
+        return [diagnostic('runs'), health_status(health, self.vehicle_name)]
+
+    def _watch(self) -> None:
         health, stamp = self._acquisition.health(time.time()), self.get_clock().now().to_msg()
         status = health_status(health, self.vehicle_name)
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = stamp
-        self._diagnostics.publish(message)
         if health.is_silent is not self._was_silent:
             self._was_silent = health.is_silent
             self.get_logger().warning(f'{self.vehicle_name}: {status.message}')

@@ -20,6 +20,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
@@ -102,12 +103,15 @@ def _spin(
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)
+    # The first node is that of the process; others are small ones in vehicles' namespaces.
+    health = HealthReporter(nodes[0])
     try:
         while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
             executor.spin_once(timeout_sec=POLL_S)
     except ExternalShutdownException:
         pass
     finally:
+        health.close()
         for node in nodes:
             executor.remove_node(node)
             node.destroy_node()

@@ -23,6 +23,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
 from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
@@ -32,6 +33,7 @@ from rocsafe_interfaces.msg import (
     Decision,
     DoseAlarm,
     DoseRate,
+    GasReading,
     GeoPoint,
     GeotaggedImage,
     GimbalCommand,
@@ -39,6 +41,7 @@ from rocsafe_interfaces.msg import (
     HazardSourceArray,
     MissionState,
     Mosaic,
+    ParticleReading,
     RadiationReading,
     Region,
     ShotReceipt,
@@ -47,6 +50,7 @@ from rocsafe_interfaces.msg import (
     Traffic,
     VehicleEvent,
     VehicleState,
+    WindReading,
 )
 from rocsafe_interfaces.srv import (
     FleetCommand,
@@ -187,6 +191,11 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+GAS = _vehicle('gas', GasReading, _kept(), 'each window', 'a reading of each gas sensor')
+BIO = _vehicle('bio', ParticleReading, _kept(), 'each window', 'counts of particles, trigger')
+ANEMOMETER = _vehicle(
+    'anemometer', WindReading, _kept(), 'each window', 'where the air goes to, m/s'
+)
 DETECTOR_BYTES = _vehicle(
     'detector/bytes', UInt8MultiArray, _kept(), 'as sent', 'of MAVLink TUNNEL, real ones only'
 )
@@ -276,6 +285,9 @@ MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and fil
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
+TF = _fleet('/tf', TFMessage, _stream(), 'as odom', 'frames that move, see ros.md')
+# Many publish here, each once: a subscriber that kept one message would have one of them.
+TF_STATIC = _fleet('/tf_static', TFMessage, _kept(), 'once', 'frames that are fixed')
 ROSOUT = _fleet('/rosout', Log, _stream(), 'on change', 'log of all nodes')
 DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health of the nodes')
 

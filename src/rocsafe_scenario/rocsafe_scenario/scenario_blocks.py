@@ -32,9 +32,9 @@ EARLIEST_START = datetime(1970, 1, 1, tzinfo=timezone.utc)
 LATEST_START = datetime(2038, 1, 1, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
-    {'clock', 'collector', 'fleet', 'fleet_verbs', 'hazard', 'localizer', 'mission', 'mosaic',
-     'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots',
-     'sim', 'world'}
+    {'air', 'clock', 'collector', 'fleet', 'fleet_verbs', 'hazard', 'localizer', 'mission',
+     'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene',
+     'shots', 'sim', 'world'}
 )  # fmt: skip
 
 
@@ -131,6 +131,9 @@ class AirspaceBlock(Block):
     clearance_m: float = Field(default=_AIRSPACE['clearance_m'], ge=0.0, le=1000.0)
     terrain_clearance_m: float = Field(
         default=_AIRSPACE['terrain_clearance_m'], gt=0.0, le=LARGEST_HEIGHT_M
+    )
+    max_height_agl_m: float = Field(
+        default=_AIRSPACE['max_height_agl_m'], gt=0.0, le=LARGEST_HEIGHT_M
     )
     wind_mps: tuple[float, float] = _AIRSPACE['wind_mps']
 
@@ -236,6 +239,10 @@ class DroneBlock(Block):
         Whether a link beyond this machine may be without signatures.
     geoid_separation_m
         Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
+    max_wind_mps, max_gust_mps
+        Greatest mean wind and gust of a minute in which it flies; 0: no limit.
+    on_wind
+        What happens when they are exceeded in the air: a return is offered, or ordered.
     detector
         ``simulated``: reads the simulated field at its fix. ``own``: a driver that the user starts
         publishes ``radiation`` in the namespace of the vehicle. Or where its lines come in.
@@ -248,6 +255,9 @@ class DroneBlock(Block):
     allow_lan: bool = False
     unsigned: bool = False
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
+    max_wind_mps: float = Field(default=0.0, ge=0.0, le=50.0)
+    max_gust_mps: float = Field(default=0.0, ge=0.0, le=50.0)
+    on_wind: Literal['warn', 'return'] = 'warn'
     detector: Literal['simulated', 'own'] | DetectorBlock = 'simulated'
 
 

@@ -7,7 +7,8 @@ from std_msgs.msg import Header, String
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
 from rocsafe_ros.audience import Audience
-from rocsafe_ros.conversions import jpeg_message
+from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
@@ -20,6 +21,7 @@ from rocsafe_sim.picture_conversions import (
     image_message,
     info_message,
     labels_message,
+    mount_of,
     picture_header,
     pose_message,
 )
@@ -33,13 +35,16 @@ class CameraInterface:
     """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
-    gimbal/state. Subscribes: gimbal/command.
+    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command.
 
     Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
     simulated second as long as anybody but a recorder subscribes.
     """
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera, frames: VehicleFrames
+    ) -> None:
+        self._frames = frames
         self._node, self._rav, self._camera = node, rav, camera
         self._vehicle = rav.parts.name
         self._image = self._publisher(topics.CAMERA_IMAGE)
@@ -133,6 +138,8 @@ class CameraInterface:
         is_news = not self._is_settled
         if self._gimbals.is_due(time_ns) or is_news:
             self._state.publish(gimbal_message(self._vehicle, self.name, gimbal, time_ns))
+            frame, rotation = mount_of(self._camera, time_ns)
+            self._frames.turn(frame, rotation, stamp_of_ns(time_ns))
         self._is_settled = gimbal.is_settled(time_ns)
 
     def _publisher(self, spec: topics.TopicSpec) -> Publisher:

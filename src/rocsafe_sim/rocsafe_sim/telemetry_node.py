@@ -2,6 +2,7 @@
 """Telemetry of a simulated vehicle."""
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
@@ -16,8 +17,10 @@ from rocsafe_ros.conversions import (
     path_pose,
     point_of_position,
     stamp_of_ns,
+    vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import STATES, battery_message, ending_of, waiting_text
@@ -36,7 +39,10 @@ EXACT_M = (0.0, 0.0)
 class Telemetry:
     """Publishes where a vehicle is, its battery, state, track, home and route."""
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int, frames: VehicleFrames
+    ) -> None:
+        self._frames = frames
         self._rav = rav
         self._fixes = Cadence(fix_period_ns)
         self._slow = Cadence(SLOW_PERIOD_NS)
@@ -54,8 +60,13 @@ class Telemetry:
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._shown: FlightRoute | None = None
         self._told_home: Enu | None = None
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
 
     def publish(self, seen: VehicleSnapshot) -> None:
         """Publish what is due at a step, position first."""
@@ -85,9 +96,11 @@ class Telemetry:
         self._truth.publish(fix_message(fix.true_position, stamp, gps, EXACT_M))
         self._fix.publish(fix_message(fix.position, stamp, gps, std_m))
         self._velocity.publish(velocity_message(pose.velocity_enu, stamp))
-        self._odom.publish(
-            odometry_message(fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name)
+        odometry = odometry_message(
+            fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name
         )
+        self._odom.publish(odometry)
+        self._frames.move(odometry)
 
     def _publish_state(self, seen: VehicleSnapshot, stamp: Time) -> None:
         self._said = self._news(seen)
@@ -112,6 +125,7 @@ class Telemetry:
             message.ending = ending_of(flight)
             message.text = flight.text or waiting_text(flight.command.number, seen.waits_s)
         self._state.publish(message)
+        self._last = message
 
     def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight

@@ -3,14 +3,18 @@
 
 from collections.abc import Callable
 
+from diagnostic_msgs.msg import DiagnosticStatus
+
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.command_node import CommandServices
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.fly_route_node import FlyRouteServer
+from rocsafe_sim.picture_conversions import mounts_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
@@ -25,8 +29,8 @@ class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    home, camera/*, control. Subscribes: shots/receipts. Services: lease, and those of
-    `CommandServices`. Action: fly_route.
+    home, camera/*, control, /tf, /tf_static. Subscribes: shots/receipts. Services: lease, and
+    those of `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
@@ -60,13 +64,18 @@ class VehicleInterface:
         self._has_stepped = False
         self.has_news = False
         self._was_told: tuple[bool, bool] = (False, False)
-        self._telemetry = Telemetry(node, rav, fix_period_ns)
+        frames = VehicleFrames(node, mounts_of(rav.parts.cameras))
+        self._telemetry = Telemetry(node, rav, fix_period_ns, frames)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
-        self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
+        self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
         self.lease = LeaseServer(node, rav.spool)
         self._flights = FlyRouteServer(node, rav, self.lease, self._after_command)
         self._commands = CommandServices(node, rav, self.lease, self._after_command)
         self._publish_state()
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return self._telemetry.health()
 
     def step(self, time_ns: int) -> bool:
         """Advance the vehicle to `time_ns` and publish all of it; return whether it is idle."""

@@ -45,6 +45,8 @@ class GasSensor:
         Name of the kind and its physical principle.
     unit
         What it reads: ``ppm`` or ``mg_m3`` of its calibration gas.
+    calibration_gas
+        Gas whose concentration it would read right.
     responses
         Reading for one unit of each gas, by name of the agent.
     lamp_ev
@@ -72,6 +74,7 @@ class GasSensor:
     name: str
     technology: str
     unit: str = 'ppm'
+    calibration_gas: str
     responses: Mapping[str, float] = field(default_factory=dict)
     lamp_ev: float = 0.0
     rise_s: float

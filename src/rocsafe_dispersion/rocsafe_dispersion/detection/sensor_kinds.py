@@ -13,6 +13,7 @@ _KINDS = (
     GasSensor(
         name='pid_10_6_ev',
         technology='photoionisation',
+        calibration_gas='isobutylene',
         responses={
             'isobutylene': 1.0,
             'acetone': 0.9,
@@ -36,6 +37,7 @@ _KINDS = (
     GasSensor(
         name='electrochemical_chlorine',
         technology='electrochemical',
+        calibration_gas='chlorine',
         responses={'chlorine': 1.0, 'nitrogen_dioxide': 0.5, 'bromine': 0.9},
         rise_s=13.0,
         fall_s=20.0,
@@ -48,6 +50,7 @@ _KINDS = (
     GasSensor(
         name='electrochemical_ammonia',
         technology='electrochemical',
+        calibration_gas='ammonia',
         responses={'ammonia': 1.0, 'hydrogen_sulphide': 0.1},
         rise_s=20.0,
         fall_s=26.0,
@@ -60,6 +63,7 @@ _KINDS = (
     GasSensor(
         name='electrochemical_hydrogen_sulphide',
         technology='electrochemical',
+        calibration_gas='hydrogen_sulphide',
         responses={'hydrogen_sulphide': 1.0, 'sulphur_dioxide': 0.15},
         rise_s=10.0,
         fall_s=15.0,
@@ -72,6 +76,7 @@ _KINDS = (
     GasSensor(
         name='electrochemical_sulphur_dioxide',
         technology='electrochemical',
+        calibration_gas='sulphur_dioxide',
         responses={'sulphur_dioxide': 1.0, 'nitrogen_dioxide': -0.5, 'hydrogen_sulphide': 0.1},
         rise_s=10.0,
         fall_s=15.0,
@@ -84,6 +89,7 @@ _KINDS = (
     GasSensor(
         name='metal_oxide',
         technology='metal oxide',
+        calibration_gas='acetone',
         responses={
             'acetone': 1.0,
             'isobutylene': 0.8,
@@ -106,6 +112,7 @@ _KINDS = (
     GasSensor(
         name='ion_mobility',
         technology='ion mobility',
+        calibration_gas='chlorine',
         unit='mg_m3',
         responses={
             'chlorine': 1.0,

@@ -95,7 +95,9 @@ def _recorded(
 ) -> RecordedWind:
     if not 1 <= len(rows) <= LARGEST_ROWS:
         raise ValueError(f'has {len(rows)} rows: must be 1 to {LARGEST_ROWS}')
-    is_vector = _is_vector(set(rows[0]))
+    if 'time_s' not in rows[0]:
+        raise ValueError('column time_s is missing')
+    is_vector = is_vector_record(set(rows[0]))
     winds = [_wind(number, row, is_vector) for number, row in enumerate(rows, 2)]
     return RecordedWind(
         times_s=np.array([_number(number, row, 'time_s') for number, row in enumerate(rows, 2)]),
@@ -105,10 +107,14 @@ def _recorded(
     )
 
 
-def _is_vector(names: set[str]) -> bool:
-    """Return whether a record has components; else it has speed and direction."""
-    if 'time_s' not in names:
-        raise ValueError('column time_s is missing')
+def is_vector_record(names: set[str]) -> bool:
+    """Return whether columns of these names hold components; else they are speed and direction.
+
+    Raises
+    ------
+    ValueError
+        If they hold neither, both, or a direction of unknown convention.
+    """
     has = [names >= set(pair) for pair in (VECTOR, FROM)]
     if sum(has) == 1:
         return has[0]

@@ -26,6 +26,9 @@ Target = tuple[int, int]
 # Another station may change fence and rally points at any time: they are read again so often, in
 # the air too.
 READ_AGAIN_S = 30.0
+# A PX4 that waits for an upload of a bridge that is gone asks for its items four times a second. A
+# reading begun meanwhile would leave it refusing every upload, so it is listened to first.
+QUIET_S = 2.0
 
 
 @dataclass(slots=True)
@@ -64,6 +67,7 @@ class Readout:
     _was_lost: bool = False
     _fence_read_s: float = -math.inf
     _rally_read_s: float = -math.inf
+    _quiet_until_s: float = -math.inf
 
     @property
     def settings(self) -> VehicleSettings:
@@ -103,6 +107,7 @@ class Readout:
         if contact is Contact.LOST:
             self._was_lost = True
         if contact is not Contact.FRESH:
+            self.wait(now_s)
             return []
         if self._was_lost:
             # Another station may have changed what lies on it.
@@ -117,6 +122,10 @@ class Readout:
         self.parameters = self._download = None
         self.forget_fence()
         self._forget_rally()
+
+    def wait(self, now_s: float) -> None:
+        """Begin no reading for a while, see `QUIET_S`."""
+        self._quiet_until_s = now_s + QUIET_S
 
     def overwritten(self, kind: MissionType) -> None:
         """Note that we are about to overwrite a list on the vehicle.
@@ -160,7 +169,7 @@ class Readout:
             return sent
         if not vehicle.is_armed:
             self.mission = self.mission.unread()
-        if is_commanded:
+        if is_commanded or now_s < self._quiet_until_s:
             return []
         if vehicle.is_armed and self.mission.items is None:
             return self._begin(MissionType.MISSION, now_s)

@@ -22,6 +22,7 @@ from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.link.link import Address, Link
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import compare
+from rocsafe_mavlink.protocols.mission_upload import REQUESTS, cancelled
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
@@ -221,7 +222,17 @@ class VehicleSession:
             self.sequence, sent = self.sequence.on_message(message, now_s)
             self.send(sent)
         self.send(self.readout.on_message(message, now_s))
+        if message.name in REQUESTS and not self.is_commanded:
+            self._cancel(message, now_s)
         return events
+
+    def _cancel(self, request: Message, now_s: float) -> None:
+        """End an upload of ours, or of a bridge before us, that the autopilot still waits for."""
+        fields = request.fields
+        named = (fields.get('target_system', 0), fields.get('target_component', 0))
+        if named == self.us:
+            self.readout.wait(now_s)
+            self.send([cancelled(request)])
 
     def _look(self, message: Message, now_s: float) -> None:
         """Note who has the vehicle."""

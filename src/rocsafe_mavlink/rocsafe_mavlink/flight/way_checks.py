@@ -85,7 +85,9 @@ def homeward_checks(plan: FlightPlan, home: GeoPosition, known: VehicleSettings)
     if not plan.exclusions:
         return []
     reader = known.parameters
-    if reader is None or (known.rally is None and not known.rally_error):
+    is_fence_read = known.fence is not None or bool(known.fence_error)
+    is_rally_read = known.rally is not None or bool(known.rally_error)
+    if reader is None or not reader.is_over or not (is_fence_read and is_rally_read):
         return [Check(name, CheckVerdict.FAIL, NOT_READ, limit)]
     if _returns_around(plan, known, reader):
         return [Check(name, CheckVerdict.PASS, 'around the exclusions, by itself', limit)]

@@ -43,8 +43,11 @@ class TransferTiming:
         Offers at most. With 40 % of all messages lost, one vehicle in a thousand leaves so many
         unanswered.
     fewest_stuck_offers
-        Offers after which a refusal by another type means that the autopilot is stuck: a PX4 may
-        refuse every offer because of an earlier transfer of another type.
+        Offers after which a refusal by another type means that the autopilot is stuck, see
+        `release_s`.
+    release_s
+        A PX4 forgets that it is in a transfer only when a transfer of it times out, after 5 s. So
+        one that refuses every offer is asked for a list, which is then left to time out, seconds.
     no_request_s
         Autopilots repeat a request sooner than this, seconds.
     no_ack_s
@@ -66,6 +69,7 @@ class TransferTiming:
     offer_again_s: float = 1.5
     largest_offer_count: int = 15
     fewest_stuck_offers: int = 2
+    release_s: float = 6.5
     no_request_s: float = 10.0
     no_ack_s: float = 3.5
     ask_again_s: float = 1.0

@@ -19,6 +19,7 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
+from rocsafe_orchestrator.processes.disk_space import shortage
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
@@ -32,6 +33,7 @@ if TYPE_CHECKING:  # the loop is tested without ROS
 TICK_S = 0.05
 SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
+DISK_PERIOD_S = 1.0
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 1.0
 # A plan of real vehicles must be confirmed within this time.
@@ -91,7 +93,7 @@ class MissionLoop:
         self._started_s = started_s
         self._pace = Pace()
         self._ready: frozenset[str] = frozenset()
-        self._show_at_s = self._publish_at_s = 0.0
+        self._show_at_s = self._publish_at_s = self._look_at_disk_s = 0.0
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
         self._asked_s: float | None = None
@@ -121,6 +123,8 @@ class MissionLoop:
         self._await_confirmation(now_s)
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
+        parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING
+        self._watch_disk(now_s)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
         for vehicle, why in parts.monitor.turned_back.items():
@@ -286,7 +290,18 @@ class MissionLoop:
             expected_crew_doses_usv=self._parts.crew_watch.doses_usv,
             rejected_images=self._parts.monitor.rejections,
         )
-        write_json(self._parts.directory.run_info, self._parts.run_info)
+        try:
+            write_json(self._parts.directory.run_info, self._parts.run_info)
+        except OSError as error:
+            self._parts.display.say(f'{self._parts.directory.run_info}: {error.strerror}')
+
+    def _watch_disk(self, now_s: float) -> None:
+        """Break off while there is still room for what has been measured."""
+        if now_s < self._look_at_disk_s:
+            return
+        self._look_at_disk_s = now_s + DISK_PERIOD_S
+        if text := shortage(self._parts.directory.path):
+            self._parts.mission.break_off(text)
 
     def _show(self, now_s: float) -> None:
         mission = self._parts.mission

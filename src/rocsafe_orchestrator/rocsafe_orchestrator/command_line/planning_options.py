@@ -95,6 +95,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'metavar': 'M',
         'help': 'least distance of the routes to exclusion zones, metres',
     },
+    'max-height': {
+        'type': metres,
+        'metavar': 'M',
+        'help': 'greatest height above the ground of anything that is flown, metres',
+    },
     'wind': {
         'type': wind,
         'nargs': 2,

@@ -23,6 +23,7 @@ from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
 from rocsafe_orchestrator.processes.process_table import process_table
 from rocsafe_orchestrator.processes.process_values import ProcessEventKind
+from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
@@ -32,7 +33,8 @@ from rocsafe_orchestrator.replay.recorded_inputs import (
     ReplayError,
     read_inputs,
 )
-from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
+from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
+from rocsafe_ros.mission_identity import MissionIdentity, new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -63,11 +65,19 @@ def replay(path: Path, parent: Path | None, console: Console) -> int:
     # A run whose computer failed has segments only.
     finalise(run.path, [run.scenario, run.run_info, run.plan])
     scenario, inputs = read_scenario(run.scenario), read_inputs(run)
-    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
-        name, now = f'{scenario.name}-replay', datetime.now().astimezone()
-        out = create_run_directory(parent or run.path.parent, name, now)
+    stay_on_this_machine()
+    now = datetime.now().astimezone()
+    name = run_name(f'{scenario.name}-replay', now)
+    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0', name):
+        out = create_run_directory(parent or run.path.parent, name)
         _copy(run, out, provenance(sys.argv, now))
-        made = _Replay(scenario=scenario, inputs=inputs, directory=out, console=console)
+        made = _Replay(
+            scenario=scenario,
+            inputs=inputs,
+            directory=out,
+            identity=new_identity(out.name),
+            console=console,
+        )
         interrupt = Interrupt()
         sources = made.feed(interrupt)
     if sources is None:
@@ -114,6 +124,7 @@ class _Replay:
     scenario: Scenario
     inputs: RecordedInputs
     directory: RunDirectory
+    identity: MissionIdentity
     console: Console
 
     def feed(self, interrupt: Interrupt) -> tuple[tuple[float, float, float], ...] | None:
@@ -127,7 +138,9 @@ class _Replay:
         table = process_table(self.scenario, self.directory)
         table = tuple(spec for spec in table if spec.name in NODES)
         export_scenes(self.scenario, self.directory)
-        supervisor = Supervisor(launches(table, self.directory), child_environment(self.directory))
+        supervisor = Supervisor(
+            launches(table, self.directory, self.identity), child_environment(self.directory)
+        )
         try:
             for spec in table:
                 supervisor.start(spec.name, begin_as_fork)
@@ -142,7 +155,7 @@ class _Replay:
         from rocsafe_orchestrator.orchestrator_node import ros_session
         from rocsafe_orchestrator.replay_node import ReplayNode, serving
 
-        with ros_session():
+        with ros_session(self.identity):
             node = ReplayNode(self.inputs, self.scenario.vehicle_names)
             with serving(node) as serve:
                 waits = _Waits(serve=serve, supervisor=supervisor, interrupt=interrupt)

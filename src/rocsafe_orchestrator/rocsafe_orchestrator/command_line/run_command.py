@@ -34,6 +34,7 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.config_file import require_parameter_file
+from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.launches import (
@@ -90,6 +91,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     if request.config is not None:
         require_parameter_file(request.config)
     stay_on_this_machine()
+    require_space(request.parent, scenario)
     table = process_table(scenario, RunDirectory(request.parent))
     executables = require_executables(table)
     started = datetime.now().astimezone()
@@ -236,6 +238,8 @@ def _log_to(directory: RunDirectory) -> None:
     package.setLevel(logging.INFO)
     package.handlers = [handler]
     package.propagate = False
+    # A full disk is told once, by the mission, and not at each line of a log.
+    logging.raiseExceptions = False
 
 
 def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase) -> Text:
@@ -244,7 +248,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     lines = Text.assemble((f'mission {phase.name.lower()}', style))
     if text:
         lines.append(f': {text}')
-    images = f'{monitor.images_stored} of {monitor.images_expected} images stored'
+    images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
     lines.append(f'\n{images}, {clock_text(monitor.flight_time_s)} flown')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')

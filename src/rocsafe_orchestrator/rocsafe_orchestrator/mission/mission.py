@@ -72,7 +72,7 @@ class Mission:
         self._time = TimeWatch(self._requests)
         self._collected = Standstill()
         self._shots = self._shots_before = 0
-        self._is_cancelled = False
+        self._is_cancelled = self._has_images = False
 
     @property
     def text(self) -> str:
@@ -92,6 +92,7 @@ class Mission:
     def advance(self, now_s: float, situation: Situation) -> list[Order]:
         """Enter the next phase if this one is over, and return the orders to send now."""
         self._phase_s(now_s)
+        self._has_images = situation.images_stored > 0
         step: Callable[[float, Situation], None] | None = {
             Phase.STARTING: self._start,
             Phase.PLANNING: self._plan,
@@ -274,16 +275,24 @@ class Mission:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
     def cancel(self, text: str) -> None:
-        """Cancel the mission: processes end, products are made within a short time."""
+        """Cancel the mission: time stops, map and products are made within a short time."""
         if self.phase.is_over or self._is_cancelled:
             return
         self._is_cancelled = True
         self._outcome = Phase.CANCELLED
         self.faults.append(text)
-        if self.phase < Phase.REPORTING:
-            self._enter(Phase.REPORTING)
-        else:
+        if self.phase >= Phase.MAPPING:
             self._entered_s = None
+        elif self._has_images:
+            self._enter(Phase.MAPPING)
+            self._requests.add(OrderKind.PAUSE_CLOCK, WORLD)
+        else:
+            self._enter(Phase.REPORTING)
+
+    def break_off(self, text: str) -> None:
+        """End the flight for a reason outside of it; map and products are made."""
+        if self.phase < Phase.MAPPING:
+            self._fail(text)
 
     def abandon(self) -> None:
         """End at once, without products."""
@@ -427,7 +436,8 @@ class Mission:
 
     def _map(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
-        limit = self._deadlines.map_timeout_s
+        deadlines = self._deadlines
+        limit = deadlines.cancel_s if self._is_cancelled else deadlines.map_timeout_s
         if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
             if self._phase_s(now_s) <= limit:
                 return

@@ -70,7 +70,8 @@ class Deadlines(OrchestratorOptions):
     collect_s
         The next photograph must be stored within this time.
     report_s, cancel_s
-        The products of a run, and of one that was cancelled, must be written within this time.
+        The products of a run must be written within this time; if it was cancelled, its map and
+        then its products each within the second.
     stop_s
         A process that does not end within this time after it was asked is killed.
     """
@@ -81,5 +82,5 @@ class Deadlines(OrchestratorOptions):
     homecoming_s: float = 600.0
     collect_s: float = 30.0
     report_s: float = 300.0
-    cancel_s: float = 15.0
+    cancel_s: float = 60.0
     stop_s: float = 5.0

@@ -6,8 +6,8 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
@@ -16,28 +16,6 @@ from rocsafe_ros.mission_identity import MissionIdentity
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
-
-# Threads of the linear algebra cost more than they save on matrices this small.
-ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
-
-
-def find_executable(package: str, executable: str) -> Path:
-    """Return the path of a package's executable in the sourced workspace.
-
-    Raises
-    ------
-    SetupError
-        If it is not installed, saying what to do.
-    """
-    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
-    for prefix in filter(None, prefixes):
-        path = Path(prefix) / 'lib' / package / executable
-        if os.access(path, os.X_OK) and path.is_file():
-            return path
-    raise SetupError(
-        f'executable {executable} of package {package} is not installed: run `make setup`, '
-        'or `colcon build` and `. install/setup.bash`'
-    )
 
 
 def require_executables(table: Iterable[ProcessSpec]) -> list[Path]:

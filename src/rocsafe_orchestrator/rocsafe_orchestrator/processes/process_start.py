@@ -149,7 +149,7 @@ def import_for(script: Path) -> None:
         points = distribution.entry_points.select(group='console_scripts', name=script.name)
         for point in points:
             point.load()
-    except (ImportError, AttributeError) as error:
+    except Exception as error:  # noqa: BLE001 - whatever a module raises while it is imported
         # The fork fails likewise and writes the reason to its log.
         log.info('%s: nothing imported for it: %s', script, error)
 

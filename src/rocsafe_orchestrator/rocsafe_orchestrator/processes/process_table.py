@@ -7,8 +7,9 @@ from typing import Any
 
 from rocsafe_orchestrator.mission.situation import Crew
 from rocsafe_orchestrator.processes import node_parameters as parameters
+from rocsafe_orchestrator.processes.air_parameters import air_parameters
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.node_parameters import BRIDGE, FLEET
+from rocsafe_orchestrator.processes.node_parameters import AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
@@ -86,6 +87,7 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
                  parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
+        *_air_processes(scenario),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
 
@@ -101,6 +103,12 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
         processes=frozenset(spec.name for spec in table),
         in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
     )
+
+
+def _air_processes(scenario: Scenario) -> Iterator[ProcessSpec]:
+    if scenario.air.is_used:
+        sensors = _of_each(scenario.with_simulated_detector, topics.ANEMOMETER)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
 
 
 def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:

@@ -79,6 +79,9 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     layer = route.flight_height_m - height_m
     if layer < -1e-9 or (layer > 1e-9 and plan.request.separation.by != 'layers'):
         yield f'flies {route.flight_height_m} m high: height_agl_m is {height_m}'
+    highest_m = plan.request.airspace.max_height_agl_m
+    if route.flight_height_m > highest_m + 1e-9:
+        yield f'flies {route.flight_height_m} m high: max_height_agl_m is {highest_m}'
     for view in route.sorties[number].viewpoints:
         if abs(view.height_agl_m - route.flight_height_m) > 1e-6:
             yield f'photographs viewpoint {view.id} from {view.height_agl_m} m'

@@ -129,6 +129,8 @@ def _layers(
     """
     step = site.request.separation.distance_m
     placed = Placed(step)
+    airspace, coverage = site.request.airspace, site.request.coverage
+    highest_m = airspace.max_height_agl_m - coverage.height_agl_m
     layers = [0.0] * len(orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = [_track(site, k, routes[k]) for k in flying]
@@ -136,6 +138,8 @@ def _layers(
         best = (math.inf, 0.0, 0.0, tracks[flying.index(k)])
         for number in range(MAX_LAYERS):
             layer = number * step
+            if layer > highest_m:
+                break
             trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
             try:
                 track = _track(trial, k, route_of(trial, k, orders[k]))

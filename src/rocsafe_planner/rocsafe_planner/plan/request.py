@@ -31,6 +31,7 @@ from rocsafe_planner.plan.vehicle import Vehicle
 MAX_VEHICLES = 1000
 MAX_REGIONS = 1000
 _IDENTITY_VERSION = 3
+_LIMIT = 'max_height_agl_m'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +69,11 @@ class SurveyRequest:
         _check_vehicles(self.vehicles)
         _check_wind(self.airspace.wind_mps, self.vehicles)
         clearance, height = self.airspace.terrain_clearance_m, self.coverage.height_agl_m
+        highest = self.airspace.max_height_agl_m
+        if height > highest:
+            raise ValueError(
+                f'height_agl_m is {height:g} m: must be at most max_height_agl_m, {highest:g} m'
+            )
         if self.terrain is not None and clearance >= height:
             raise ValueError(
                 f'terrain_clearance_m is {clearance:g} m: must be below height_agl_m, {height:g} m'
@@ -85,7 +91,8 @@ class SurveyRequest:
             'separation_m': self.separation.distance_m,
             'separation_by': self.separation.by,
             **asdict(self.coverage),
-            **asdict(self.airspace),
+            # A limit that a plan keeps is no part of it.
+            **{key: value for key, value in asdict(self.airspace).items() if key != _LIMIT},
             **asdict(self.effort),
             **continuation_document(self.continuation),
         }

@@ -99,12 +99,17 @@ class AirspaceOptions:
         Distance of legs and viewpoints from exclusions, metres; may be 0.
     terrain_clearance_m
         Height of legs above the terrain, metres.
+    max_height_agl_m
+        Greatest height above the ground of anything that is flown, metres. 120 m is the limit of
+        the open category in the European Union (Regulation 2019/947, UAS.OPEN.010); an operator
+        with an authorisation raises it.
     wind_mps
         (east, north) velocity of the air, m/s; every vehicle must be able to fly in it.
     """
 
     clearance_m: float = 2.0
     terrain_clearance_m: float = 10.0
+    max_height_agl_m: float = 120.0
     wind_mps: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -113,6 +118,8 @@ class AirspaceOptions:
         east, north = (require_finite('wind_mps', part, 'm/s') for part in self.wind_mps)
         object.__setattr__(self, 'clearance_m', float(self.clearance_m))
         object.__setattr__(self, 'terrain_clearance_m', clearance)
+        highest = require_positive('max_height_agl_m', self.max_height_agl_m, 'm')
+        object.__setattr__(self, 'max_height_agl_m', highest)
         object.__setattr__(self, 'wind_mps', (east, north))
 
 
