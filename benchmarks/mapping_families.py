@@ -118,7 +118,7 @@ def flown(survey: Survey, seed: int) -> tuple[list[Shot], list[FloatArray], Loca
     step_m = np.array([footprint_m, 0.75 * footprint_m]) * (1.0 - survey.overlap)
     side_m = float(max(step_m[0] * survey.columns, step_m[1] * survey.rows) + 2.5 * footprint_m)
     ground = _ground(rng, side_m, survey.height_m / 350.0)
-    off = np.zeros(2)
+    off: FloatArray = np.zeros(2)
     shots, truths = [], []
     for number in range(survey.rows * survey.columns):
         row, step = divmod(number, survey.columns)
@@ -184,7 +184,8 @@ def _seen(
     )
     homography = ground_homography(CAMERA, centre, rotation) @ to_ground
     size = (CAMERA.image_width_px, CAMERA.image_height_px)
-    return cv2.warpPerspective(ground, homography, size, flags=cv2.INTER_AREA)
+    seen: FloatArray = cv2.warpPerspective(ground, homography, size, flags=cv2.INTER_AREA)
+    return seen
 
 
 def _shot(

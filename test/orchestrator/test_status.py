@@ -9,7 +9,13 @@ from hypothesis import strategies as st
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.mission.standstill import Standstill
-from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, VehicleStatus
+from rocsafe_orchestrator.mission.status import (
+    SETTLE_S,
+    FlightState,
+    Monitor,
+    Pace,
+    VehicleStatus,
+)
 
 HERE = GeoPosition(53.28, -9.06, 98.0)
 
@@ -132,3 +138,24 @@ def test_pace_knows_no_jump_of_the_clock() -> None:
     monitor.on_vehicle(VehicleStatus(name='rav1', state=FlightState.FLYING, time_s=1.75e9 + 30.0))
     pace.note(6.0, monitor.flight_time_s)
     assert pace.factor <= 10.0
+
+
+@pytest.mark.parametrize('is_by_request', [True, False])
+def test_return_by_request_is_no_loss_before_others_can_return(is_by_request: bool) -> None:
+    """An order to all vehicles is not answered with a hold of those that obey a moment later."""
+    monitor = Monitor(('rav1',))
+    status = VehicleStatus(name='rav1', ending='returned early', is_by_request=is_by_request)
+    monitor.on_vehicle(status, wall_s=100.0)
+    first = monitor.sighting('rav1', 100.0, 0.0)
+    assert (first.ending == '') is is_by_request
+    assert (first.taken_by == 'operator') is is_by_request
+    assert monitor.sighting('rav1', 100.0 + SETTLE_S, 0.0).ending == 'returned early'
+
+
+def test_real_vehicle_counts_as_still_though_its_receiver_drifts() -> None:
+    """A simulated one must stand."""
+    for is_simulated in (True, False):
+        status = VehicleStatus(
+            name='rav1', state=FlightState.HOLDING, speed_mps=0.3, is_simulated=is_simulated
+        )
+        assert status.is_still is not is_simulated

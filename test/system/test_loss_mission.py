@@ -62,3 +62,16 @@ def test_vehicle_that_stands_still_is_replaced_and_comes_back(fly: Fly) -> None:
     shots = read_photographs(flight.run.images)
     assert sorted(shot.viewpoint_id for shot in shots) == planned
     assert flight.living() == []
+
+
+def test_announced_loss_is_the_same_in_every_run(fly: Fly) -> None:
+    """From the same seed: the same plan for the rest, readings and photographs, bit by bit."""
+    results = []
+    for _ in range(2):
+        flight = fly()
+        assert flight.end() == 0, flight.output
+        assert 'rav2: aborted its flight: the battery failed' in flight.output
+        (rest,) = flight.run.path.glob('further-*/plan.json')
+        readings = flight.run.readings.read_bytes()
+        results.append((rest.read_bytes(), readings, sorted(flight.images().items())))
+    assert results[0] == results[1]

@@ -4,7 +4,6 @@
 import hashlib
 import os
 import shutil
-import time
 from pathlib import Path
 from typing import BinaryIO
 from uuid import uuid4
@@ -88,7 +87,7 @@ class Uploads:
         if grown > MOST_UPLOAD_BYTES:
             raise UploadRefusedError(413, f'{grown} bytes exceed {MOST_UPLOAD_BYTES}')
         if not path.exists():
-            self._make_room()
+            self._make_room(piece.stat().st_mtime)
         with piece.open('rb') as source, path.open('ab') as file:
             shutil.copyfileobj(source, file, CHUNK_BYTES)
         sync_file(path)
@@ -98,14 +97,14 @@ class Uploads:
         """Remove an upload."""
         self.path(sha256).unlink(missing_ok=True)
 
-    def _make_room(self) -> None:
+    def _make_room(self, now_s: float) -> None:
         """Remove forgotten uploads if there are too many; refuse another if that does not help."""
         found = [
             entry for entry in os.scandir(self._folder) if not entry.name.endswith(PART_SUFFIX)
         ]
         if len(found) < MOST_UPLOADS:
             return
-        oldest_s = time.time() - FORGOTTEN_AFTER_S
+        oldest_s = now_s - FORGOTTEN_AFTER_S
         forgotten = [entry for entry in found if entry.stat().st_mtime < oldest_s]
         for entry in forgotten:
             Path(entry.path).unlink(missing_ok=True)
