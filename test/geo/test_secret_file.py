@@ -22,7 +22,9 @@ def private(tmp_path):
 
 
 @pytest.mark.parametrize(
-    'token', [secrets.token_hex(16), secrets.token_urlsafe(17), secrets.token_hex(64)]
+    'token',
+    [secrets.token_hex(16), secrets.token_urlsafe(17), secrets.token_hex(64)],
+    ids=['128 bits', 'Base64', '512 bits'],
 )
 def test_strong_token_of_a_private_file_is_read(private, token):
     """128 bits in hexadecimal digits or Base64; the end of the line is not part of it."""
