@@ -31,7 +31,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.block import BY_FEATURES
-from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions, Shot
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.products.error_map import STANDING_M, error_map
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
@@ -65,8 +65,12 @@ def brighton(options: argparse.Namespace) -> list[Row]:
     """Eighteen real photographs, one strip with reversed yaw."""
     wall, cpu = time.perf_counter(), time.process_time()
     maker = Mapmaker(MapOptions())
-    for shot in photographs_of(options.data / 'brighton_beach', print):
-        maker.add(shot.record, shot.read_image)
+    maker.add_all(
+        [
+            Shot(name=shot.path.name, record=shot.record, read=shot.read_image)
+            for shot in photographs_of(options.data / 'brighton_beach', print)
+        ]
+    )
     alignment = maker.align()
     folder = Path(tempfile.mkdtemp(prefix='brighton-'))
     wanted = ProductOptions(geotiff=folder / 'm.tif', folder=folder, with_overlays=False)

@@ -24,7 +24,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_mapping.alignment.block import BY_FEATURES
 from rocsafe_mapping.command_line.map_command import Stopwatch
-from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.products.quality import violations
 from rocsafe_mapping.store.photograph_files import photographs_of
@@ -120,8 +120,12 @@ def real_ground(options: argparse.Namespace) -> Orthophoto:
     picture = folder / 'm.png'
     if not picture.exists():
         maker = Mapmaker(MapOptions(ground_resolution_m=0.05))
-        for shot in photographs_of(options.data / 'brighton_beach', print):
-            maker.add(shot.record, shot.read_image)
+        maker.add_all(
+            [
+                Shot(name=shot.path.name, record=shot.record, read=shot.read_image)
+                for shot in photographs_of(options.data / 'brighton_beach', print)
+            ]
+        )
         renderer_folder = ProductOptions(
             geotiff=folder / 'm.tif', folder=folder, with_overlays=False
         )

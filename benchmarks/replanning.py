@@ -17,7 +17,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.plan.survey_options import CoverageOptions
+from rocsafe_planner.plan.survey_options import CoverageOptions, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.planning import plan_survey
@@ -55,6 +55,8 @@ def _request() -> SurveyRequest:
         camera=CAMERA,
         vehicles=fleet,
         coverage=CoverageOptions(height_agl_m=32.0),
+        # Routing alone is measured: vehicles are not kept apart.
+        separation=SeparationOptions(distance_m=0.0),
     )
 
 

@@ -20,6 +20,11 @@ CONFIG = Path(__file__).parents[1] / 'config' / 'rocsafe.yaml'
 # Node name, what it is for, its options.
 NODES = (
     ('orchestrator', 'who runs when', 'rocsafe_orchestrator.mission.options:OrchestratorOptions'),
+    (
+        'fleet_verbs',
+        'commands to all vehicles at once',
+        'rocsafe_orchestrator.fleet_verbs_node:FleetVerbsOptions',
+    ),
     ('recorder', 'messages of a run', 'rocsafe_orchestrator.recorder_node:RecorderOptions'),
     ('planner', 'region to routes', 'rocsafe_planner.options:PlannerOptions'),
     ('world', 'simulated time', 'rocsafe_sim.options:WorldOptions'),
@@ -31,6 +36,12 @@ NODES = (
         'simulated gamma field',
         'rocsafe_radiation.field_parameters.field_options:FieldOptions',
     ),
+    (
+        'air',
+        'simulated gas, particles and wind',
+        'rocsafe_dispersion.air_field.air_options:AirOptions',
+    ),
+    ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),

@@ -22,6 +22,7 @@ setup(
         'console_scripts': [
             'bridge = rocsafe_mavlink.bridge_node:main',
             'preflight = rocsafe_mavlink.preflight_command:main',
+            'signing = rocsafe_mavlink.signing_command:main',
         ],
     },
 )

@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'orchestrator = rocsafe_orchestrator.cli:orchestrator',
+            'fleet_verbs = rocsafe_orchestrator.fleet_verbs_node:main',
             'recorder = rocsafe_orchestrator.recorder_node:main',
             'rocsafe = rocsafe_orchestrator.cli:main',
         ],

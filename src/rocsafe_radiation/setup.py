@@ -11,7 +11,7 @@ setup(
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed', 'tables/*.json']},
+    package_data={NAME: ['py.typed', 'tables/*.json', 'tables/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'field = rocsafe_radiation.field_node:main',
+            'detector = rocsafe_radiation.detector_node:main',
             'localizer = rocsafe_radiation.localizer_node:main',
             'localize = rocsafe_radiation.command_line.localize_command:main',
         ],

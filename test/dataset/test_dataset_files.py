@@ -73,6 +73,7 @@ def records(folder):
     return [json.loads(folder.record(number).read_bytes()) for number in range(OPTIONS.count)]
 
 
+@pytest.mark.slow
 def test_pycocotools_reads_the_annotations(dataset):
     """Masks, boxes and areas are those of the instance pictures."""
     coco = pytest.importorskip('pycocotools.coco')

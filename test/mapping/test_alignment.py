@@ -200,7 +200,7 @@ def test_a_camera_is_as_high_as_its_altitude_says(altitude_off_m, up_m, std_m):
         altitude_m=ground_m + 32.0 + altitude_off_m,
         position_covariance_m2=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.09),
     )
-    photo = photo_of_record(record, frame, PriorOptions())
+    photo = photo_of_record(record, frame, PriorOptions(), 'a')
     assert photo.prior.centre[2] == pytest.approx(up_m, abs=1e-6)
     assert photo.vertical_std_m == pytest.approx(std_m, rel=1e-6)
 

@@ -50,6 +50,7 @@ def painted(ground, colour):
     return changed
 
 
+@pytest.mark.slow
 def test_a_lorry_that_came_is_the_only_change(tmp_path):
     """Found where it stands, with its area; light and fixes that differ are no change."""
     ground = texture.textured_ground(8)
@@ -71,6 +72,7 @@ def test_a_lorry_that_came_is_the_only_change(tmp_path):
     assert (middle.x, middle.y) == pytest.approx(((WEST + EAST) / 2, (SOUTH + NORTH) / 2), abs=1.5)
 
 
+@pytest.mark.slow
 def test_flights_over_other_ground_are_refused(tmp_path, capsys):
     """Nothing ties them: differences would mean nothing."""
     rng = np.random.default_rng(3)
@@ -89,6 +91,7 @@ def test_change_options_have_limits():
         ChangeOptions(least_area_m2=0.0)
 
 
+@pytest.mark.slow
 def test_labels_lie_where_the_map_lies(tmp_path):
     """The map of labels has only classes that were given, on the map's own grid."""
     ground = texture.textured_ground(8)

@@ -2,6 +2,7 @@
 """The collector answers every photograph, and only with the truth."""
 
 import hashlib
+import secrets
 import threading
 
 import pytest
@@ -184,8 +185,10 @@ def test_label_images_are_kept_beside_the_photographs(ros, tmp_path, shot):
 
 def test_copies_bring_the_token_of_a_file(ros, tmp_path, shot):
     """A repository that asks for a token gets it from the collector."""
-    (tmp_path / 'token').write_text('secret\n')
-    server = Repository(tmp_path / 'far', ('127.0.0.1', 0), token='secret')  # noqa: S106
+    token = secrets.token_hex(32)
+    (tmp_path / 'token').write_text(f'{token}\n')
+    (tmp_path / 'token').chmod(0o600)
+    server = Repository(tmp_path / 'far', ('127.0.0.1', 0), token=token)
     thread = threading.Thread(target=server.serve_forever, kwargs={'poll_interval': 0.01})
     thread.start()
     bench = Bench(
@@ -202,11 +205,12 @@ def test_copies_bring_the_token_of_a_file(ros, tmp_path, shot):
         server.server_close()
 
 
-@pytest.mark.parametrize('content', [None, ' \n'])
+@pytest.mark.parametrize('content', [None, ' \n', 'secret'])
 def test_a_token_file_without_a_token_is_a_wrong_parameter(ros, tmp_path, content):
-    """Missing or empty: said at the start, not with every copy."""
+    """Missing, empty or weak: said at the start, not with every copy."""
     if content is not None:
         (tmp_path / 'token').write_text(content)
+        (tmp_path / 'token').chmod(0o600)
     changes = {'copy_to': 'http://127.0.0.1:9', 'copy_token_file': str(tmp_path / 'token')}
     with pytest.raises(ParameterError, match=r'copy_token_file: .*token'):
         CollectorNode(

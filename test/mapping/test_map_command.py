@@ -33,6 +33,7 @@ def folder(tmp_path_factory):
     return folder / 'map'
 
 
+@pytest.mark.slow
 def test_geotiff_is_georeferenced_and_tiled(folder):
     """The GeoTIFF has a UTM zone, tiles, overviews and a mask, and lies where the flight was."""
     with rasterio.open(folder / 'mosaic.tif') as file:

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Photographs are copied elsewhere, each once, over links that break."""
 
+import base64
 import dataclasses
 import hashlib
 import http.client
+import json
+import os
 import threading
 import time
 
 import pytest
 
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.repository import uploads
 from rocsafe_mapping.repository.copying import LEDGER, Copier
 from rocsafe_mapping.repository.http_sink import HttpSink
 from rocsafe_mapping.repository.server import Repository
@@ -107,18 +111,83 @@ def test_a_damaged_body_is_refused(server):
     link.request('PATCH', f'/uploads/{"0" * 64}', b'bytes', headers)
     assert link.getresponse().status == 400
     link.close()
-    assert not list(server.uploads.iterdir())
+    assert not list((server.folder / 'uploads').iterdir())
 
 
 def test_a_length_that_is_no_number_is_refused(server):
     """With an answer, not with a broken connection."""
     link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
     link.putrequest('PATCH', f'/uploads/{"0" * 64}')
+    link.putheader('Authorization', 'Bearer secret')
     link.putheader('Content-Length', '-1')
     link.endheaders()
     answer = link.getresponse()
     assert (answer.status, answer.read()) == (400, b"Content-Length is '-1'")
     link.close()
+
+
+def asked(server, method, path, body=None, **headers):
+    """Return status and content of the answer to a request with the token."""
+    link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
+    link.request(method, path, body, {'Authorization': 'Bearer secret', **headers})
+    answer = link.getresponse()
+    content = answer.read()
+    link.close()
+    return answer.status, content
+
+
+def test_a_repeated_put_is_answered_as_success(server, shot):
+    """The upload is gone then: a client whose answer was lost must not send the bytes again."""
+    sink = HttpSink(url_of(server), 'secret')
+    record, jpeg = tagged(shot)
+    assert sink.put(record, jpeg).status is Status.STORED
+    assert sink._commit(record, record.sha256).status is Status.DUPLICATE
+    with pytest.raises(StoreError, match='412'):
+        sink._commit(record, '0' * 64)
+    sink.close()
+
+
+def test_photographs_can_be_listed_and_read(server, shot):
+    """By those who have the token."""
+    sink = HttpSink(url_of(server), 'secret')
+    record, jpeg = tagged(shot)
+    sink.put(record, jpeg)
+    sink.close()
+    status, listed = asked(server, 'GET', '/images')
+    assert (status, json.loads(listed)) == (
+        200,
+        [{'shot_id': record.shot_id, 'sha256': record.sha256, 'bytes': len(jpeg)}],
+    )
+    assert asked(server, 'GET', f'/images/{record.shot_id}') == (200, jpeg)
+    assert asked(server, 'GET', '/images/rav9-00000')[0] == 404
+    assert asked(server, 'GET', '/images', Authorization='Bearer wrong')[0] == 401
+
+
+def test_a_stranger_is_refused_before_the_body_is_read(server):
+    """A body that never comes keeps nobody waiting."""
+    link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
+    link.putrequest('PATCH', f'/uploads/{"0" * 64}')
+    link.putheader('Content-Length', '1000000')
+    link.endheaders()
+    assert link.getresponse().status == 401
+    link.close()
+
+
+def test_uploads_are_limited_in_size_and_number(server, monkeypatch):
+    """And an upload that nobody goes on with makes room."""
+    monkeypatch.setattr(uploads, 'MOST_UPLOADS', 2)
+    monkeypatch.setattr(uploads, 'MOST_UPLOAD_BYTES', 10)
+
+    def status(number, body):
+        digest = base64.b64encode(hashlib.sha256(body).digest()).decode()
+        headers = {'Upload-Offset': '0', 'Content-Digest': f'sha-256=:{digest}:'}
+        return asked(server, 'PATCH', f'/uploads/{number:064x}', body, **headers)[0]
+
+    assert status(1, b'12345678901') == 413
+    assert [status(number, b'1') for number in (1, 2, 3)] == [204, 204, 503]
+    os.utime(server.uploads.path(f'{1:064x}'), (0.0, 0.0))
+    assert status(3, b'1') == 204
+    assert server.uploads.size(f'{1:064x}') == 0
 
 
 def test_beyond_loopback_a_token_is_needed(tmp_path):

@@ -2,10 +2,10 @@
 """A real disk that is full: a small tmpfs."""
 
 import hashlib
-import subprocess
 
 import numpy as np
 import pytest
+from test.small_file_system import small_file_system
 
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.store.catalogue import MANIFEST, entry_of_line, read_store
@@ -15,17 +15,8 @@ from rocsafe_mapping.store.store import ImageStore, Status
 @pytest.fixture
 def small_disk(tmp_path):
     """A file system of two megabytes."""
-    folder = tmp_path / 'disk'
-    folder.mkdir()
-    mounting = ['mount', '-t', 'tmpfs', '-o', 'size=2m', 'none', str(folder)]
-    try:
-        done = subprocess.run(mounting, capture_output=True, text=True, timeout=10, check=False)
-    except OSError as error:
-        pytest.skip(f'no command mount: {error}')
-    if done.returncode != 0:
-        pytest.skip(f'no tmpfs can be mounted here: {done.stderr.strip()}')
-    yield folder
-    subprocess.run(['umount', '--lazy', str(folder)], timeout=10, check=True)
+    with small_file_system(tmp_path / 'disk', megabytes=2) as folder:
+        yield folder
 
 
 def large_shot(shot, number):

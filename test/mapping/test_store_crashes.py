@@ -86,6 +86,7 @@ def collect_until(directory, acknowledged, shots, operation):
         write(receipts, record.shot_id.encode() + b'\n')
 
 
+@pytest.mark.slow
 def test_killed_at_any_operation_the_next_collector_goes_on(tmp_path, shot):
     """Every point between two changes of the disk; acknowledged photographs are found again."""
     shots = [shot(number) for number in range(SHOTS)]

@@ -13,9 +13,11 @@ from test.mavlink.airspace import SEPARATION_M, write_drones
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import MissionState, Route, VehicleState, Viewpoint
+from rocsafe_interfaces.srv import Lease
 from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.plan_digest import route_digest
 
 # Of a flight on a machine that does ten other things.
 DEADLINE_S = 60.0
@@ -70,6 +72,9 @@ class Ground:
 
     def call(self, name, kind, **fields):
         """Call a service and return its answer."""
+        is_order = 'lease' in kind.Request.get_fields_and_field_types() and kind is not Lease
+        if is_order and 'lease' not in fields:
+            fields['lease'] = self.lease(name.partition('/')[0])
         client = self.operator.create_client(kind, name)
         with self.air.calm():
             self.until(client.service_is_ready)
@@ -77,11 +82,26 @@ class Ground:
             self.until(future.done)
         return future.result()
 
+    def lease(self, vehicle='rav1'):
+        """Take the lease of a vehicle and return what orders carry."""
+        answer = self.call(f'{vehicle}/lease', Lease, holder='operator', duration_s=3600.0)
+        assert answer.success, answer.message
+        return answer.control.lease
+
     def fly(self, plan_id='p1', route=None, *, replace=False):
         """Send a route; return the future of its result."""
+        route = survey() if route is None else route
         goal = FlyRoute.Goal(
-            route=survey() if route is None else route, plan_id=plan_id, replace=replace
+            route=route,
+            plan_id=plan_id,
+            replace=replace,
+            lease=self.lease(),
+            confirmation=route_digest(plan_id, route),
         )
+        return self.send(goal)
+
+    def send(self, goal):
+        """Send a goal; return the future of its result."""
         with self.air.calm():
             self.until(self.action.server_is_ready)
             accepted = self.action.send_goal_async(goal, feedback_callback=self._on_feedback)
@@ -123,7 +143,13 @@ class Ground:
         """Send a route to one of several vehicles; return the future of its result."""
         action = ActionClient(self.operator, FlyRoute, f'{vehicle}/fly_route')
         self.until(action.server_is_ready)
-        accepted = action.send_goal_async(FlyRoute.Goal(route=route, plan_id=plan_id))
+        goal = FlyRoute.Goal(
+            route=route,
+            plan_id=plan_id,
+            lease=self.lease(vehicle),
+            confirmation=route_digest(plan_id, route),
+        )
+        accepted = action.send_goal_async(goal)
         self.until(accepted.done)
         self.actions.append(action)
         return accepted.result().get_result_async()

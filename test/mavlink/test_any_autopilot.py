@@ -29,7 +29,7 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, SetSpeed
+from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetSpeed
 from rocsafe_mavlink import bridge_node
 from rocsafe_mavlink.knowledge import telemetry as vehicle
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
@@ -197,6 +197,37 @@ def test_three_vehicles_fly_one_plan(start):
         )
 
 
+def late(delay_s):
+    """Return a route that is begun late."""
+    route = survey()
+    route.delay_s = delay_s
+    return route
+
+
+def test_late_start_is_told_and_kept(start):
+    """A drone that keeps away from others says so on the ground, then flies its whole route."""
+    ground = start()
+    states = ground.listen(topics.STATE)
+    result = ground.fly(route=late(2.0))
+    ground.until(lambda: any(state.state == VehicleState.WAITING for state in states))
+    assert 'takes off in' in next(s for s in states if s.state == VehicleState.WAITING).text
+    assert ended(ground, result).outcome == FlyRoute.Result.COMPLETED
+
+
+@pytest.mark.parametrize('verb', ['hold', 'return_home', 'land'])
+def test_late_start_is_withdrawn_by_a_command(start, verb):
+    """A drone that was told to hold, return or land on the ground does not take off later."""
+    ground = start()
+    states = ground.listen(topics.STATE)
+    result = ground.fly(route=late(30.0))
+    ground.until(lambda: any(state.state == VehicleState.WAITING for state in states))
+    assert ground.call(f'rav1/{verb}', Trigger).success
+    answer = ended(ground, result)
+    assert answer.outcome == FlyRoute.Result.REJECTED
+    assert 'withdrawn by a command' in answer.error_msg
+    assert not ground.seen().shots_taken
+
+
 def test_hold_resume_and_return(start):
     """The operator's orders are obeyed, and answered when they are."""
     ground = start()
@@ -205,7 +236,7 @@ def test_hold_resume_and_return(start):
     assert (held.success, held.message) == (True, '')
     with ground.air.calm():
         ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
-    assert ground.call('rav1/resume', Trigger).success
+    assert ground.call('rav1/resume', Resume).success
     visited = ground.seen().viewpoints_visited
     with ground.air.calm():
         ground.until(lambda: ground.seen().viewpoints_visited > visited, DEADLINE_S)
@@ -227,7 +258,7 @@ def test_climb_is_held(start):
         assert (held.success, held.message) == (True, '')
         ground.until(lambda: ground.seen().state == VehicleState.HOLDING, DEADLINE_S)
         assert ground.seen().viewpoints_visited == 0
-        resumed = ground.call('rav1/resume', Trigger)
+        resumed = ground.call('rav1/resume', Resume)
         assert (resumed.success, resumed.message) == (True, '')
     answer = ended(ground, result)
     assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 3)
@@ -366,7 +397,7 @@ def test_operator_flies_to_a_point(start):
     refused = ground.call('rav1/go_to', GoTo, position=far, height_m=35.0)
     assert not refused.success
     assert 'distance from home' in refused.message
-    assert ground.call('rav1/resume', Trigger).success
+    assert ground.call('rav1/resume', Resume).success
     answer = ended(ground, result)
     assert (answer.outcome, answer.error_msg) == (FlyRoute.Result.COMPLETED, '')
     assert answer.viewpoints_visited == 6

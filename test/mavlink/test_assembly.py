@@ -12,7 +12,7 @@ from test.mavlink.wire import KEY, NOW_S, STRANGER, frame, signed_frame
 from rocsafe_mavlink.assembly import make_drone, make_stations
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.drone_options import DroneFleet, DroneOptions, read_drones
-from rocsafe_mavlink.errors import EndpointError, KeyFileError
+from rocsafe_mavlink.errors import KeyFileError
 from rocsafe_mavlink.link.endpoint import parse_endpoint
 from rocsafe_mavlink.wire.counters import Reason
 
@@ -112,11 +112,50 @@ def test_drones_share_a_socket_and_nothing_else():
     station.close()
 
 
-def test_nothing_listens_beyond_this_machine_unless_told():
-    """Neither does a wrong key leave the first socket open."""
-    with pytest.raises(EndpointError, match='allowed explicitly'):
-        make_stations(OPTIONS, fleet(link=f'udp://0.0.0.0:{free_port()}'))
-    parse_endpoint('udp://0.0.0.0:14550', allow_network=True)
+BEYOND = 'udp://0.0.0.0:14550'
+
+
+@pytest.mark.parametrize(
+    ('given', 'words'),
+    [
+        ({'link': BEYOND}, 'listens beyond this machine: set allow_lan: true'),
+        ({'link': 'udp://drone.example:14550'}, 'listens beyond this machine'),
+        ({'link': BEYOND, 'signing_key_file': 'a.key'}, 'set allow_lan: true'),
+        ({'link': BEYOND, 'unsigned': True}, 'set allow_lan: true'),
+        ({'link': BEYOND, 'allow_lan': True}, 'set signing_key_file, or unsigned: true'),
+        ({'link': 'tcp://192.0.2.1:5760'}, 'set signing_key_file, or unsigned: true'),
+        ({'link': 'udpout://192.0.2.1:14550'}, 'set signing_key_file, or unsigned: true'),
+        (
+            {'link': BEYOND, 'allow_lan': True, 'unsigned': True, 'signing_key_file': 'a.key'},
+            'unsigned is true: signing_key_file must be left out',
+        ),
+        ({'link': 'udp://127.0.0.1'}, 'must be HOST:PORT'),
+    ],
+)
+def test_link_beyond_this_machine_is_refused_with_the_key_to_set(given, words):
+    """Neither open to a network nor unsigned there, unless each was said by name."""
+    with pytest.raises(ValueError, match=re.escape(words)):
+        DroneOptions(name='rav1', **given)
+
+
+def test_link_beyond_this_machine_is_opened_when_told(key_file):
+    """With a key, or without one by name; then any host is heard, and a wrong key is not."""
+    link = f'udp://0.0.0.0:{free_port()}'
+    station, _ = only_station(fleet(link=link, allow_lan=True, unsigned=True))
+    assert heard(station, frame())
+    station.close()
+    station, _ = only_station(fleet(link=link, allow_lan=True, signing_key_file=str(key_file)))
+    assert not heard(station, frame())
+    assert heard(station, signed_frame())
+    station.close()
+
+
+def test_drones_on_a_link_agree_on_signatures():
+    """One of them cannot open the link of another."""
+    drones = [DroneOptions(name='a', link='udp://127.0.0.1:1', system=1, unsigned=True),
+              DroneOptions(name='b', link='udp://127.0.0.1:1', system=2)]  # fmt: skip
+    with pytest.raises(ValueError, match='must have one value of unsigned'):
+        DroneFleet(drones=tuple(drones))
 
 
 def test_key_that_others_can_read_is_refused(key_file):

@@ -17,11 +17,13 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleEvent, VehicleState
-from rocsafe_interfaces.srv import Preflight
+from rocsafe_interfaces.srv import Lease, Preflight, SetSpeed
+from rocsafe_mavlink.autopilots.ardupilot import GUIDED
 from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_mavlink.knowledge import telemetry as vehicle
 from rocsafe_ros import topics
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_ros.plan_digest import route_digest
 
 # SET_MESSAGE_INTERVAL: it changes nothing of what a vehicle does.
 ASK_FOR_A_RATE = 'COMMAND_LONG 511'
@@ -157,3 +159,35 @@ def test_old_parameters_are_refused_with_the_new_name(ros):
     line = 'parameter links is now link of a drone in the file that drones_file names'
     with pytest.raises(ParameterError, match=line):
         BridgeNode(context=ros.context, parameter_overrides=[old])
+
+
+def test_take_off_must_be_confirmed_for_this_route(ground):
+    """A refusal names the confirmation; that of another route does not count."""
+    route, other = survey(), survey(count=3)
+    goal = FlyRoute.Goal(route=route, plan_id='p1', lease=ground.lease())
+    for wrong in ('', 'yes', route_digest('p1', other), route_digest('p2', route)):
+        goal.confirmation = wrong
+        answer = ground.ended(ground.send(goal))
+        assert answer.outcome == FlyRoute.Result.REJECTED
+        wanted = f'send this goal with confirmation {route_digest("p1", route)}'
+        assert answer.error_msg.endswith(wanted)
+    assert not ground.air.copters[1].is_flying
+
+
+def test_takeover_makes_the_lease_void_until_it_is_taken_again(ground):
+    """Another station switches to GUIDED, a mode that obeys us, too: our orders are refused."""
+    controls = ground.listen(topics.CONTROL)
+    ground.in_air()
+    lease = controls[-1].lease
+    with ground.air.calm():
+        ground.air.copters[1].mode = GUIDED
+        ground.until(lambda: not controls[-1].lease)
+        assert 'is void: taken over: switched to GUIDED' in controls[-1].text
+        refused = ground.call('rav1/set_speed', SetSpeed, speed_mps=4.0, lease=lease)
+        assert 'the lease of operator is void: taken over' in refused.message
+        renewed = ground.call('rav1/lease', Lease, request=Lease.Request.RENEW, lease=lease)
+        assert not renewed.success
+        # Hold needs no lease; who takes it again is obeyed again.
+        assert ground.call('rav1/hold', Trigger).success
+        answer = ground.call('rav1/set_speed', SetSpeed, speed_mps=4.0)
+        assert 'void' not in answer.message

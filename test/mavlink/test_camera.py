@@ -28,11 +28,12 @@ from rocsafe_mavlink.camera.folder_source import FolderSource
 from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
 from rocsafe_mavlink.camera.numbering import ShotNumbering
 from rocsafe_mavlink.camera.pairing import ImagePairing
+from rocsafe_mavlink.camera.picture_journal import SHOT_COLUMNS
 from rocsafe_mavlink.camera.source import CameraImage
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.telemetry import Gps
+from rocsafe_mavlink.knowledge.telemetry import Attitude, Gps
 from rocsafe_mavlink.wire.dialect import Message, decode, encode
 
 NOW_S = 1_767_225_600.0
@@ -203,7 +204,9 @@ def context():
         for n in range(3)
     )
     assignment = Assignment(
-        plan_id='p', plan=FlightPlan(waypoints=stops, speed_mps=5.0), viewpoint_ids=(7, 8, 9)
+        plan_id='p',
+        plan=FlightPlan(waypoints=stops, speed_mps=5.0, takes_photographs=True),
+        viewpoint_ids=(7, 8, 9),
     )
     gps = Gps(fix_type=6, horizontal_std_m=0.3, vertical_std_m=0.5)
     return GeotagContext(vehicle='rav1', assignment=assignment, gps=gps, clock_s=100.0)
@@ -213,8 +216,7 @@ def test_photograph_has_all_that_places_it(tmp_path):
     """Viewpoint, time of the mission, size; it outlives the process, and its receipt ends it."""
     (tmp_path / 'in').mkdir()
     numbering = ShotNumbering(tmp_path / 'spool')
-    table = tmp_path / 'shots.csv'
-    made = Geotagger(numbering, FolderSource(tmp_path / 'in'), table)
+    made = Geotagger(numbering, FolderSource(tmp_path / 'in'), tmp_path)
     for number in range(2):
         place = {'lat': 473977420 + 10000 * number}
         made.on_message(feedback(number, NOW_S + number, **place), ready(), NOW_S)
@@ -231,7 +233,7 @@ def test_photograph_has_all_that_places_it(tmp_path):
         assert again.store.take_receipt(photograph.shot_id, photograph.sha256)
     later = ShotNumbering(tmp_path / 'spool')
     assert (len(later.store), later.next_sequence) == (0, 2)
-    with table.open(newline='') as file:
+    with (tmp_path / 'shots.csv').open(newline='') as file:
         rows = list(csv.DictReader(file))
     assert [row['index'] for row in rows] == ['0', '1']
     assert rows[0]['height_above_home_m'] == '30.000'
@@ -264,6 +266,164 @@ def test_full_spool_is_told_and_flight_goes_on(tmp_path):
     assert numbering.next_sequence == 1
     (line,) = refused
     assert line.startswith('rav1: 1.jpg is not sent: spool is full')
+
+
+EASTWARD = Attitude(roll_rad=0.0, pitch_rad=0.0, yaw_rad=0.0)
+
+
+class Bridge:
+    """A geotagger that can be killed, its camera and vehicle, and the time."""
+
+    def __init__(self, folder, clock_ahead_s=0.0):
+        self.folder, self.images = folder, folder / 'in'
+        self.images.mkdir()
+        self.clock_ahead_s, self.now_s = clock_ahead_s, NOW_S
+        self.told, self.shots = [], []
+        self.vehicle = ready()
+        self.start()
+
+    def start(self):
+        """Begin, as after a kill: only what is on disk is known."""
+        self.numbering = ShotNumbering(self.folder / 'spool')
+        self.made = Geotagger(self.numbering, FolderSource(self.images), self.folder)
+
+    def fly(self, seconds, is_up=True):
+        """Let the vehicle fly east at 2 m/s, with a position each 0.2 s."""
+        for _ in range(round(seconds * 5)):
+            self.now_s += 0.2
+            if is_up:
+                told = position(2.0 * (self.now_s - NOW_S), self.now_s - NOW_S)
+                self.vehicle, _ = reduce(self.vehicle, told, self.now_s - NOW_S)
+                self.vehicle = replace(self.vehicle, attitude=EASTWARD)
+                self.made.on_message(told, self.vehicle, self.now_s, 'p')
+        if is_up:
+            self.look()
+
+    def shoot(self, index, is_heard=True, is_left=True):
+        """Let the camera take a photograph."""
+        if is_heard:
+            east = {'lng': 85455940 + round(2.0 * (self.now_s - NOW_S) / 0.0075366)}
+            said = feedback(index, self.now_s, yaw=90.0, **east)
+            self.made.on_message(said, self.vehicle, self.now_s, 'p')
+        if is_left:
+            leave(self.images, f'{index}.jpg', self.now_s + self.clock_ahead_s)
+
+    def look(self):
+        """Make photographs of what is there."""
+        self.shots += self.made.tagged(context(), self.told.append)
+        self.shots += self.made.tagged(context(), self.told.append)
+
+    def easts_m(self):
+        """Return how far east each photograph is placed."""
+        start = GeoPosition(47.397742, 8.545594, 0.0)
+        return [round(distance_m(start, shot.position), 0) for shot in self.shots]
+
+
+def test_trigger_without_its_file_yet_survives_a_kill(tmp_path):
+    """The file comes after the restart; those that were made are not made again."""
+    bridge = Bridge(tmp_path)
+    bridge.fly(1.0)
+    bridge.shoot(0)
+    bridge.fly(3.0)
+    bridge.shoot(1, is_left=False)
+    leave_at_s = bridge.now_s
+    bridge.start()
+    leave(bridge.images, '1.jpg', leave_at_s)
+    bridge.fly(4.0)
+    assert [shot.sequence for shot in bridge.shots] == [0, 1]
+    assert bridge.easts_m() == [2.0, 8.0]
+    assert bridge.made.pending == 2
+    assert bridge.told == []
+
+
+@pytest.mark.parametrize('clock_ahead_s', [0.0, -4321.0], ids=['same clock', 'other clock'])
+def test_pictures_of_triggers_that_nobody_heard_are_placed_by_time(tmp_path, clock_ahead_s):
+    """Two of six while the bridge is down: each within half of the way flown meanwhile."""
+    bridge = Bridge(tmp_path, clock_ahead_s)
+    for index in range(6):
+        is_up = index not in (3, 4)
+        if index == 5:
+            bridge.start()
+        bridge.fly(3.0 + 0.4 * index, is_up)
+        bridge.shoot(index, is_heard=is_up)
+    bridge.fly(20.0)
+    assert [shot.sequence for shot in bridge.shots] == list(range(6))
+    assert sorted(bridge.easts_m()) == pytest.approx([6, 13, 20, 29, 38, 48], abs=1.5)
+    assert [shot.horizontal_std_m > 5.0 for shot in bridge.shots].count(True) == 2
+    assert bridge.made.owed(context().assignment, 6) == 6
+    assert bridge.told == []
+
+
+def test_last_triggers_that_nobody_heard_are_placed_too(tmp_path):
+    """No report comes after them; the store must get all that the plan says."""
+    bridge = Bridge(tmp_path)
+    for index in range(3):
+        bridge.fly(3.0 + 0.4 * index, is_up=index == 0)
+        bridge.shoot(index, is_heard=index == 0)
+    bridge.start()
+    bridge.fly(10.0)
+    assert len(bridge.shots) == 3
+    assert bridge.made.owed(context().assignment, 3) == 3
+
+
+def test_what_is_missing_is_owed_and_named(tmp_path):
+    """A trigger without a file, a file that nothing places: named once, never counted as made."""
+    bridge = Bridge(tmp_path)
+    bridge.fly(2.0)
+    bridge.shoot(0)
+    bridge.fly(3.0)
+    bridge.shoot(1, is_left=False)
+    leave(bridge.images, 'old.jpg', NOW_S - 5000.0)
+    for _ in range(10):
+        bridge.fly(3.0)
+    assert bridge.told == [
+        'rav1: 1 without a picture: shot 1',
+        'rav1: 1 pictures without a place: old.jpg',
+    ]
+    assert bridge.made.owed(context().assignment, 2) == 2
+    assert bridge.made.owed(replace(context().assignment, plan_id='other'), 0) == 0
+    assert len(bridge.shots) == 1
+
+
+def test_picture_is_not_placed_where_the_vehicle_may_have_turned(tmp_path):
+    """Flown 200 m while the bridge was down: the place is not guessed."""
+    bridge = Bridge(tmp_path)
+    bridge.fly(2.0)
+    bridge.shoot(0)
+    bridge.fly(100.0, is_up=False)
+    bridge.shoot(1, is_heard=False)
+    bridge.fly(5.0, is_up=False)
+    bridge.start()
+    bridge.fly(8.0)
+    bridge.fly(12.0)
+    bridge.look()
+    assert len(bridge.shots) == 1
+    assert bridge.told == ['rav1: 1 pictures without a place: 1.jpg']
+
+
+def test_kill_between_the_row_and_its_picture_makes_it_once(tmp_path):
+    """The row was written, the photograph not kept: it is made at the next start."""
+    bridge = Bridge(tmp_path)
+    bridge.fly(2.0)
+    bridge.shoot(0)
+    bridge.numbering.add = lambda _shot: (_ for _ in ()).throw(OSError('killed here'))
+    bridge.look()
+    bridge.start()
+    bridge.fly(2.0)
+    assert [shot.sequence for shot in bridge.shots] == [0]
+    bridge.start()
+    bridge.fly(2.0)
+    assert len(bridge.shots) == 1
+
+
+def test_journal_of_another_version_is_named(tmp_path):
+    """Neither overwritten nor half read."""
+    (tmp_path / 'shots.csv').write_text('index,unix_s\n1,2\n')
+    with pytest.raises(ValueError, match='has other columns'):
+        Geotagger(ShotNumbering(), None, tmp_path)
+    (tmp_path / 'shots.csv').write_text(','.join(SHOT_COLUMNS) + '\nx,y\n')
+    with pytest.raises(ValueError, match='is damaged'):
+        Geotagger(ShotNumbering(), None, tmp_path)
 
 
 def test_distance_trigger_runs_between_first_and_last_waypoint():

@@ -18,9 +18,11 @@ from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import CheckVerdict
 from rocsafe_mavlink.flight.fence import Circle, Fence, fence_items, fence_of
+from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import CheckVerdict, FlightLimits, VehicleSettings, preflight
+from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
 from rocsafe_mavlink.knowledge.reducer import reduce
@@ -345,7 +347,7 @@ def test_route_that_leaves_the_fence_takes_the_place_of_none():
     for count, word in ((9, 'fence'), (60, 'dist')):
         with pytest.raises(CommandRefusedError, match=word):
             commands.replace_route(plan(count), air.now_s)
-    low = DroneCommands(air.drones[1].session, FlightLimits(highest_m=20.0))
+    low = DroneCommands(air.drones[1].session, FlightLimits(max_height_agl_m=20.0))
     with pytest.raises(CommandRefusedError, match='heights'):
         low.replace_route(plan(3), air.now_s)
     commands.replace_route(plan(4), air.now_s)

@@ -12,18 +12,14 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
+from rocsafe_mavlink.flight.check import CheckVerdict, failures
 from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly
+from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
 from rocsafe_mavlink.flight.flight_signs import home_moved
-from rocsafe_mavlink.flight.preflight import (
-    CheckVerdict,
-    FlightLimits,
-    VehicleSettings,
-    failures,
-    preflight,
-)
+from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Battery
 
@@ -455,7 +451,10 @@ def test_unready_vehicle_fails_by_name(changes, name):
 @pytest.mark.parametrize(
     ('limits', 'text'),
     [
-        ({'highest_m': 25.0}, 'heights is 30 to 30 m: must be 5 to 25 m above home'),
+        (
+            {'max_height_agl_m': 25.0},
+            'heights is 30 to 30 m: must be 5 m above home to 25 m above the ground',
+        ),
         ({'furthest_m': 100.0}, 'distance is 150 m from home: must be at most 100 m'),
         (
             {'longest_s': 60.0},

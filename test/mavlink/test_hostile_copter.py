@@ -15,11 +15,11 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
-from std_srvs.srv import Trigger
 from test.mavlink.airspace import free_port
 from test.mavlink.operator_post import Ground, survey
 
 from rocsafe_interfaces.action import FlyRoute
+from rocsafe_interfaces.srv import Resume
 
 COPTER = Path(os.environ.get('ROCSAFE_TRIALS', '')) / 'hostile_copter.py'
 pytestmark = pytest.mark.skipif(
@@ -115,5 +115,5 @@ def test_mission_that_reads_back_wrong_is_not_resumed(start):
     second = ground.fly('p2', survey(8, height_m=20.0), replace=True)
     answer = ground.ended(second, DEADLINE_S)
     assert answer.outcome == FlyRoute.Result.REJECTED
-    assert not ground.call('rav1/resume', Trigger).success
+    assert not ground.call('rav1/resume', Resume).success
     assert ground.air.commanded_after('-> 6 by') == []

@@ -18,7 +18,7 @@ from test.mavlink.wire import (
 )
 
 from rocsafe_mavlink.errors import NotAllowedError
-from rocsafe_mavlink.link.link import Link, LinkIdentity, LinkRules
+from rocsafe_mavlink.link.link import LARGEST_PEER_COUNT, Link, LinkIdentity, LinkRules
 from rocsafe_mavlink.link.peer import LARGEST_DATAGRAM, LARGEST_RATE_PER_S
 from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM, DO_REPOSITION
 from rocsafe_mavlink.wire.counters import Reason
@@ -53,6 +53,29 @@ def test_discovery_hears_who_makes_sense():
     assert link.peers == ()
     assert link.receive(STRANGER, frame(), 0.0, NOW_S)
     assert link.peers == (STRANGER,)
+
+
+def test_strangers_cannot_use_up_the_table():
+    """Any number of them, signed or not: a vehicle's address stays, a new one is heard."""
+    link = open_link(allowed=frozenset(), is_discovering=True)
+    assert link.receive(DRONE, frame(), 0.0, NOW_S)
+    link.held = frozenset({DRONE})
+    for port in range(1000):
+        link.receive(('127.0.0.1', 20_000 + port), frame(), port, NOW_S)
+    assert len(link.peers) == LARGEST_PEER_COUNT + 1
+    assert DRONE in link.peers
+    assert link.receive(('127.0.0.1', 50_000), frame(), 1000.0, NOW_S)
+
+
+def test_peer_that_is_heard_is_not_forgotten():
+    """The one that was heard longest ago goes first."""
+    link = open_link(allowed=frozenset(), is_discovering=True)
+    for port in range(LARGEST_PEER_COUNT):
+        link.receive(('127.0.0.1', port), frame(), 0.0, NOW_S)
+    link.receive(('127.0.0.1', 0), frame(), 1.0, NOW_S)
+    link.receive(STRANGER, frame(), 2.0, NOW_S)
+    assert ('127.0.0.1', 0) in link.peers
+    assert ('127.0.0.1', 1) not in link.peers
 
 
 def test_stranger_cannot_disturb_a_peer():

@@ -209,33 +209,6 @@ def test_other_vehicles_words_change_nothing():
     assert begun.on_message(fence, 0.1) == (begun, [])
 
 
-def test_autopilot_that_is_stuck_in_another_transfer_is_cleared():
-    """As a PX4 after a station died while it uploaded: it refuses offers, until it is cleared."""
-    rig = Rig(survey(6))
-    clears = []
-    receive = rig.store.receive
-
-    def receive_or_refuse(message, *others):
-        clears.extend([message] if message.name == 'MISSION_CLEAR_ALL' else [])
-        if message.name == 'MISSION_COUNT' and not clears:
-            return [Message('MISSION_ACK', {'type': 1, 'mission_type': 1}, 1, 1)]
-        return receive(message, *others)
-
-    rig.store.receive = receive_or_refuse
-    assert rig.run().stage is TransferStage.VERIFIED
-    assert len(clears) == 1
-    del clears[:]
-    # One that stays so is given up.
-    rig.transfer = transfer(survey(6), TARGET, first_compared=1)
-    rig.store.receive = lambda message, *others: (
-        [Message('MISSION_ACK', {'type': 1, 'mission_type': 1}, 1, 1)]
-        if message.name == 'MISSION_COUNT'
-        else receive(message, *others)
-    )
-    assert rig.run().stage is TransferStage.FAILED
-    assert rig.transfer.error.startswith('refused')
-
-
 def test_altered_mission_is_sent_again_and_then_refused():
     """What comes back different each time is not flown."""
     rig = Rig(survey(6))

@@ -10,7 +10,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import Flight, GeoPoint, Route, Viewpoint
 from rocsafe_mavlink.conversions import assignment_of
 from rocsafe_mavlink.drone.drone import DroneSpec
-from rocsafe_mavlink.flight.preflight import FlightLimits
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 
 PLACE = GeoPosition(53.28, -9.06, 60.0)
 VIEW = Viewpoint(
@@ -35,14 +35,13 @@ def test_plain_route_is_taken():
 @pytest.mark.parametrize(
     ('changes', 'words'),
     [
-        ({'delay_s': 20.0}, 'delay_s is 20 s: must be 0'),
         (
             {'flights': [Flight(viewpoints=[VIEW]), Flight()]},
             'has 2 flights: must be 1',
         ),
         ({'is_open': True}, 'ends elsewhere: must end at home'),
         ({'end': [GeoPoint(latitude=53.281, longitude=-9.06)]}, 'ends elsewhere'),
-        ({'viewpoints': [], 'flights': []}, 'has no viewpoint'),
+        ({'viewpoints': [], 'flights': []}, 'height_m'),
     ],
 )
 def test_route_beyond_that_is_refused(changes, words):

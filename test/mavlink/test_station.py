@@ -5,7 +5,16 @@ import numpy as np
 import pytest
 from test.fakes.fake_autopilot import HOME, IDS, FakeCopter
 from test.mavlink.test_flight import plan
-from test.mavlink.wire import DRONE, NOW_S, STRANGER, open_link
+from test.mavlink.wire import (
+    DRONE,
+    HEARTBEAT,
+    NOW_S,
+    STRANGER,
+    frame,
+    open_link,
+    signed_frame,
+    signed_link,
+)
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
@@ -14,10 +23,10 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import FlightLimits
 from rocsafe_mavlink.knowledge.events import EventKind
-from rocsafe_mavlink.knowledge.telemetry import Contact
+from rocsafe_mavlink.knowledge.telemetry import LOST_AFTER_S, STALE_AFTER_S, Contact
 from rocsafe_mavlink.protocols.stream_rates import WANTED
 from rocsafe_mavlink.wire.counters import Reason
 from rocsafe_mavlink.wire.dialect import Message, decode, encode
@@ -134,6 +143,7 @@ class Air:
         return self.drones[system].vehicle
 
 
+@pytest.mark.slow
 def test_three_vehicles_on_one_link_are_told_apart():
     """Each flies its own plan; no order reaches another."""
     air = Air(3)
@@ -228,7 +238,68 @@ def test_another_address_cannot_speak_for_a_vehicle():
     data = pack_frame(*encode(forged), 1, 1, 0, sign=False)
     air.say(data, STRANGER)
     assert air.vehicle() == before
-    assert air.link.counters.dropped(Reason.UNKNOWN_PEER) == 1
+    assert air.link.counters.dropped(Reason.IMPOSTOR) == 1
+
+
+BEAT = frame(HEARTBEAT)
+ELSEWHERE = ('192.0.2.7', 14550)
+
+
+def beating(air, address, beats=1, signer=None):
+    """Let a vehicle send heartbeats from an address; return whether the last was heard."""
+    for _ in range(beats):
+        air.now_s += 1.0
+        data = signed_frame(HEARTBEAT, time_s=NOW_S + air.now_s) if signer else BEAT
+        air.say(data, address)
+    return air.drones[1].session.address == address
+
+
+def unwatched(**rules):
+    """Return a sky whose copter is silent, on a link that anybody may join."""
+    air = Air(allowed=frozenset(), is_discovering=True, **rules)
+    air.copters.clear()
+    air.carry = air.wires.sent.clear
+    return air
+
+
+def test_vehicle_that_changes_its_port_is_followed_for_ever():
+    """A hundred times: behind a router, or a simulator that is started again."""
+    air = unwatched()
+    for port in range(100):
+        assert beating(air, ('127.0.0.1', 20_000 + port))
+        air.now_s += LOST_AFTER_S
+
+
+def test_other_host_never_takes_the_place_of_an_unsigned_vehicle():
+    """Neither while it is heard nor when it is lost; it is counted, and gets no heartbeats."""
+    air = unwatched()
+    assert beating(air, DRONE)
+    assert not beating(air, ELSEWHERE)
+    air.now_s += 10 * LOST_AFTER_S
+    assert not beating(air, ELSEWHERE, beats=50)
+    assert air.link.counters.dropped(Reason.IMPOSTOR) == 51
+    assert air.link.stations == (DRONE,)
+    assert beating(air, (DRONE[0], 999))
+
+
+def test_strangers_lock_no_vehicle_out():
+    """A thousand ports that spoke first, in the name of another system."""
+    air = unwatched()
+    for port in range(1000):
+        air.say(frame(HEARTBEAT, system=9), ('127.0.0.1', 20_000 + port))
+    assert beating(air, DRONE)
+    assert air.link.stations == (DRONE,)
+
+
+def test_holder_of_the_key_moves_within_seconds():
+    """With signatures another host may be the vehicle; a stranger without the key never is."""
+    air = unwatched()
+    air.link = air.station.link = signed_link()
+    assert beating(air, DRONE, signer=True)
+    assert not beating(air, ELSEWHERE, signer=True)
+    air.now_s += STALE_AFTER_S
+    assert not beating(air, ELSEWHERE)
+    assert beating(air, ELSEWHERE, signer=True)
 
 
 def test_other_systems_are_not_looked_at():
@@ -252,3 +323,18 @@ def test_flight_that_may_not_begin_is_refused_with_the_check():
     with pytest.raises(ValueError, match='is flying another route'):
         air.fly(count=4)
     assert air.vehicle().contact(air.now_s) is Contact.FRESH
+
+
+def test_bytes_of_a_payload_come_from_the_address_of_its_vehicle_only():
+    """Any component of the vehicle may send them; they change nothing that is known of it."""
+    air = unwatched()
+    assert beating(air, DRONE)
+    before, got = air.vehicle(), []
+    air.drones[1].listen(got.append, lambda _event: None)
+    payload = list(b'0.25\n'.ljust(128, b'\0'))
+    tunnel = Message('TUNNEL', {'payload_type': 0, 'payload_length': 5, 'payload': payload})
+    for system, component, address in ((1, 191, DRONE), (1, 191, STRANGER), (2, 191, DRONE)):
+        air.say(pack_frame(*encode(tunnel), system, component, 0, sign=False), address)
+    (message,) = got
+    assert bytes(message['payload'][: message['payload_length']]) == b'0.25\n'
+    assert air.vehicle() == before

@@ -6,7 +6,7 @@ import os
 from rocsafe_mavlink.link.link import Link, LinkRules
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, pack_frame
-from rocsafe_mavlink.wire.signing import Signer, SigningKey, ticks_at
+from rocsafe_mavlink.wire.signing import SignatureGate, Signer, SigningKey, ticks_at
 from rocsafe_mavlink.wire.timestamp_store import TimestampStore
 
 DRONE = ('127.0.0.1', 14551)
@@ -46,3 +46,13 @@ def with_ticks(signed, time_s):
 def open_link(**rules):
     """Return an unsigned link that hears the drone."""
     return Link(LinkRules(**{'allowed': frozenset({DRONE}), **rules}))
+
+
+def signed_link(path=None, allowed=(DRONE,)):
+    """Return a link that believes only the key."""
+    store = TimestampStore(path)
+    return Link(
+        LinkRules(allowed=frozenset(allowed)),
+        gate=SignatureGate(KEY, store),
+        signer=Signer(KEY, 0, store),
+    )

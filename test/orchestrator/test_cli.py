@@ -26,7 +26,7 @@ def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> N
         assert signal_code in text
 
 
-@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report'])
+@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report', 'replay'])
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`rocsafe COMMAND --help` says what the command does."""
     with pytest.raises(SystemExit) as ended:
@@ -70,6 +70,28 @@ def test_missing_config_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == 'rocsafe: no.yaml: no such file\n'
 
 
+@pytest.mark.parametrize(
+    ('text', 'line'),
+    [
+        ('a: [', 'config.yaml: line 1: '),
+        ('hello', "{path}: 'hello': must be blocks `node: "),
+        ('/**: {use_sim_time: true}', '{path}: use_sim_time: must be blocks `node: '),
+        ('/**: {ros__parameters: 3}', '{path}: ros__parameters: must be blocks `node: '),
+        ('a: 1\na: 2', "config.yaml: line 2: key 'a' is given twice"),
+    ],
+)
+def test_wrong_config_is_one_line(
+    text: str, line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is no file of ROS parameters starts nothing."""
+    path = tmp_path / 'config.yaml'
+    path.write_text(text)
+    assert main(['run', str(DERAILMENT), '--config', str(path)]) == errors.EXIT_USAGE
+    told = capsys.readouterr().err
+    assert told.startswith(f'rocsafe: {line.format(path=path)}')
+    assert told.count('\n') == 1
+
+
 def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -86,6 +108,30 @@ def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
     text = capsys.readouterr().out
     for part in ('valid', '2.02 ha', '24.63 x 18.48 m apart', 'rav3', '454 m', 'wreck'):
         assert part in text
+
+
+OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2798, -9.0605]]
+
+
+@pytest.mark.parametrize(
+    ('changes', 'words'),
+    [
+        ({'exclusions': [{'polygon': OVER_THE_HOME}]}, 'rav1 home lies in an exclusion'),
+        ({'vehicles[0].endurance_s': 5.0}, 'endurance_s is 4 s'),
+    ],
+)
+def test_check_finds_what_has_no_plan(
+    changes: dict[str, object],
+    words: str,
+    small: Callable[..., Path],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The planner itself is asked, so that what it refuses in a mission is told here."""
+    path = small({'vehicles[1].endurance_s': 5.0, **changes})
+    assert main(['check', str(path)]) == errors.EXIT_FAILED
+    told = capsys.readouterr()
+    assert words in told.err
+    assert 'valid' not in told.out
 
 
 def test_check_shows_other_cameras(capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,7 +185,7 @@ def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) ->
     """`rocsafe --version` prints the version that all packages have, and the git revision."""
     sources = Path(__file__).parents[2] / 'src'
     manifests = [re.search(r'<version>(.*)</version>', path.read_text())
-                 for path in sources.glob('*/package.xml')]  # fmt: skip
+                 for path in sources.glob('rocsafe_*/package.xml')]  # fmt: skip
     setups = [
         re.search(r"version='(.*)'", path.read_text()) for path in sources.glob('*/setup.py')
     ]

@@ -45,6 +45,16 @@ def test_second_signal_is_urgent_and_the_first_names_the_exit_code(interrupt: In
     assert interrupt.exit_code == 130
 
 
+def test_map_and_products_outlast_a_second_signal(interrupt: Interrupt) -> None:
+    """While they are made it takes a third; one in flight counts."""
+    os.kill(os.getpid(), signal.SIGINT)
+    interrupt.is_saving = True
+    os.kill(os.getpid(), signal.SIGINT)
+    assert not interrupt.is_urgent
+    os.kill(os.getpid(), signal.SIGINT)
+    assert interrupt.is_urgent
+
+
 def test_nothing_happened_yet(interrupt: Interrupt) -> None:
     """Without a signal there is no exit code."""
     assert (interrupt.exit_code, interrupt.text, interrupt.count) == (None, '', 0)

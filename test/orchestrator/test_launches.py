@@ -18,8 +18,9 @@ from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.launches import child_environment, find_executable, launches
+from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
@@ -30,12 +31,15 @@ from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES
 from rocsafe_radiation.detection.survey_field import SurveyField
+from rocsafe_radiation.detector_options import DetectorOptions
 from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
+from rocsafe_ros.mission_identity import new_identity
+from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -52,6 +56,7 @@ OPTIONS: dict[str, Any] = {
     'mosaic': MosaicOptions,
     'recorder': RecorderOptions,
 }
+MISSION = new_identity('run')
 FLEET = {'simulation.processes': 'fleet'}
 
 
@@ -148,7 +153,9 @@ def test_command_starts_the_executable_in_its_namespace(
     table = process_table(read_scenario(small()), run)
     prefix = workspace(table)
     config = Path('my.yaml')
-    launch = next(launch for launch in launches(table, run, config) if launch.name == 'rav2')
+    launch = next(
+        launch for launch in launches(table, run, MISSION, config) if launch.name == 'rav2'
+    )
     assert launch.command == (
         str(prefix / 'lib' / 'rocsafe_sim' / 'rav'),
         '--ros-args',
@@ -156,6 +163,7 @@ def test_command_starts_the_executable_in_its_namespace(
         '__ns:=/rav2',
         '-p',
         'use_sim_time:=true',
+        *MISSION.ros_arguments,
         '--params-file',
         'my.yaml',
         '--params-file',
@@ -174,7 +182,7 @@ def test_empty_lists_are_not_written(
     """ROS cannot read the type of an empty list: a mission without sources leaves them out."""
     table = process_table(read_scenario(small({'radiation': {}})), run)
     workspace(table)
-    launches(table, run)
+    launches(table, run, MISSION)
     assert '[]' not in (run.parameters / 'radiation_field.yaml').read_text()
 
 
@@ -196,7 +204,7 @@ def test_products_are_made_by_a_task_that_is_not_repeated(
     """The report runs once, in a process of its own."""
     table = process_table(read_scenario(small()), run)
     workspace(table)
-    report = next(launch for launch in launches(table, run) if launch.name == REPORT)
+    report = next(launch for launch in launches(table, run, MISSION) if launch.name == REPORT)
     assert report.is_task
     assert report.restart.limit == 0
     assert report.command[-2:] == ('report', str(run.path))
@@ -375,6 +383,27 @@ def test_a_real_drone_may_bring_its_own_detector(
     assert what_is_simulated(scenario) == (
         'Real flight: rav1, rav2. Own detector: rav1. Simulated detector: rav2.'
     )
+
+
+def test_lines_of_a_real_detector_are_read_by_a_process_of_its_own(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """Its keys are the parameters of the node; just one of them says where the lines come in."""
+
+    def with_detector(detector: dict[str, object]) -> Path:
+        drone = {'system': 1, 'detector': detector}
+        return small({'vehicles[0].link': 'udp://127.0.0.1:14550', 'vehicles[0].drone': drone})
+
+    scenario = read_scenario(with_detector({'serial': '/dev/ttyUSB0', 'baud': 115200}))
+    (spec,) = (spec for spec in process_table(scenario, run) if spec.package.endswith('radiation')
+               and spec.executable == 'detector')  # fmt: skip
+    assert (spec.name, spec.node) == ('detector_rav1', '/rav1/detector')
+    assert DetectorOptions(**spec.parameters).baud == 115200
+    assert [endpoint.vehicle for endpoint in spec.readiness] == ['rav1']
+    assert field_parameters(scenario, run)['vehicles'] == ['rav2']
+    for wrong in ({}, {'serial': 'a', 'tunnel': True}):
+        with pytest.raises(ScenarioError, match='must have one of serial, udp and tunnel'):
+            read_scenario(with_detector(wrong))
 
 
 def test_flat_ground_above_a_viewpoint_is_refused(small: Callable[..., Path]) -> None:

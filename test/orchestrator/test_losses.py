@@ -6,6 +6,7 @@ import pytest
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.presence import Sighting
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 
@@ -147,7 +148,8 @@ def test_who_does_not_stand_in_time_flies_on() -> None:
     flying = Airborne()
     flying.mission.flown('rav2', 2, 'aborted its flight')
     flying.accept(*flying.advance())
-    orders = flying.advance(still('rav1'), after_s=181.0) + flying.advance()
+    late = Situation(ready=PROCESSES, still=frozenset({'rav1'}), simulated_s=181.0)
+    orders = flying.advance(late, after_s=181.0) + flying.advance()
     assert order(OrderKind.FLY, 'rav3') in orders
     assert 'the rest was not planned within 180 s' in flying.mission.text
 
@@ -172,3 +174,118 @@ def test_nobody_is_left() -> None:
         flying.mission.gave_up(name, 'was ended')
     flying.advance(still(*NAMES))
     assert flying.mission.outcome is Phase.FAILED
+
+
+def seen(*names: str, **sightings: Sighting) -> Situation:
+    """Return a situation in which these stand, and vehicles are seen so."""
+    return Situation(
+        ready=PROCESSES,
+        still=frozenset(names),
+        sightings={name: Sighting() for name in NAMES} | sightings,
+    )
+
+
+def test_silent_vehicle_gets_no_orders_and_is_then_replaced() -> None:
+    """Time does not wait for it, and the others hold."""
+    flying = Airborne()
+    assert flying.advance(seen(rav2=Sighting(silent_s=6.0))) == []
+    assert flying.mission.able == {'rav1', 'rav3'}
+    assert flying.advance(seen(rav2=Sighting(silent_s=16.0))) == [
+        order(OrderKind.DISMISS, 'rav2'),
+        order(OrderKind.HOLD, 'rav1'),
+        order(OrderKind.HOLD, 'rav3'),
+    ]
+
+
+def test_announced_loss_is_acted_on_before_the_flight_has_ended() -> None:
+    """The vehicle is still on its way down; it is waited for, and not dismissed."""
+    flying = Airborne()
+    down = Sighting(ending='the battery failed')
+    orders = flying.advance(seen(rav2=down))
+    assert orders == [order(OrderKind.HOLD, 'rav1'), order(OrderKind.HOLD, 'rav3')]
+
+
+def test_vehicle_that_comes_back_is_merged_into_the_next_plan() -> None:
+    """It holds, hands over its photographs, and flies only what the new plan gives it."""
+    flying = Airborne()
+    gone = seen(rav2=Sighting(silent_s=20.0))
+    flying.accept(*flying.advance(gone))
+    still_there = seen('rav1', 'rav3', rav2=Sighting(silent_s=21.0))
+    flying.accept(*flying.advance(still_there))
+    assert flying.advance(still_there) == [order(OrderKind.PLAN)]
+    flying.mission.planned(['rav1', 'rav3'], visited=3)
+    flying.accept(*flying.advance(gone))
+    flying.accept(*flying.advance(gone))
+    holds = flying.advance(seen())
+    assert set(holds) == {order(OrderKind.HOLD, name) for name in NAMES}
+    flying.accept(*holds)
+    assert flying.mission.able == set(NAMES)
+    full = Situation(
+        ready=PROCESSES, still=frozenset(NAMES), unsettled=frozenset({'rav2'}),
+        sightings={name: Sighting() for name in NAMES},
+    )  # fmt: skip
+    assert flying.advance(full) == []
+    flying.accept(*flying.advance(seen(*NAMES)))
+    assert flying.advance(seen(*NAMES)) == [order(OrderKind.PLAN)]
+    flying.mission.planned(['rav1', 'rav2'], visited=5)
+    routes = flying.advance(seen(*NAMES))
+    assert routes == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav2')]
+
+
+def test_vehicle_for_which_nothing_is_left_returns_home() -> None:
+    """It came back after all was photographed: it does not fly its old route."""
+    flying = Airborne()
+    gone = seen(rav2=Sighting(silent_s=20.0))
+    flying.accept(*flying.advance(gone))
+    still_there = seen('rav1', 'rav3', rav2=Sighting(silent_s=21.0))
+    flying.accept(*flying.advance(still_there))
+    flying.advance(still_there)
+    flying.mission.planned(['rav1', 'rav3'], visited=3)
+    flying.accept(*flying.advance(gone))
+    flying.advance(seen())
+    flying.mission.nothing_left()
+    orders = flying.advance(seen())
+    assert order(OrderKind.RETURN, 'rav2') in orders
+    assert order(OrderKind.FLY, 'rav2') not in orders
+
+
+def test_vehicle_that_its_pilot_has_is_left_alone_when_others_are_replaced() -> None:
+    """It gets neither a hold nor a route."""
+    flying = Airborne()
+    taken = seen(rav1=Sighting(taken_by='pilot'), rav2=Sighting(ending='crashed'))
+    assert flying.advance(taken) == [order(OrderKind.HOLD, 'rav3')]
+
+
+def test_mission_waits_for_the_landing_of_a_replaced_vehicle() -> None:
+    """Its bridge must not end while it is in the air."""
+    flying = Airborne()
+    for name in NAMES:
+        flying.mission.flown(name, 1)
+    aloft = Situation(ready=PROCESSES, aloft=frozenset({'rav2'}))
+    flying.advance(aloft)
+    assert flying.mission.phase is Phase.FLYING
+    flying.advance()
+    assert flying.mission.phase is Phase.COLLECTING
+
+
+def test_vehicle_turns_back_and_others_take_over() -> None:
+    """It gets one order, home by the way of least dose, and no more work."""
+    flying = Airborne()
+    for _ in range(2):
+        flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h')
+    assert set(flying.advance(seen())) == {
+        order(OrderKind.HOLD, 'rav1'),
+        order(OrderKind.HOLD, 'rav3'),
+        order(OrderKind.RETREAT, 'rav2'),
+    }
+    flying.advance(seen(*NAMES))
+    assert flying.mission.able == {'rav1', 'rav3'}
+
+
+def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:
+    """The order to return is always there."""
+    flying = Airborne()
+    flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h')
+    flying.advance(seen())
+    flying.mission.refused(order(OrderKind.RETREAT, 'rav2'), 'rav2: cannot fly a route: landing')
+    assert order(OrderKind.RETURN, 'rav2') in flying.advance(seen())

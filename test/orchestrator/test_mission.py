@@ -295,14 +295,51 @@ def test_products_that_cannot_be_written_fail_the_mission() -> None:
 
 
 def test_cancelled_mission_makes_its_products_quickly_or_not_at_all() -> None:
-    """After Ctrl-C the products have 15 s."""
+    """After Ctrl-C the products have a minute."""
     rehearsal = Rehearsal().to_airborne()
     rehearsal.mission.cancel('interrupted by Ctrl-C')
     rehearsal.mission.cancel('interrupted by Ctrl-C')
     assert rehearsal.advance(0.1) == [PRODUCTS]
-    rehearsal.advance(15.1)
+    rehearsal.advance(60.1)
     assert rehearsal.is_in(Phase.CANCELLED)
     assert rehearsal.mission.text.startswith('interrupted by Ctrl-C; the products were not')
+
+
+def test_cancelled_flight_with_photographs_makes_its_map() -> None:
+    """Time stops, and the map has a minute before the products."""
+    rehearsal = Rehearsal().to_airborne()
+    rehearsal.advance(0.1, stored(2))
+    rehearsal.mission.cancel('interrupted by Ctrl-C')
+    assert rehearsal.advance(0.1) == [Order(kind=OrderKind.PAUSE_CLOCK), MOSAIC]
+    rehearsal.mission.answered(MOSAIC)
+    rehearsal.advance(0.1)
+    assert rehearsal.advance(0.1) == [PRODUCTS]
+
+
+def test_map_of_a_cancelled_mission_is_still_made() -> None:
+    """Ctrl-C while mapping shortens the wait for the map and does not end it."""
+    rehearsal = Rehearsal().to_mapping()
+    assert rehearsal.advance(0.1) == [MOSAIC]
+    rehearsal.mission.accepted(MOSAIC)
+    rehearsal.mission.cancel('interrupted by Ctrl-C')
+    rehearsal.advance()
+    rehearsal.advance(59.9)
+    assert rehearsal.is_in(Phase.MAPPING)
+    rehearsal.advance(0.2)
+    assert rehearsal.is_in(Phase.REPORTING)
+
+
+def test_flight_without_room_on_the_disk_is_broken_off() -> None:
+    """Map and products are made in the reserve, and the mission fails by that name."""
+    rehearsal = Rehearsal().to_airborne()
+    rehearsal.mission.break_off('the disk of runs is full')
+    assert rehearsal.is_in(Phase.MAPPING)
+    assert (rehearsal.mission.outcome, rehearsal.mission.text) == (
+        Phase.FAILED,
+        'the disk of runs is full',
+    )
+    rehearsal.mission.break_off('the disk of runs is full')
+    assert rehearsal.mission.text == 'the disk of runs is full'
 
 
 def test_cancelled_mission_stays_cancelled_when_its_products_are_done() -> None:

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 
 import pytest
 from mcap_ros2.decoder import DecoderFactory
@@ -131,3 +132,68 @@ def test_killed_recorder_loses_nothing_it_reported_done(ros, tmp_path, ros_domai
             process.wait(timeout=DEADLINE_S)
             vehicle.close()
     assert recorded_latitudes(tmp_path) == [float(number) for number in range(1, 21)]
+
+
+def recorded_counts(directory):
+    """Number of recorded messages of each topic."""
+    from mcap.reader import make_reader
+
+    with finalise(directory).path.open('rb') as stream:
+        summary = make_reader(stream).get_summary()
+        counts = summary.statistics.channel_message_counts
+        return {channel.topic: counts.get(channel.id, 0)
+                for channel in summary.channels.values()}  # fmt: skip
+
+
+def test_bursts_are_recorded_whole(ros, vehicle, tmp_path):
+    """At full speed several messages of a topic come at once: every one is recorded."""
+    from rclpy.parameter import Parameter
+
+    from rocsafe_interfaces.msg import AccumulatedDose, Decision, VehicleState
+    from rocsafe_orchestrator.recorder_node import RecorderNode
+    from rocsafe_ros import topics
+
+    recorder = RecorderNode(
+        context=ros.context,
+        parameter_overrides=[
+            Parameter('output_directory', value=str(tmp_path)),
+            Parameter('vehicles', value=['rav1']),
+        ],
+    )
+    ros.executor.add_node(recorder)
+    doses = topics.create_publisher(vehicle.node, topics.ACCUMULATED_DOSE)
+    decisions = topics.create_publisher(vehicle.world, topics.DECISIONS)
+    heard = (doses, decisions, vehicle.others[0], vehicle.fixes)
+    ros.spin_until(lambda: all(p.get_subscription_count() for p in heard), DEADLINE_S)
+    vehicle.step(1)
+    written, write = Counter(), recorder._segment.write
+    recorder._segment.write = lambda number, *rest: (
+        written.update([number]),
+        write(number, *rest),
+    )
+    for number in range(40):
+        doses.publish(AccumulatedDose(dose_usv=float(number)))
+    for number in range(8):
+        vehicle.others[0].publish(VehicleState(vehicle='rav1', viewpoints_visited=number))
+        decisions.publish(Decision(text=str(number)))
+    vehicle.node.get_logger().warning('something to remember')
+    vehicle.step(2)
+    ros.spin_until(lambda: sorted(written.values())[-3:] == [8, 8, 40], DEADLINE_S)
+    ros.executor.remove_node(recorder)
+    recorder.destroy_node()
+    counts = recorded_counts(tmp_path)
+    assert counts['/rav1/accumulated_dose'] == 40
+    assert counts['/rav1/state'] == counts['/decisions'] == 8
+    assert counts['/clock'] >= 2
+    assert counts['/rosout'] >= 1
+
+
+def test_every_topic_is_recorded_or_left_out_with_a_reason():
+    """A topic that is added is recorded without another line."""
+    from rocsafe_orchestrator.recording.recorded_topics import LEFT_OUT, recorded_topics
+    from rocsafe_ros import topics
+
+    recorded = {spec.name for spec, _ in recorded_topics(['rav1'], (), ['rav1'])}
+    assert recorded | set(LEFT_OUT) == {spec.name for spec in topics.TOPICS}
+    assert not recorded & set(LEFT_OUT)
+    assert all(LEFT_OUT.values())

@@ -9,14 +9,14 @@ import pytest
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.provenance import git_revision, provenance, write_json
-from rocsafe_orchestrator.run_directory import create_run_directory
+from rocsafe_orchestrator.run_directory import create_run_directory, run_name
 
 NOW = datetime(2026, 11, 20, 23, 5, 9, tzinfo=timezone.utc)
 
 
 def test_folder_is_named_after_scenario_and_time(tmp_path: Path) -> None:
     """`runs/<scenario>-<YYYYMMDD-HHMMSS>/` with the folders that nodes write to."""
-    run = create_run_directory(tmp_path / 'runs', 'derailment', NOW)
+    run = create_run_directory(tmp_path / 'runs', run_name('derailment', NOW))
     assert run.name == 'derailment-20261120-230509'
     for folder in (run.images, run.logs, run.parameters, run.spool):
         assert folder.is_dir()
@@ -24,7 +24,7 @@ def test_folder_is_named_after_scenario_and_time(tmp_path: Path) -> None:
 
 def test_two_runs_of_one_second_do_not_mix(tmp_path: Path) -> None:
     """The second gets a folder of its own."""
-    runs = [create_run_directory(tmp_path, 'derailment', NOW) for _ in range(3)]
+    runs = [create_run_directory(tmp_path, run_name('derailment', NOW)) for _ in range(3)]
     assert [run.name.removeprefix('derailment-20261120-') for run in runs] == [
         '230509',
         '230509-2',
@@ -36,7 +36,7 @@ def test_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     """A file in the way is told in one line."""
     (tmp_path / 'runs').write_text('')
     with pytest.raises(SetupError, match='cannot make a run directory'):
-        create_run_directory(tmp_path / 'runs', 'derailment', NOW)
+        create_run_directory(tmp_path / 'runs', run_name('derailment', NOW))
 
 
 def test_provenance_fits_json() -> None:

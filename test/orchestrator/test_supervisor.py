@@ -2,6 +2,7 @@
 """Processes are kept running, and certainly ended. Children are small Python programs."""
 
 import os
+import re
 import signal
 import sys
 import time
@@ -110,6 +111,20 @@ def test_restarts_have_a_limit_and_the_last_words_are_told(supervise: MakeSuperv
     events = events_until(supervisor, ProcessEventKind.GAVE_UP)
     assert events[-1].text == 'ended with exit code 1 after 2 restarts: RuntimeError: no luck'
     assert supervisor.restarts == {'node': 2}
+    assert not supervisor.running
+
+
+def test_process_that_cannot_be_started_again_is_given_up(
+    supervise: MakeSupervisor, tmp_path: Path
+) -> None:
+    """A restart that the machine refuses is an event like any other end, not an exception."""
+    supervisor = supervise({'node': 'pass'}, QUICK)
+    supervisor.start('node')
+    events_until(supervisor, ProcessEventKind.ENDED)
+    (tmp_path / 'node.log').unlink()
+    (tmp_path / 'node.log').mkdir()
+    events = events_until(supervisor, ProcessEventKind.GAVE_UP)
+    assert re.match('is not started again: .*node.log: cannot write a log', events[-1].text)
     assert not supervisor.running
 
 

@@ -80,12 +80,16 @@ GROUPS = {
 
 
 def request(**changes):
-    """Return the derailment mission's request; `changes` name fields of it or of its values."""
+    """Return the derailment mission's request, without separation.
+
+    `changes` name fields of it or of its values.
+    """
     base = SurveyRequest(
         regions=(SurveyRegion(area=changes.pop('area', RECTANGLE)),),
         camera=CAMERA,
         vehicles=FLEET,
         coverage=CoverageOptions(height_agl_m=32.0),
+        separation=SeparationOptions(distance_m=0.0, by='delay'),
         effort=Effort(method='paper_greedy'),
     )
     return changed(base, **changes)

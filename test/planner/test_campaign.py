@@ -7,6 +7,7 @@ from drawn_surveys import drawn_request
 from planning_campaign import Tally, look
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [5, 14])
 def test_drawn_surveys_are_planned_or_refused(number):
     """Each is planned, changed, planned anew, or refused in a line; the checker agrees."""

@@ -74,6 +74,7 @@ def test_the_checker_sees_who_flies_in_another_layer():
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surveys(distance_m=8.0, by='layers'))
 def test_layered_plans_are_valid(survey):
@@ -100,3 +101,11 @@ def test_flights_that_take_turns_are_all_flown_once(landing, aloft, count):
         assert sorted(turn) == flights
         assert turn[0] == flights[0] or aloft is None
         assert turn[-1] == flights[-1] or not landing
+
+
+def test_no_layer_is_above_the_greatest_height():
+    """Vehicles wait instead."""
+    plan = crowded(by='layers', max_height_agl_m=45.0)
+    heights = {route.flight_height_m for route in plan.routes}
+    assert max(heights) <= 45.0 < max(r.flight_height_m for r in crowded(by='layers').routes)
+    assert check_plan(plan) == []

@@ -18,6 +18,7 @@ WINDY = request(wind_mps=(3.0, -2.0))
 HILLY = request(terrain=HILLS, height_agl_m=60.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('survey', [WINDY, HILLY])
 def test_kept_times_are_those_of_single_legs(monkeypatch, survey):
     """All legs at once, and each by itself, take the same time, for each of the vehicles."""
@@ -35,6 +36,7 @@ def test_kept_times_are_those_of_single_legs(monkeypatch, survey):
             assert again[0] == kept[origin, target]
 
 
+@pytest.mark.slow
 def test_keeping_times_changes_no_route(monkeypatch):
     """Vehicles that need sensors fly the same routes whether times are kept or not."""
     able = tuple(

@@ -101,6 +101,7 @@ def test_the_same_request_has_the_same_plan():
     }
     assert len(names) == 10
     assert request(height_agl_m=32).identity() == request(height_agl_m=32.0).identity()
+    assert request(max_height_agl_m=200.0).identity() == request().identity()
 
 
 def test_more_vehicles_than_viewpoints():
@@ -112,6 +113,7 @@ def test_more_vehicles_than_viewpoints():
     assert all(route.duration_s == route.length_m == 0.0 for route in idle)
 
 
+@pytest.mark.slow
 def test_nearest_to_shortest_is_better_here():
     """On both of the seed's areas the second method is done earlier than the paper's."""
     for area in (RECTANGLE, FIELD):
@@ -159,6 +161,7 @@ def test_too_large_region_is_refused():
         ({'vehicles': (FLEET[0], FLEET[0])}, "vehicle name 'rav1' is given 2 times"),
         ({'height_agl_m': 0.0}, 'height_agl_m is 0 m: must be above 0'),
         ({'height_agl_m': 1e6}, 'height_agl_m is 1e.06 m: must be at most 20000 m'),
+        ({'height_agl_m': 120.5}, 'height_agl_m is 120.5 m: must be at most max_height'),
         ({'height_agl_m': math.nan}, 'height_agl_m is nan'),
         ({'overlap_fraction': 1.0}, 'overlap_fraction is 1'),
         ({'spacing_rule': 'x'}, "spacing_rule is 'x': must be one of iou, linear"),

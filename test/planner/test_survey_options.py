@@ -65,6 +65,7 @@ def test_scenario_has_the_same_defaults():
         ('CoverageOptions', {'height_agl_m': 9.0, 'front_overlap_fraction': 1.0}, 'front_overlap'),
         ('AirspaceOptions', {'clearance_m': -1.0}, 'clearance_m is -1 m: must be 0 to 1000'),
         ('AirspaceOptions', {'terrain_clearance_m': 0.0}, 'terrain_clearance_m is 0 m'),
+        ('AirspaceOptions', {'max_height_agl_m': 0.0}, 'max_height_agl_m is 0 m'),
         ('AirspaceOptions', {'wind_mps': (math.nan, 0.0)}, 'wind_mps is nan'),
         ('SeparationOptions', {'distance_m': -1.0}, 'separation distance_m is -1 m'),
         ('SeparationOptions', {'by': 'luck'}, 'must be one of delay, layers'),

@@ -140,6 +140,7 @@ def test_the_checker_sees_a_leg_too_low():
     assert 'm of the terrain' in ' '.join(check_plan(dataclasses.replace(plan, routes=flat)))
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surveys(distance_m=0.0, exclusions=()), st.floats(0.0, 40.0), st.floats(60.0, 300.0))
 def test_plans_over_hills_are_valid(survey, high, wave):
@@ -308,6 +309,7 @@ def test_heights_above_home_go_to_autopilots():
             assert stop.height_m == pytest.approx(float(ground[0] - home[0]) + 32.0, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('objective', ['longest_time', 'energy'])
 def test_more_viewpoints_than_a_table_of_legs_holds(monkeypatch, objective):
     """Legs over hills that are too many for a table are estimates: the plan is valid, and tight.

@@ -17,8 +17,6 @@ REAL = {'vehicles[1].link': 'udp://127.0.0.1:14550'}
     [
         ({'vehicles[1].is_open': True}, 'vehicles[1].is_open = True: '),
         ({'vehicles[1].battery_swap_s': 60.0}, 'vehicles[1].battery_swap_s = 60.0: '),
-        ({'replan': 'on_loss'}, 'replan = on_loss: must be never'),
-        ({'survey.separation': {'distance_m': 5.0}}, 'survey.separation.distance_m = 5: '),
     ],
 )
 def test_what_a_real_vehicle_does_not_fly_is_named(

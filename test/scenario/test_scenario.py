@@ -5,6 +5,7 @@ import json
 import os
 import re
 from collections.abc import Callable
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, get_args
 
@@ -53,6 +54,10 @@ REFUSED = [
     ('seed', True, 'must be a valid integer'),
     ('name', '../up', 'must match'),
     ('clock.start', 'noon', 'must be a valid datetime'),
+    ('clock.start', '1066-10-14T09:00:00Z', 'must be within 1970-01-01 to 2038-01-01'),
+    ('clock.start', '2038-01-19T03:14:00Z', 'must be within 1970-01-01 to 2038-01-01'),
+    ('clock.start', '0001-01-01T00:00:00+12:00', 'must be within the years 1 to 9999'),
+    ('clock.start', '2025-06-01T10:00:00', 'must say its time zone'),
     ('camera.ground', 'no.tif', 'must be scene or the path of a GeoTIFF; no such file'),
     ('survey.terrain_file', 'no.tif', 'must be the path of a GeoTIFF of heights; no such file'),
     ('camera.effects.vignetting', 2.0, 'must be less than or equal to 1'),
@@ -137,6 +142,13 @@ def test_scenario_survives_being_written_and_read(
     """The copy in a run directory flies the same mission."""
     scenario = read_scenario(path)
     assert read_scenario(scenario_text(scenario.to_yaml())) == scenario
+
+
+@pytest.mark.parametrize('text', ['2025-07-01T12:00:00Z', '2025-07-01 14:00:00+02:00'])
+def test_quoted_time_is_taken(text: str, small: Callable[..., Path]) -> None:
+    """As YAML takes it without quotes."""
+    scenario = read_scenario(small({'clock.start': text}))
+    assert scenario.clock.start == datetime(2025, 7, 1, 12, tzinfo=timezone.utc)
 
 
 @pytest.mark.parametrize(('path', 'value', 'limit'), REFUSED)

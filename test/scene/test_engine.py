@@ -69,6 +69,7 @@ def off_silhouettes(numbers):
     return same
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('pose', [NADIR, OBLIQUE], ids=['nadir', 'oblique'])
 def test_labels_and_depth_agree_with_ray_casting(environment, eye, pose):
     """Off silhouettes at least 99.99 % of the ids are right; depth p99.9 within 1 cm."""
@@ -142,6 +143,7 @@ def test_another_thread_is_refused(eye):
     assert caught == ['the engine was asked from another thread than the one it started in']
 
 
+@pytest.mark.slow
 def test_what_moves_is_where_its_path_says(drawing):
     """Half way in time is half way along; its shadow and its labels go with it."""
     path = ({'time_s': 0.0, 'at': (-10.0, 2.0)}, {'time_s': 10.0, 'at': (10.0, 2.0)})

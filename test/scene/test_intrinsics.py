@@ -94,6 +94,7 @@ def border_of(thing):
     return np.concatenate(sides)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', CAMERAS)
 def test_targets_are_where_opencv_projects_them(renderer, targets, name):
     """The centroid of each target's picture is that of its outline by cv2.projectPoints."""

@@ -51,6 +51,7 @@ def pictures_of_a_flight(monkeypatch, tmp_path):
     return environment, pictures
 
 
+@pytest.mark.slow
 def test_photographs_show_moving_things_where_they_are(drawing, monkeypatch, tmp_path):
     """The centroid of the van's pixels is the place of its path at the time of each exposure."""
     environment, pictures = pictures_of_a_flight(monkeypatch, tmp_path)

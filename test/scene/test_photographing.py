@@ -35,6 +35,7 @@ def centre_of(chosen: np.ndarray) -> np.ndarray:
     return (middle - 0.5 * np.array([width - 1, height - 1])) * (0.05, -0.05)
 
 
+@pytest.mark.slow
 def test_things_are_where_their_boxes_are_however_high_they_stand(drawing):
     """The middle of a tent's colour is that of its box, within 15 cm for lit and shaded sides."""
     if open_pipe().is_degraded:

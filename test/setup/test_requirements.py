@@ -2,24 +2,41 @@
 """The pinned packages belong together."""
 
 import ast
+import re
 import sys
 from pathlib import Path
+
+import pytest
 
 from workspace.packages import SYSTEM_MINIMA, pinned
 
 FOLDER = Path(__file__).resolve().parents[2] / 'requirements'
+PYTHON = r"python_version == '3\.\d+'"
+LOCKED = rf'[a-z0-9.-]+==[\w.]+( ; {PYTHON}( or {PYTHON})*)?( --hash=sha256:[0-9a-f]{{64}})+'
 
 
 def test_every_requirement_is_pinned_and_locked_alike():
     """The lock made from the other files says the same as they do."""
-    locked = pinned(FOLDER / 'constraints.txt')
+    locked = pinned(FOLDER / 'lock.txt')
     for name in ('ros', 'python', 'dev'):
+        locked |= pinned(FOLDER / 'lock-dev.txt') if name == 'dev' else {}
         for package, line in pinned(FOLDER / f'{name}.txt').items():
             assert '==' in line, line
             key = package.replace('_', '-')
-            assert locked.get(key, '').split('==')[-1] == line.split('==')[1], line
+            assert f'{locked.get(key, "")} '.startswith(f'{key}=={line.split("==")[1]} '), line
 
 
+def test_every_locked_package_has_the_hashes_of_its_files():
+    """Without one pip would refuse the whole lock; each package is named once."""
+    names = []
+    for lock in ('lock', 'lock-dev'):
+        for line in (FOLDER / f'{lock}.txt').read_text().splitlines()[1:]:
+            assert re.fullmatch(LOCKED, line), line
+            names.append(line.split('==')[0])
+    assert len(names) == len(set(names)) > 100
+
+
+@pytest.mark.slow
 def test_every_imported_library_is_there_for_a_mission():
     """What the packages import is pinned for the nodes, not only for the tests."""
     imported = {

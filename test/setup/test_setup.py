@@ -18,7 +18,8 @@ def test_first_setup_makes_everything(machine):
     assert machine.calls == STAGES
     for text in ('virtual environment', 'wheels', 'colcon build', 'commands', 'ready after'):
         assert text in done.stdout
-    assert 'requirements/ros.txt' in machine.call_lines[1]
+    assert '--require-hashes' in machine.call_lines[1]
+    assert 'requirements/lock.txt' in machine.call_lines[1]
     assert os.access(machine.checkout / '.venv/bin/rocsafe', os.X_OK)
     assert os.access(machine.checkout / '.venv/bin/ros2', os.X_OK)
 
@@ -47,7 +48,8 @@ def test_tests_add_their_tools_once(machine):
     machine.forget_calls()
     machine.setup('--dev')
     assert machine.calls == ['pip']
-    assert 'requirements/dev.txt' in machine.call_lines[0]
+    assert '--require-hashes' in machine.call_lines[0]
+    assert 'requirements/lock-dev.txt' in machine.call_lines[0]
     machine.forget_calls()
     assert machine.setup().stdout == 'setup: ready\n'
     assert machine.setup('--dev').stdout == 'setup: ready\n'
@@ -58,7 +60,7 @@ def test_tests_add_their_tools_once(machine):
     ('file', 'stages'),
     [
         ('requirements/python.txt', ['pip']),
-        ('requirements/constraints.txt', ['pip']),
+        ('requirements/lock.txt', ['pip']),
         ('requirements/ros.txt', ['pip', 'colcon']),
         ('src/rocsafe_geo/package.xml', ['colcon']),
         ('src/rocsafe_geo/setup.py', ['colcon']),

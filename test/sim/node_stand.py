@@ -14,6 +14,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, Route, ShotReceipt, Viewpoint
+from rocsafe_interfaces.srv import Lease
 from rocsafe_ros import topics
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)
@@ -130,15 +131,32 @@ class Operator:
     def call(self, name: str, request: Any) -> Any:
         """Return the response of a service."""
         service_type = SetBool if isinstance(request, SetBool.Request) else Trigger
+        return self.ask(service_type, name, request)
+
+    def ask(self, service_type: Any, name: str, request: Any) -> Any:
+        """Return the response of a service of any type."""
         client = self.node.create_client(service_type, name)
         self.ros.spin_until(client.service_is_ready, DEADLINE_S)
         return self.wait(client.call_async(request))
+
+    def lease(self, vehicle: str = 'rav1', **fields: Any) -> str:
+        """Take the lease of a vehicle and return what orders carry."""
+        request = Lease.Request(holder='operator', duration_s=600.0, **fields)
+        answer = self.ask(Lease, f'{vehicle}/lease', request)
+        assert answer.success, answer.message
+        return str(answer.control.lease)
+
+    def order(self, service_type: Any, name: str, vehicle: str = 'rav1', **fields: Any) -> Any:
+        """Return the response to an order that carries the lease."""
+        request = service_type.Request(lease=self.lease(vehicle), **fields)
+        return self.ask(service_type, f'{vehicle}/{name}', request)
 
     def send(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:
         """Send a route; return the goal's handle."""
         client = ActionClient(self.node, FlyRoute, f'{message.vehicle or "rav1"}/fly_route')
         self.ros.spin_until(client.server_is_ready, DEADLINE_S)
-        goal = FlyRoute.Goal(route=message, plan_id=plan_id)
+        lease = self.lease(message.vehicle or 'rav1')
+        goal = FlyRoute.Goal(route=message, plan_id=plan_id, lease=lease)
         return self.wait(client.send_goal_async(goal, feedback_callback=feedback))
 
     def fly(self, message: Route, plan_id: str = 'plan', feedback: Any = None) -> Any:

@@ -137,17 +137,19 @@ def test_a_stream_runs_at_its_rate_while_somebody_looks(
 
 
 def test_for_a_recorder_alone_nothing_is_streamed(ros: Any, world: Any, rav: Any) -> None:
-    """It hears the pictures of viewpoints, and those that somebody else looks at."""
+    """Nor for the collector of labels. It hears what is taken at viewpoints or for a viewer."""
     world('rav1', speed=5.0)
     rav(cameras=({**SMALL, 'stream_rate_hz': 5.0},))
     recorder, viewer = Operator(ros, 'recorder'), Operator(ros, 'viewer')
+    collector = Operator(ros, 'collector')
+    collector.listen(topics.CAMERA_LABELS)
     recorded = recorder.listen(topics.CAMERA_IMAGE_COMPRESSED)
     fixes = recorder.listen(topics.FIX)
     ros.spin_until(lambda: len(fixes) > 20, DEADLINE_S)
     assert recorded == []
     watched = viewer.listen(topics.CAMERA_IMAGE_COMPRESSED)
     ros.spin_until(lambda: len(watched) > 3 and len(recorded) > 3, DEADLINE_S)
-    for node in (recorder.node, viewer.node):
+    for node in (recorder.node, viewer.node, collector.node):
         node.destroy_node()
 
 

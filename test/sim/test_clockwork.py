@@ -175,3 +175,37 @@ def test_no_step_is_left_out_or_begun_too_early(said, pause_s: float) -> None:
             assert due_ns == now_ns + STEP
             now_ns, answered = due_ns, set()
         assert made.time_ns == now_ns
+
+
+def test_participant_that_comes_back_is_waited_for_again() -> None:
+    """It had left, and reports the present step: from the next one on time waits for it."""
+    made = clockwork()
+    made.dismiss('rav2')
+    made.take('rav1', START, is_idle=False)
+    assert made.due(LISTEN_S) == START + STEP
+    made.take('rav2', START, is_idle=False)
+    made.take('rav1', START + STEP, is_idle=False)
+    assert made.due(LISTEN_S) == START + 2 * STEP
+    answer(made, START + 2 * STEP)
+    assert made.due(LISTEN_S) == START + 3 * STEP
+    made.take('rav1', START + 3 * STEP, is_idle=False)
+    assert made.due(LISTEN_S) is None
+
+
+def test_news_pause_time_once() -> None:
+    """What answers to them takes effect at their time; the repeated report pauses nothing."""
+    made = clockwork(pauses_on_news=True)
+    made.take('rav1', START, is_idle=False, has_news=True)
+    made.take('rav2', START, is_idle=False)
+    assert made.due(LISTEN_S) is None
+    made.run(is_running=True)
+    made.take('rav1', START, is_idle=False, has_news=True)
+    assert made.due(LISTEN_S) == START + STEP
+
+
+def test_news_pause_nothing_unless_asked_for() -> None:
+    """A world without a mission goes on."""
+    made = clockwork()
+    made.take('rav1', START, is_idle=False, has_news=True)
+    made.take('rav2', START, is_idle=False)
+    assert made.due(LISTEN_S) == START + STEP

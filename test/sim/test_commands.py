@@ -2,6 +2,7 @@
 """Orders to a vehicle: which are obeyed when, what they do, how a flight then ends."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,19 +18,28 @@ from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
-COMMANDS = ('hold', 'resume', 'return_home', 'land')
+AWAY = (60.0, -30.0, 20.0)
+COMMANDS: dict[str, Callable[[SimulatedVehicle], None]] = {
+    'hold': SimulatedVehicle.hold,
+    'resume': SimulatedVehicle.resume,
+    'return_home': SimulatedVehicle.return_home,
+    'land': SimulatedVehicle.land,
+    'go_to': lambda vehicle: vehicle.go_to(AWAY),
+    'set_speed': lambda vehicle: vehicle.set_speed(4.0),
+    'set_home': lambda vehicle: vehicle.set_home(AWAY),
+}
 # seconds after take-off at which the flight of ROUTE is in each mode
 TIMES_S = {Mode.TAKING_OFF: 5.0, Mode.FLYING: 36.0, Mode.RETURNING: 70.0, Mode.LANDING: 90.0}
 # full acceleration takes 2 s to let go of, on the way to 8 m/s; then 8 m/s take 4 s and 2 s
 LONGEST_STOP_S = 2.0 + 4.0 + 2.0
 LONGEST_STOP_M = 8.0 * 2.0 + 0.5 * 8.0 * 6.0
 OBEYED = {
-    Mode.DISARMED: (),
+    Mode.DISARMED: ('set_home',),
     Mode.WAITING: (),
-    Mode.TAKING_OFF: ('hold', 'return_home', 'land'),
-    Mode.FLYING: ('hold', 'return_home', 'land'),
-    Mode.HOLDING: ('resume', 'return_home', 'land'),
-    Mode.RETURNING: ('hold', 'land'),
+    Mode.TAKING_OFF: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
+    Mode.FLYING: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
+    Mode.HOLDING: ('resume', 'return_home', 'land', 'go_to', 'set_speed'),
+    Mode.RETURNING: ('hold', 'land', 'go_to', 'set_speed'),
     Mode.LANDING: (),
     Mode.LANDED: (),
     Mode.FALLING: (),
@@ -77,10 +87,10 @@ def test_commands_are_obeyed_or_refused_with_the_mode(mode: Mode, command: str) 
     """Each command is legal in the modes of the table; else the refusal says what the mode is."""
     vehicle = vehicle_in(mode)
     if command in OBEYED[mode]:
-        getattr(vehicle, command)()
+        COMMANDS[command](vehicle)
     else:
         with pytest.raises(CommandRefusedError, match=mode.value):
-            getattr(vehicle, command)()
+            COMMANDS[command](vehicle)
 
 
 @settings(max_examples=15, deadline=None)

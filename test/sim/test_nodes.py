@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from action_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.action import ActionClient
 from std_srvs.srv import SetBool, Trigger
 from test.sim.node_stand import (
@@ -22,6 +23,7 @@ from test.sim.node_stand import (
     Operator,
     common,
     parameters,
+    point,
     route,
 )  # fmt: skip
 from test.sim.vehicle_files import fleet_file
@@ -30,8 +32,10 @@ from rocsafe_geo.storage import shot_store
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import (
     GeoPoint,
+    GeoPolygon,
     VehicleState,
 )
+from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetHome, SetSpeed
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError
@@ -110,12 +114,45 @@ def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:
     operator.ros.spin_until(
         lambda: states and states[-1].state == VehicleState.HOLDING, DEADLINE_S
     )
-    assert operator.call('rav1/resume', Trigger.Request()).success
+    assert operator.order(Resume, 'resume').success
     assert operator.call('rav1/return_home', Trigger.Request()).success
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.outcome == FlyRoute.Result.RETURNED_EARLY
     assert 'told to return home' in ended.result.error_msg
+
+
+def test_verbs_of_a_real_vehicle_by_service(operator: Operator, rav: Any) -> None:
+    """Home, fence, rally points, speed and a place to go to, as the bridge serves them."""
+    rav(lock_step=False, fix_rate_hz=20.0)
+    states, homes = operator.listen(topics.STATE), operator.listen(topics.HOME)
+    moved = point((-10.0, 5.0, 0.0))
+    assert operator.order(SetHome, 'set_home', position=moved).success
+    operator.ros.spin_until(
+        lambda: homes and homes[-1].longitude == pytest.approx(moved.longitude), DEADLINE_S
+    )
+    corners = [point((east, north, 0.0)) for east, north in ((-60, -60), (60, -60), (0, 90))]
+    ring = GeoPolygon(points=corners)
+    assert operator.order(PushFence, 'geofence/push', inclusions=[ring]).success
+    rally = operator.order(PushRally, 'rallypoint/push', points=[moved], height_m=20.0)
+    assert rally.success, rally.message
+    far = point((90.0, 0.0, 0.0))
+    refused = operator.order(PushRally, 'rallypoint/push', points=[far], height_m=20.0)
+    assert refused.message == 'rav1: a rally point is outside of the fence'
+    assert operator.order(SetSpeed, 'set_speed', speed_mps=2.0).message.startswith('rav1: cannot')
+    wanted = route()
+    wanted.home = moved
+    operator.send(wanted)
+    operator.ros.spin_until(lambda: states and states[-1].state == VehicleState.FLYING, DEADLINE_S)
+    assert operator.order(SetSpeed, 'set_speed', speed_mps=4.0).success
+    too_fast = operator.order(SetSpeed, 'set_speed', speed_mps=6.0)
+    assert too_fast.message == 'rav1: speed_mps is 6 m/s: must be 0 to 5 m/s'
+    outside = operator.order(GoTo, 'go_to', position=far, height_m=20.0)
+    assert outside.message == 'rav1: cannot go there: the way leaves the fence'
+    near = point((-10.0, 10.0, 0.0))
+    assert operator.order(GoTo, 'go_to', position=near, height_m=20.0).success
+    operator.ros.spin_until(lambda: states[-1].state == VehicleState.HOLDING, DEADLINE_S)
+    assert states[-1].position.latitude == pytest.approx(near.latitude, abs=1e-6)
 
 
 class Mast:
@@ -186,7 +223,8 @@ def test_impossible_routes_are_refused(
         setattr(wrong, field, value)
     client = ActionClient(operator.node, FlyRoute, 'rav1/fly_route')
     operator.ros.spin_until(client.server_is_ready, DEADLINE_S)
-    goal = operator.wait(client.send_goal_async(FlyRoute.Goal(route=wrong, plan_id='p')))
+    goal = FlyRoute.Goal(route=wrong, plan_id='p', lease=operator.lease())
+    goal = operator.wait(client.send_goal_async(goal))
     ended = operator.wait(goal.get_result_async())
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.outcome == FlyRoute.Result.REJECTED
@@ -215,7 +253,7 @@ def test_restarted_vehicle_continues(
     assert ended.result.viewpoints_visited == 4
     operator.ros.spin_until(lambda: states and states[-1].shots_pending == 0, DEADLINE_S)
     assert {s.shot_id for s in shots} == {f'rav1-{number:05d}' for number in range(4)}
-    assert [path.name for path in tmp_path.iterdir()] == ['journal.json']
+    assert {path.name for path in tmp_path.iterdir()} == {'journal.json', 'lease.json'}
 
 
 def test_fleet_flies_many_in_one_process(
@@ -256,14 +294,12 @@ def test_without_lock_step_the_wall_clock_steps(operator: Operator, rav: Any) ->
 
 
 def test_world_names_who_it_waits_for(operator: Operator, world: Any, rav: Any) -> None:
-    """A participant that is not there is named in the diagnostics; the others do not hang."""
-    world('rav1', 'missing')
-    rav()
-    reports: list[Any] = []
-    topics.create_subscription(operator.node, topics.DIAGNOSTICS, reports.append)
-    operator.ros.spin_until(
-        lambda: any(r.status[0].message == 'waits for missing' for r in reports), DEADLINE_S
-    )
+    """A participant that is not there is named in its health; the others do not hang."""
+    node = world('rav1', 'missing')
+    vehicle = rav()
+    operator.ros.spin_until(lambda: node.health()[0].message == 'waits for missing', DEADLINE_S)
+    assert node.health()[0].level == DiagnosticStatus.WARN
+    assert [told.name for told in vehicle.health()] == ['', 'rav1']
 
 
 def test_world_shows_its_scene(operator: Operator, world: Any) -> None:

@@ -123,6 +123,7 @@ def test_plans_are_flown_as_planned(changes: dict[str, object]) -> None:
     assert_flown(plan)
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surveys())
 def test_any_plan_is_flown_as_planned(asked: object) -> None:

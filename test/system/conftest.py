@@ -9,14 +9,16 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 
 import pytest
 from test.conftest import reserved_domain
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 SCENARIO = Path(__file__).with_name('small.yaml')
@@ -34,14 +36,17 @@ class Flight:
         folder: Path,
         *options: str,
         scenario: Path = SCENARIO,
+        has_reader: bool = True,
+        runs: Path | None = None,
     ) -> None:
-        self._folder = folder
+        self._runs = runs or folder / 'runs'
         self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
-        with self._output.open('wb') as output:
+        self._output.touch()
+        with self._output.open('wb') if has_reader else _pipe_without_reader() as output:
             self.process = subprocess.Popen(
-                [command, 'run', scenario, '--out', folder / 'runs', *options],
+                [command, 'run', scenario, '--out', self._runs, *options],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
@@ -57,8 +62,13 @@ class Flight:
     def run(self) -> RunDirectory:
         """The run directory; waits until there is one."""
         pattern = f'{self._name}-*'
-        self.wait_until(lambda: any((self._folder / 'runs').glob(pattern)))
-        return RunDirectory(next((self._folder / 'runs').glob(pattern)))
+        self.wait_until(lambda: any(self._runs.glob(pattern)))
+        return RunDirectory(next(self._runs.glob(pattern)))
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether it made a run directory."""
+        return self._runs.exists()
 
     def wait_until(self, condition: Callable[[], bool]) -> None:
         """Wait until `condition` holds; the mission must not end before."""
@@ -114,6 +124,12 @@ class Flight:
             pytest.fail(f'hangs, after:\n{self.output}')
 
 
+def _pipe_without_reader() -> Any:
+    read, write = os.pipe()
+    os.close(read)
+    return os.fdopen(write, 'wb')
+
+
 def is_alive(pid: int) -> bool:
     """Return whether a process runs; a zombie, or one that has ended, does not."""
     try:
@@ -155,10 +171,12 @@ class Hangar:
         self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
         self._flights: list[Flight] = []
 
-    def __call__(self, *options: str) -> Flight:
-        """Start the mission with `options` of `rocsafe run`."""
+    def __call__(self, *options: str, **settings: Any) -> Flight:
+        """Start the mission with `options` of `rocsafe run`, and settings of `Flight`."""
         folder = self._folder / f'flight-{len(self._flights)}'
-        flight = Flight(self._command, self._domain_id, folder, *options, scenario=self._scenario)
+        flight = Flight(
+            self._command, self._domain_id, folder, *options, scenario=self._scenario, **settings
+        )
         self._flights.append(flight)
         return flight
 
@@ -195,3 +213,69 @@ def complete(
         flight = hangar()
         assert flight.end() == 0, flight.output
         yield flight
+
+
+class Intruder:
+    """Another program in the domain of the missions."""
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self.heard_steps = 0
+
+    def disturb(self) -> None:
+        """Publish times of the far future, and steps of the vehicles, from now on."""
+        from rosgraph_msgs.msg import Clock
+
+        from rocsafe_interfaces.msg import StepDone
+        from rocsafe_ros import topics
+        from rocsafe_ros.conversions import stamp_of_ns
+
+        later = stamp_of_ns(2_000_000_000_000_000_000)
+        clock = topics.create_publisher(self._node, topics.CLOCK)
+        steps = topics.create_publisher(self._node, topics.STEP_DONE)
+        topics.create_subscription(self._node, topics.STEP_DONE, self._on_step)
+
+        def publish() -> None:
+            clock.publish(Clock(clock=later))
+            for name in ('rav1', 'rav2', 'recorder', 'radiation_field'):
+                steps.publish(StepDone(participant=name, step=later))
+
+        self._node.create_timer(0.05, publish)
+
+    def _on_step(self, report: Any) -> None:
+        self.heard_steps += report.step.sec < 2_000_000_000
+
+    @contextmanager
+    def vehicle(self, name: str) -> Iterator[None]:
+        """Serve a vehicle's flights."""
+        from rclpy.action import ActionServer
+        from rclpy.node import Node
+
+        from rocsafe_interfaces.action import FlyRoute
+
+        node = Node('bridge', namespace=f'/{name}', context=self._node.context)
+        server = ActionServer(node, FlyRoute, 'fly_route', lambda _goal: FlyRoute.Result())
+        yield
+        server.destroy()
+        node.destroy_node()
+
+
+@pytest.fixture
+def intruder(ros: Any) -> Iterator[Intruder]:
+    """Give another program, which spins beside the test."""
+    from rclpy.node import Node
+
+    node = Node('intruder', context=ros.context)
+    ros.executor.add_node(node)
+    is_over = Event()
+
+    def spin() -> None:
+        while not is_over.is_set():
+            ros.executor.spin_once(timeout_sec=0.02)
+
+    thread = Thread(target=spin)
+    thread.start()
+    yield Intruder(node)
+    is_over.set()
+    thread.join()
+    node.destroy_node()

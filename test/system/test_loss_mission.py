@@ -41,3 +41,37 @@ def test_others_take_over_from_two_that_are_lost(fly: Fly) -> None:
     rests = [json.loads(path.read_text()) for path in flight.run.path.glob('further-*/plan.json')]
     assert ['rav1', 'rav2'] in [[route['vehicle'] for route in rest['routes']] for rest in rests]
     assert flight.living() == []
+
+
+def test_vehicle_that_stands_still_is_replaced_and_comes_back(fly: Fly) -> None:
+    """Its process stops for a while: the others take over, and it never flies their viewpoints.
+
+    Every viewpoint is photographed once, and the mission is complete.
+    """
+    flight = fly('--speed', '12')
+    flight.wait_for_images(2)
+    pid = flight.pid_of('rav3')
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        flight.wait_until(lambda: 'rav3: nothing heard for 15 s; the others' in flight.output)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    assert flight.end() == 0, flight.output
+    plan = json.loads(flight.run.plan.read_text())
+    planned = sorted(view['id'] for route in plan['routes'] for view in route['viewpoints'])
+    shots = read_photographs(flight.run.images)
+    assert sorted(shot.viewpoint_id for shot in shots) == planned
+    assert flight.living() == []
+
+
+def test_announced_loss_is_the_same_in_every_run(fly: Fly) -> None:
+    """From the same seed: the same plan for the rest, readings and photographs, bit by bit."""
+    results = []
+    for _ in range(2):
+        flight = fly()
+        assert flight.end() == 0, flight.output
+        assert 'rav2: aborted its flight: the battery failed' in flight.output
+        (rest,) = flight.run.path.glob('further-*/plan.json')
+        readings = flight.run.readings.read_bytes()
+        results.append((rest.read_bytes(), readings, sorted(flight.images().items())))
+    assert results[0] == results[1]

@@ -5,6 +5,7 @@ import csv
 import json
 import os
 import re
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from test.small_file_system import small_file_system
 
 from .conftest import DEADLINE_S
 
@@ -132,11 +134,54 @@ def test_second_interrupt_ends_at_once(fly: Fly) -> None:
     """Who asks twice does not wait for products."""
     flight = fly(*SPEED)
     flight.wait_for_images(1)
-    flight.process.send_signal(signal.SIGINT)
-    flight.process.send_signal(signal.SIGTERM)
+    # Both are waiting when it goes on.
+    for number in (signal.SIGSTOP, signal.SIGINT, signal.SIGTERM, signal.SIGCONT):
+        flight.process.send_signal(number)
     assert flight.end() in (130, 143), flight.output
     assert not flight.run.report.exists()
     assert flight.living() == []
+
+
+def test_interrupt_while_mapping_leaves_map_and_report(fly: Fly) -> None:
+    """Also a second one: both are written, and the mission is cancelled."""
+    flight = fly()
+    flight.wait_until(lambda: ' mapping, ' in flight.output)
+    flight.process.send_signal(signal.SIGINT)
+    flight.wait_until(lambda: 'interrupted by' in flight.output)
+    flight.process.send_signal(signal.SIGINT)
+    assert flight.end() == 130, flight.output
+    assert flight.run.mosaic.is_file()
+    assert flight.run.report.is_file()
+    assert json.loads(flight.run.summary.read_text())['outcome'] == 'cancelled'
+    assert flight.living() == []
+
+
+def test_lost_output_ends_no_flight(complete: Any, fly: Fly) -> None:
+    """As with `rocsafe run ... | head -1`: the mission is flown to its end."""
+    flight = fly(has_reader=False)
+    assert flight.end() == 0
+    assert flight.info()['outcome'] == 'complete'
+    assert flight.images() == complete.images()
+
+
+def test_full_disk_ends_a_flight_by_name(fly: Fly, tmp_path: Path) -> None:
+    """While there is room for map and report; nothing stored is damaged. The next is refused."""
+    with small_file_system(tmp_path / 'disk', megabytes=160) as disk:
+        flight = fly(*SPEED, runs=disk)
+        flight.wait_for_images(2)
+        left = shutil.disk_usage(disk).free - 50 * 2**20
+        with (disk / 'filler').open('wb') as filler:
+            os.posix_fallocate(filler.fileno(), 0, left)
+        assert flight.end() == 1, flight.output
+        assert re.search(
+            r'mission failed: the disk of .* is full: \d+ MiB are free', flight.output
+        )
+        assert flight.run.report.is_file()
+        assert flight.run.mosaic.is_file()
+        assert flight.damaged_images() == set()
+        refused = fly(runs=disk)
+        assert refused.end() == 3
+        assert re.search(r'disk of .*: \d+ MiB are free, must be about', refused.output)
 
 
 def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
@@ -161,6 +206,27 @@ def test_second_mission_in_a_domain_is_refused(fly: Fly) -> None:
     assert first.process.poll() is None
     first.process.send_signal(signal.SIGINT)
     assert first.end() == 130
+
+
+def test_foreign_clock_and_steps_move_nothing(complete: Any, fly: Fly, intruder: Any) -> None:
+    """Another program's /clock, years ahead, and its reports of steps: the same mission."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    intruder.disturb()
+    assert flight.end() == 0, flight.output
+    assert intruder.heard_steps == 0
+    assert flight.images() == complete.images()
+    assert readings(flight.run.readings) == readings(complete.run.readings)
+
+
+def test_vehicle_that_somebody_has_is_not_flown(fly: Fly, intruder: Any) -> None:
+    """A bridge that serves rav1 is up: nothing is started, and the line says who has it."""
+    with intruder.vehicle('rav1'):
+        flight = fly()
+        assert flight.end() == 3
+    assert 'node /rav1/bridge (process' in flight.output
+    assert 'already speaks for /rav1/fly_route' in flight.output
+    assert not flight.has_begun
 
 
 def readings(path: Path) -> list[dict[str, str]]:

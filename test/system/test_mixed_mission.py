@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,8 @@ import cv2
 import numpy as np
 import pytest
 from test.mavlink.airspace import free_port
+
+from rocsafe_orchestrator.products.photographs import read_photographs
 
 pytestmark = pytest.mark.system
 
@@ -83,7 +86,12 @@ def test_real_and_simulated_fly_one_mission(field):
     assert looked.returncode == 0, looked.stdout + looked.stderr
     assert 'link-loss action' in looked.stdout
     assert 'all may fly' in looked.stdout
-    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs')
+    asked = field.rocsafe('run', field.scenario, '--out', field.folder / 'asked')
+    assert asked.returncode == 1, asked.stdout + asked.stderr
+    found = re.search('run again with --confirm ([0-9a-f]{8})', ' '.join(asked.stdout.split()))
+    assert found, asked.stdout
+    confirmed = ('--confirm', found.group(1))
+    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs', *confirmed)
     assert flown.returncode == 0, flown.stdout + flown.stderr
     (run,) = (field.folder / 'runs').glob('mixed-*')
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
@@ -97,6 +105,20 @@ def test_real_and_simulated_fly_one_mission(field):
     readings = (run / 'readings.csv').read_text(encoding='utf-8')
     assert 'rav1' in readings
     assert 'rav2' in readings
+
+
+def test_real_drone_takes_over_from_a_simulated_one(field):
+    """The battery of the simulated one fails: the real one holds, then flies the rest."""
+    text = field.scenario.read_text(encoding='utf-8')
+    text = text.replace('  - name: rav2\n', '  - name: rav2\n    fails_after_s: 8.0\n')
+    field.scenario.write_text(text, encoding='utf-8')
+    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs')
+    assert flown.returncode == 0, flown.stdout + flown.stderr
+    assert 'the battery failed' in flown.stdout
+    (run,) = (field.folder / 'runs').glob('mixed-*')
+    plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
+    count = sum(len(route['viewpoints']) for route in plan['routes'])
+    assert len({shot.viewpoint_id for shot in read_photographs(run / 'images')}) == count
 
 
 def test_drone_that_is_not_there_must_not_fly(rocsafe, ros_domain_id, tmp_path):

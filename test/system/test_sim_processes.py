@@ -22,6 +22,7 @@ from rocsafe_geo.frame import LocalFrame  # noqa: E402
 from rocsafe_geo.position import GeoPosition  # noqa: E402
 from rocsafe_interfaces.action import FlyRoute  # noqa: E402
 from rocsafe_interfaces.msg import GeoPoint, Route, ShotReceipt, Viewpoint  # noqa: E402
+from rocsafe_interfaces.srv import Lease  # noqa: E402
 from rocsafe_ros import topics  # noqa: E402
 from rocsafe_ros.conversions import ns_of_stamp  # noqa: E402
 
@@ -107,6 +108,7 @@ class Ground:
         topics.create_subscription(self.node, topics.FIX, self._on_fix, 'rav1')
         self._action = ActionClient(self.node, FlyRoute, 'rav1/fly_route')
         self._run = self.node.create_client(SetBool, 'world/run')
+        self._lease = self.node.create_client(Lease, 'rav1/lease')
 
     def _on_shot(self, shot: Any) -> None:
         self.shots[shot.shot_id] = (shot.sha256, ns_of_stamp(shot.header.stamp))
@@ -131,12 +133,24 @@ class Ground:
         """
         end = time.monotonic() + DEADLINE_S
         while time.monotonic() < end:
-            goal = FlyRoute.Goal(route=_route(), plan_id='plan')
+            goal = FlyRoute.Goal(route=_route(), plan_id='plan', lease=self.take_lease())
             accepted = self._action.send_goal_async(goal)
             self._ros.spin_until(patience(accepted.done, RETRY_S), DEADLINE_S)
             if accepted.done():
                 return accepted.result().get_result_async()
         raise AssertionError('the route was never accepted')
+
+    def take_lease(self) -> str:
+        """Take the lease, which survives a kill, and return what orders carry."""
+        request = Lease.Request(holder='ground', duration_s=3600.0)
+        end = time.monotonic() + DEADLINE_S
+        while time.monotonic() < end:
+            answer = self._lease.call_async(request)
+            self._ros.spin_until(patience(answer.done, RETRY_S), DEADLINE_S)
+            if answer.done():
+                assert answer.result().control.epoch == 1, answer.result()
+                return str(answer.result().control.lease)
+        raise AssertionError('the lease was never granted')
 
     def run_world(self) -> None:
         """Let time run."""

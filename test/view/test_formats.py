@@ -41,6 +41,34 @@ def test_three_figures(value, text):
 
 
 @pytest.mark.parametrize(
+    ('hours', 'text'),
+    [
+        (0.01, '36 s'), (0.2, '12 min'), (1.0, '1 h'), (20.0, '20 h'), (40.0, '40 h'),
+        (200.0, '8.3 d'), (8000.0, '330 d'), (1e6, 'over 10 years'), (math.inf, 'over 10 years'),
+    ],
+)  # fmt: skip
+def test_stay_times_can_be_read(hours, text):
+    """Never 8e+03 h, never more figures than are known."""
+    assert plain(formats.stay(hours)) == text
+
+
+@pytest.mark.parametrize(
+    ('ratio', 'text'),
+    [(5.05e6, 'very strong'), (4.0, 'strong'), (2.0, 'positive'), (-3.0, 'weak'), (math.nan, '–')],
+)
+def test_evidence_is_words(ratio, text):
+    """Nobody reads 5.05e+06 nats."""
+    assert formats.evidence(ratio) == text
+
+
+@given(st.floats(0.0, 1.0))
+def test_what_is_not_certain_is_not_shown_as_certain(share):
+    """Neither 100 % nor 0 %."""
+    text = plain(formats.probability(share))
+    assert text not in ('100 %', '0 %')
+
+
+@pytest.mark.parametrize(
     ('value', 'text'),
     [
         (93.67, '93.7 µSv/h'),

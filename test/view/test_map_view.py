@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_view.map_view import DosePoint, MapView, PhotoPoint, ReplayTrack, SourcePoint
+from rocsafe_view.map_view import Cordon, DosePoint, MapView, PhotoPoint, ReplayTrack, SourcePoint
 from rocsafe_view.pages import render
 from rocsafe_view.palette import DoseScale, ramp_colour
 
@@ -19,7 +19,7 @@ EMPTY = MapView(
     origin_deg=(53.28, -9.06), metres_per_degree=(111_000.0, 66_000.0), vehicles=('rav1', 'rav2'),
     colours={'rav1': '#111111', 'rav2': '#222222'}, region=(SQUARE,), exclusions=(), routes={},
     planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1, photos=(),
-    homes={}, sources=(), estimates=(), picture=None,
+    homes={}, sources=(), estimates=(), cordons=(), replanned={}, picture=None,
 )  # fmt: skip
 
 
@@ -121,3 +121,31 @@ def test_script_is_given_indices_of_vehicles():
     assert data['readings']['v'] == [1]
     assert data['highest'] == 0
     assert data['photos'] == {'rav2-00001': [1.0, 2.0, 3.0, 1, 7, '0.0,0.0 1.0,0.2']}
+
+
+def square(x, side):
+    """Return a ring about (x, 0)."""
+    half = side / 2.0
+    return ((x - half, -half), (x + half, -half), (x + half, half), (x - half, half))
+
+
+def test_cordons_lie_on_the_map_with_their_radius():
+    """Each part that is large enough is named at its northernmost point; all are listed."""
+    one = Cordon(level_usvh=100.0, name='inner', parts=((square(0.0, 60.0),),))
+    two = Cordon(
+        level_usvh=25.0, name='outer', parts=((square(0.0, 80.0),), (square(200.0, 2.0),))
+    )
+    assert one.radius_text == '42\u00a0m'
+    assert two.radius_text == '57\u00a0m (2 parts)'
+    assert two.labels(20.0) == [((-40.0, -40.0), '25.0\u00a0µSv/h within 57\u00a0m')]
+    page = drawn(dataclasses.replace(EMPTY, cordons=(two, one)))
+    assert page.count('class="map-cordon"') == 2
+    assert '100\u00a0µSv/h within 42\u00a0m</text>' in page
+    listed = page[page.index('cordons-listed') :]
+    assert listed.index('100\u00a0µSv/h') < listed.index('25.0\u00a0µSv/h')
+
+
+def test_what_a_run_lacks_cannot_be_switched_on():
+    """Without cordons and further plans their switches are off and say so."""
+    assert 'Routes planned in flight (none)' in drawn(EMPTY)
+    assert 'Cordons, upper 95 % (none)' in drawn(EMPTY)

@@ -16,15 +16,20 @@ from workspace.ros import SystemRos
 # Started by the environment's own Python, so that the executables it installs start with it too.
 _COLCON = 'import sys; from colcon_core.command import main; sys.exit(main())'
 _EXIT_NOT_SET_UP = 3
+# A package of the distribution that the wheels lack: src/ has one of the same name.
+_TF_PACKAGE = 'tf2_msgs'
 
 
-def build(layout: Layout, environment: Mapping[str, str]) -> None:
-    """Build and install every package with colcon."""
+def build(layout: Layout, environment: Mapping[str, str], ros: SystemRos | None) -> None:
+    """Build and install every package with colcon; what the system's ROS has is left to it."""
     python = str(layout.python)
+    prefixes = ros.prefixes if ros else ()
+    has_tf = any((prefix / 'share' / _TF_PACKAGE).is_dir() for prefix in prefixes)
     command = [python, '-c', _COLCON, 'build', '--symlink-install', '--base-paths', 'src']
     cmake = [f'-DPython3_EXECUTABLE={python}', '-DBUILD_TESTING=OFF', '--no-warn-unused-cli']
+    ignored = ['--packages-ignore', _TF_PACKAGE] if has_tf else []
     run_logged(
-        [*command, '--cmake-args', *cmake],
+        [*command, *ignored, '--cmake-args', *cmake],
         layout.logs / 'build.log',
         build_environment(environment, layout),
         folder=layout.root,

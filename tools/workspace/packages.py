@@ -20,6 +20,7 @@ from workspace.ros import SystemRos
 # or missing comes, pinned, from python.txt.
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'colcon_core': ('colcon-common-extensions', (0, 12)),
+    'contourpy': ('contourpy', (1, 0, 7)),
     'cv2': ('opencv-python-headless', (4, 6)),
     'jinja2': ('Jinja2', (3, 1)),
     'markupsafe': ('MarkupSafe', (2, 1)),
@@ -41,6 +42,9 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
 }
 # Importing everything takes seconds; a minute means that something hangs.
 _INSPECT_LIMIT_S = 120.0
+
+# A lock names all packages; nothing else is installed.
+_LOCKED = ('--require-hashes', '--no-deps')
 
 _INSPECT = """
 import importlib, importlib.metadata, json, sys
@@ -78,10 +82,8 @@ def make_venv(
 
 
 def install_wheels(layout: Layout, environment: Mapping[str, str]) -> None:
-    """Install ROS and every library at its pinned version."""
-    folder = layout.requirements
-    arguments = [f'-r{folder}/ros.txt', f'-r{folder}/python.txt', f'-c{folder}/constraints.txt']
-    _pip(layout, 'packages', arguments, environment)
+    """Install ROS and every library, each file by its hash."""
+    _pip(layout, 'packages', [*_LOCKED, f'-r{layout.requirements}/lock.txt'], environment)
 
 
 def install_missing(layout: Layout, environment: Mapping[str, str]) -> list[str]:
@@ -111,8 +113,10 @@ def install_missing(layout: Layout, environment: Mapping[str, str]) -> list[str]
 def install_development(layout: Layout, ros: SystemRos | None, env: Mapping[str, str]) -> None:
     """Install what the checks and the tests need beyond the nodes."""
     folder = layout.requirements
-    constraints = layout.cache / 'system-numpy.txt' if ros else folder / 'constraints.txt'
-    _pip(layout, 'development', [f'-r{folder}/dev.txt', f'-c{constraints}'], env)
+    arguments = [*_LOCKED, f'-r{folder}/lock-dev.txt']
+    if ros:
+        arguments = [f'-r{folder}/dev.txt', f'-c{layout.cache}/system-numpy.txt']
+    _pip(layout, 'development', arguments, env)
 
 
 def pinned(requirements: Path) -> dict[str, str]:
@@ -156,6 +160,11 @@ def _explained(failure: CommandError) -> SetupError:
         return SetupError(
             'the package index cannot be reached: connect this machine to it, or name a mirror '
             'by PIP_INDEX_URL, and run this again'
+        )
+    if 'DO NOT MATCH THE HASHES' in failure.log_text:
+        return SetupError(
+            'a package differs from the one that was locked (requirements/lock.txt): it may have '
+            'been tampered with; see the log'
         )
     absent = re.search(r'No matching distribution found for (\S+)', failure.log_text)
     if absent:

@@ -15,6 +15,7 @@ BUILD_PATTERNS = (
     '*/setup.py',
     '*/setup.cfg',
     '*/CMakeLists.txt',
+    '*/cmake/*.cmake',
     '*/msg/*.msg',
     '*/srv/*.srv',
     '*/action/*.action',

@@ -58,15 +58,14 @@ class Workspace:
 
     def packages_mark(self, version: str) -> str:
         """Fingerprint of the packages that the nodes need."""
-        names = ('ros.txt', 'python.txt', 'constraints.txt')
+        names = ('ros.txt', 'python.txt', 'lock.txt')
         files = [self.layout.requirements / name for name in names]
         return records.fingerprint(self.venv_mark(version), *files)
 
     def development_mark(self, version: str) -> str:
         """Fingerprint of the packages that checks and tests need."""
-        return records.fingerprint(
-            self.packages_mark(version), self.layout.requirements / 'dev.txt'
-        )
+        files = [self.layout.requirements / name for name in ('dev.txt', 'lock-dev.txt')]
+        return records.fingerprint(self.packages_mark(version), *files)
 
     def ground_mark(self, version: str) -> str:
         """Fingerprint of what a build cannot survive a change of."""
@@ -231,7 +230,7 @@ def _ready_build(workspace: Workspace, version: str) -> None:
     ):
         building.clear(layout)
     with step(f'colcon build of the packages in src/, {core_count()} at a time'):
-        building.build(layout, workspace.tools)
+        building.build(layout, workspace.tools, workspace.ros)
     record = {'build': workspace.build_mark(version), 'ground': ground, 'files': files}
     for path in layout.build_records:
         records.write(path, record)

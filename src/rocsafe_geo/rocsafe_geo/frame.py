@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The local frame: east, north, up in metres about an origin on the WGS84 ellipsoid."""
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,8 +11,12 @@ from pyproj import Transformer
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_finite
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_body
+from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_geo.projection import columns, transform
+
+# East, north and up at latitude and longitude 0, as columns: y, z and x of the earth.
+_EAST_NORTH_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +32,23 @@ class LocalFrame:
 
     def __post_init__(self) -> None:
         require_finite('origin altitude_m', self.origin.altitude_m)
+
+    def earth_pose(
+        self,
+    ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
+        """Return the frame in earth-centred coordinates: origin in metres and rotation.
+
+        The rotation, a quaternion (x, y, z, w), turns east, north, up into the axes of the
+        earth (REP 105, frame `earth`).
+        """
+        latitude, longitude = map(
+            math.radians, (self.origin.latitude_deg, self.origin.longitude_deg)
+        )
+        rotation = rotation_enu_from_body(longitude, -latitude, 0.0) @ _EAST_NORTH_UP
+        place = ecef_m(self.origin.latitude_deg, self.origin.longitude_deg, self.origin.altitude_m)
+        x, y, z = map(float, place[0])
+        qx, qy, qz, qw = map(float, quaternion_of_rotation(rotation))
+        return (x, y, z), (qx, qy, qz, qw)
 
     def to_enu(
         self, latitudes_deg: ArrayLike, longitudes_deg: ArrayLike, altitudes_m: ArrayLike

@@ -91,6 +91,9 @@ class NeighbourOptions:
         Overlap over the smaller footprint.
     disc_sides
         Segments of a quarter circle, for the footprint where the yaw is unknown.
+    nearest
+        Photographs of the nearest fixes that are neighbours where heights, hence footprints, are
+        unknown.
     """
 
     most: int = 9
@@ -98,6 +101,7 @@ class NeighbourOptions:
     most_margin_share: float = 0.5
     least_overlap_share: float = 0.08
     disc_sides: int = 4
+    nearest: int = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,6 +235,13 @@ class InitialOptions:
         Photographs up to which equations are solved as a full matrix.
     guessed_height_share
         Heights less certain than this share of themselves are scaled to the fixes.
+    found_height_share
+        Standard deviation of a height that was found from the fixes, over the height.
+    altitude_share
+        Where the altitudes of fixes agree with heights to this share of the height, a photograph
+        without ties has the height that its altitude says, else the median height.
+    least_baselines
+        Fixes show the scale if they spread over this many of their standard deviations.
     yaw_disbelief_rad
         Yaws of a group that disagree with its fixes by more are not used.
     """
@@ -246,6 +257,9 @@ class InitialOptions:
     converged: float = 1e-6
     most_full: int = 120
     guessed_height_share: float = 0.2
+    found_height_share: float = 0.5
+    altitude_share: float = 0.15
+    least_baselines: float = 4.0
     yaw_disbelief_rad: float = math.radians(20.0)
 
 
@@ -341,7 +355,7 @@ class AdjustmentOptions:
     least_fixes: int = 6
     smallest_factor: float = 0.15
     largest_factor: float = 8.0
-    samples: int = 16
+    samples: int = 48
     most_ties: int = 150_000
     most_local_ties: int = 1200
     usual_ties: float = 3.0

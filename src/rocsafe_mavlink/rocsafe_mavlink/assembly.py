@@ -16,13 +16,15 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.drone_options import DroneFleet, DroneOptions
 from rocsafe_mavlink.flight.flight_journal import FlightJournal
-from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
+from rocsafe_mavlink.link.endpoint import Endpoint, parse_endpoint
 from rocsafe_mavlink.link.link import Link, LinkRules
 from rocsafe_mavlink.link.transport import address_of, open_transport
-from rocsafe_mavlink.wire.signing import SignatureGate, Signer, read_key
+from rocsafe_mavlink.wire.signing import TICKS_PER_S, SignatureGate, Signer, read_key, ticks_at
 from rocsafe_mavlink.wire.timestamp_store import TimestampStore
 
 LINK_ID = 0
+# Clocks differ by less where all are set by GPS or by a time server.
+LARGEST_AHEAD_S = 60.0
 STREAM_PREFIXES = ('rtsp://', 'http://', 'https://', '/dev/video')
 
 
@@ -46,6 +48,20 @@ def make_stations(options: BridgeOptions, fleet: DroneFleet) -> dict[str, Statio
             station.close()
         raise
     return stations
+
+
+def clock_warnings(fleet: DroneFleet, now_s: float) -> list[str]:
+    """Return a line for each key with time stamps ahead of our clock; see the command signing."""
+    lines = []
+    for key_file in sorted({drone.signing_key_file for drone in fleet.drones} - {''}):
+        newest = max(timestamps_of(Path(key_file)).limits.values(), default=0)
+        ahead_s = (newest - ticks_at(now_s)) / TICKS_PER_S
+        if ahead_s > LARGEST_AHEAD_S:
+            lines.append(
+                f'{key_file}: time stamps are {ahead_s:.0f} s ahead of our clock; if that clock '
+                'is right, end the bridge and call: ros2 run rocsafe_mavlink signing reset'
+            )
+    return lines
 
 
 def make_drone(drone: DroneOptions, options: BridgeOptions, station: Station) -> Drone:
@@ -86,7 +102,7 @@ def make_geotagger(
     return Geotagger(
         ShotNumbering(None if folder is None else folder / 'shots'),
         open_source(drone.image_folder, clock),
-        None if folder is None else folder / 'shots.csv',
+        folder,
     )
 
 
@@ -111,10 +127,10 @@ def open_source(text: str, clock: Callable[[], float]) -> ImageSource | None:
 
 
 def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
-    endpoint = parse_endpoint(link, allow_network=options.allow_network)
+    endpoint = parse_endpoint(link)
     gate = signer = None
     if key_file:
-        key, store = read_key(Path(key_file)), _timestamps(Path(key_file))
+        key, store = read_key(Path(key_file)), timestamps_of(Path(key_file))
         gate, signer = SignatureGate(key, store), Signer(key, LINK_ID, store)
     return Station(
         open_transport(endpoint), Link(_rules(endpoint), options.identity, gate, signer)
@@ -122,16 +138,21 @@ def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
 
 
 def _rules(endpoint: Endpoint) -> LinkRules:
-    is_listening = endpoint.kind is EndpointKind.UDP
-    called = () if is_listening else (address_of(endpoint),)
+    called = () if endpoint.is_listening else (address_of(endpoint),)
     return LinkRules(
         allowed=frozenset((*endpoint.peers, *called)),
         called=frozenset(called),
-        is_discovering=is_listening and not endpoint.peers and endpoint.is_loopback,
+        is_discovering=endpoint.is_listening and not endpoint.peers,
         is_stream=endpoint.is_stream,
     )
 
 
-def _timestamps(key_file: Path) -> TimestampStore:
-    """Return the time stamps of a key: they outlive runs, as the key does."""
+def timestamps_of(key_file: Path) -> TimestampStore:
+    """Return the time stamps of a key: they outlive runs, as the key does.
+
+    Raises
+    ------
+    ValueError
+        If their file is damaged.
+    """
     return TimestampStore(key_file.with_name(f'{key_file.name}.timestamps'))

@@ -5,12 +5,17 @@ import os
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import MissionState
-from rocsafe_mavlink.assembly import make_drone, make_geotagger, make_stations
+from rocsafe_mavlink.assembly import (
+    clock_warnings,
+    make_drone,
+    make_geotagger,
+    make_stations,
+)
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
@@ -25,6 +30,8 @@ from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import diagnostic
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
@@ -33,7 +40,6 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 POLL_S = 0.005
 # Period of what is due by time; messages of vehicles do not wait for it.
 TICK_S = 0.02
-DIAGNOSE_S = 1.0
 # mission/state is published twice a second while the mission lives.
 SUPERVISOR_LEASE_S = 3.0
 
@@ -42,14 +48,20 @@ class DroneInterface:
     """All topics, services and the action in a vehicle's namespace."""
 
     def __init__(
-        self, node: VehicleScopeNode, drone: Drone, geotagger: Geotagger, fov_rad: float
+        self,
+        node: VehicleScopeNode,
+        drone: Drone,
+        geotagger: Geotagger,
+        options: BridgeOptions,
     ) -> None:
         self.node = node
         self.drone = drone
-        self.shots = ShotSender(node, drone, geotagger, fov_rad)
+        self._master = ''
+        self._lease = LeaseServer(node, options.state_path(drone.spec.name))
+        self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
-        self._commands = CommandServices(node, drone, time.monotonic)
-        self._flights = FlyRouteServer(node, drone, lambda: self.shots.delivered)
+        self._commands = CommandServices(node, drone, self._lease, time.monotonic)
+        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed)
         drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:
@@ -61,24 +73,38 @@ class DroneInterface:
         """Take something that happened to the vehicle."""
         self._telemetry.on_event(event)
 
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return self._telemetry.health()
+
     def follow(self) -> None:
         """Publish what can wait until the fixes of all vehicles are published."""
         self._telemetry.follow()
 
-    def step(self, now_s: float, time_s: float) -> None:
+    def step(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
         """Let time pass."""
         self.drone.step(now_s)
-        self._flights.step(now_s)
+        self._watch_master()
+        self._flights.step(now_s, is_supervised=is_supervised)
         self._commands.step()
         self._telemetry.step(now_s)
         self.shots.step(now_s, time_s)
+
+    def _watch_master(self) -> None:
+        """Make the lease void when a pilot or another station takes the vehicle."""
+        kind, before = self.drone.session.known_autopilot(), self._master
+        if kind is None:
+            return
+        self._master = self.drone.session.custody.new_master(self.drone.vehicle, kind)
+        if self._master and self._master != before:
+            self._lease.revoke(self._master)
 
 
 class BridgeNode(Node):
     """Serves all drones of `drones_file`, each behind a node in its own namespace.
 
     Takes no part in lock-step: real vehicles fly by the clock on the wall. Subscribes:
-    mission/state, if its supervisor is to be watched. Publishes: /diagnostics.
+    mission/state, if its supervisor is to be watched.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -87,6 +113,8 @@ class BridgeNode(Node):
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
+            for line in clock_warnings(self._fleet, time.time()):
+                self.get_logger().warning(line)
             self._interfaces = [
                 self._interface(drone, node_options) for drone in self._fleet.drones
             ]
@@ -95,10 +123,8 @@ class BridgeNode(Node):
         self._supervised_s = self._ticked_s = time.monotonic()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
-        self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(POLL_S, self._poll, clock=steady)
-        self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
 
     @property
     def vehicle_nodes(self) -> list[VehicleScopeNode]:
@@ -117,7 +143,7 @@ class BridgeNode(Node):
         drone = make_drone(options, self._options, self._stations[options.link])
         geotagger = make_geotagger(options, self._options, time.time)
         node = self._vehicle_node(drone, node_options)
-        return DroneInterface(node, drone, geotagger, self._options.horizontal_fov_rad)
+        return DroneInterface(node, drone, geotagger, self._options)
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(
@@ -148,12 +174,12 @@ class BridgeNode(Node):
         for station in self._stations.values():
             station.tick(now_s, time_s, is_supervised=is_supervised)
         for interface in self._interfaces:
-            interface.step(now_s, time_s)
+            interface.step(now_s, time_s, is_supervised=is_supervised)
 
-    def _diagnose(self) -> None:
+    def health(self) -> list[DiagnosticStatus]:
+        """Return its own status, those of its links and those of its vehicles."""
         now_s = time.monotonic()
-        message = DiagnosticArray()
-        message.header.stamp = self.get_clock().now().to_msg()
+        links = []
         for link, station in self._stations.items():
             names = {drone.name for drone in self._fleet.on(link)}
             contacts = {
@@ -161,8 +187,9 @@ class BridgeNode(Node):
                 for interface in self._interfaces
                 if interface.drone.spec.name in names
             }
-            message.status.append(link_status(link, contacts, station.link.counters.by_name()))
-        self._diagnostics.publish(message)
+            links.append(link_status(link, contacts, station.link.counters.by_name()))
+        vehicles = (interface.health() for interface in self._interfaces)
+        return [diagnostic('runs'), *links, *filter(None, vehicles)]
 
 
 def make_nodes() -> list[Node]:

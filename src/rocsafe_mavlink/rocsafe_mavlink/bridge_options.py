@@ -10,12 +10,14 @@ from typing import ClassVar
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.drone.drone import DroneSpec
-from rocsafe_mavlink.drone_options import DroneOptions
-from rocsafe_mavlink.flight.preflight import FlightLimits
+from rocsafe_mavlink.drone_options import ON_WIND, DroneOptions
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.link.link import LinkIdentity
 
 _MOVED = {
+    'highest_m': 'max_height_agl_m',
     'vehicles': 'a list, drones, in the file that drones_file names',
+    'allow_network': 'allow_lan of a drone in the file that drones_file names',
     **{
         old: f'{new} of a drone in the file that drones_file names'
         for old, new in {
@@ -52,9 +54,6 @@ class BridgeOptions:
     position_rate_hz: float = field(
         default=5.0, metadata={'doc': 'positions a second', 'min': 0.2, 'max': 50.0}
     )
-    allow_network: bool = field(
-        default=False, metadata={'doc': 'listen for vehicles beyond this machine'}
-    )
     needs_supervisor: bool = field(
         default=False,
         metadata={'doc': 'send heartbeats only while mission/state is being published'},
@@ -75,8 +74,12 @@ class BridgeOptions:
     lowest_m: float = field(
         default=5.0, metadata={'doc': 'least height of a waypoint above home, metres', 'min': 0.5}
     )
-    highest_m: float = field(
-        default=120.0, metadata={'doc': 'greatest height of a waypoint above home, metres'}
+    max_height_agl_m: float = field(
+        default=120.0,
+        metadata={
+            'doc': 'greatest height above the ground, metres: 120 is the EU open category',
+            'min': 1.0,
+        },
     )
     furthest_m: float = field(
         default=2000.0, metadata={'doc': 'greatest distance of a waypoint from home, metres'}
@@ -139,10 +142,13 @@ class BridgeOptions:
             trigger_distance_m=self.trigger_distance_m,
             limits=FlightLimits(
                 lowest_m=self.lowest_m,
-                highest_m=self.highest_m,
+                max_height_agl_m=self.max_height_agl_m,
                 furthest_m=self.furthest_m,
                 longest_s=drone.endurance_s,
                 smallest_charge=self.smallest_charge,
                 must_return_on_link_loss=self.must_return_on_link_loss,
+                max_wind_mps=drone.max_wind_mps,
+                max_gust_mps=drone.max_gust_mps,
+                returns_in_wind=drone.on_wind == ON_WIND[1],
             ),
         )

@@ -2,22 +2,27 @@
 """The command services of a real vehicle: answered when it has obeyed or refused."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rocsafe_mavlink.conversions import check_message, ring_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import failures
 from rocsafe_mavlink.flight.fence import Fence
-from rocsafe_mavlink.flight.preflight import failures
 from rocsafe_ros import topics
+from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 Begin = Callable[[Any, float], None]
 
 
 class CommandServices:
-    """Services: hold, resume, return_home, land, go_to, set_speed, preflight, fence and rally.
+    """Services: hold, return_home and land, always taken; with the lease all others.
+
+    These are resume, go_to, set_speed, fence and rally; preflight commands nothing.
 
     Parameters
     ----------
@@ -25,20 +30,32 @@ class CommandServices:
         Node in the vehicle's namespace.
     drone
         The vehicle.
+    lease
+        Judges who may give orders.
     clock
         Returns steady time, seconds.
     """
 
-    def __init__(self, node: VehicleScopeNode, drone: Drone, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        drone: Drone,
+        lease: LeaseServer,
+        clock: Callable[[], float],
+    ) -> None:
         self._node = node
         self._drone = drone
+        self._lease = lease
         self._clock = clock
         self._waiting: list[_Answer] = []
         commands = drone.commands
-        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
+        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s), ends_wait=True)
         self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
-        self._serve(topics.RETURN_HOME, lambda _request, now_s: commands.return_home(now_s), True)
-        self._serve(topics.LAND, lambda _request, now_s: commands.land(now_s), True)
+        for spec, end in (
+            (topics.RETURN_HOME, commands.return_home),
+            (topics.LAND, commands.land),
+        ):
+            self._serve(spec, partial(_given, end), ends_flight=True, ends_wait=True)
         self._serve(topics.GO_TO, self._go_to)
         self._serve(
             topics.SET_SPEED,
@@ -61,18 +78,34 @@ class CommandServices:
                 self._drone.gave_up()
             answer.give(error)
 
-    def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
+    def _serve(
+        self,
+        spec: topics.CallSpec,
+        begin: Begin,
+        ends_flight: bool = False,
+        ends_wait: bool = False,
+    ) -> None:
+        """Serve a command; `ends_wait`: on the ground it withdraws a start that is to come."""
         answers: list[_Answer] = []
 
         def on_call(request: Any, response: Any) -> Any:
             answer = _Answer(response, self._drone.spec.name, ends_flight)
             answers.append(answer)
+            # Hold, return_home and land carry no lease.
+            lease = getattr(request, 'lease', None)
+            if lease is not None and self._lease.is_for_another(lease):
+                return response  # that node answers
             now_s = self._clock()
             # A flight that has just been found may be resumed.
             self._drone.step(now_s)
+            if ends_wait and self._drone.withdraw_start() and not self._drone.is_in_air:
+                answer.give('')
+                return response
             try:
+                if lease is not None:
+                    self._lease.require(lease)
                 begin(request, now_s)
-            except (CommandRefusedError, ValueError) as refusal:
+            except (LeaseRefusedError, CommandRefusedError, ValueError) as refusal:
                 answer.give(str(refusal))
                 return response
             answer.number = self._drone.commands.count
@@ -112,6 +145,11 @@ class CommandServices:
         response.checks = [check_message(check) for check in checks]
         response.may_fly = not failures(checks)
         return response
+
+
+def _given(command: Callable[[float], None], _request: Any, now_s: float) -> None:
+    """Give a command that has no arguments."""
+    command(now_s)
 
 
 class _Answer:

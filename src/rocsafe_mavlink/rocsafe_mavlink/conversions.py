@@ -5,7 +5,8 @@ import math
 from dataclasses import replace
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import Vector3
 from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
@@ -15,6 +16,7 @@ from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
     PreflightCheck,
+    Traffic,
     VehicleEvent,
     VehicleState,
     Viewpoint,
@@ -23,13 +25,15 @@ from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone.status import DroneStatus
+from rocsafe_mavlink.flight.check import Check, CheckVerdict
 from rocsafe_mavlink.flight.fence import Ring
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.flight.preflight import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
-from rocsafe_ros.conversions import point_of_position, position_of_point
+from rocsafe_mavlink.knowledge.traffic import Encounter
+from rocsafe_mavlink.result_conversions import OUTCOMES
+from rocsafe_ros.conversions import diagnostic, point_of_position, position_of_point
 
 STATES = {
     FlightState.UNKNOWN: VehicleState.UNKNOWN,
@@ -42,6 +46,7 @@ STATES = {
     FlightState.LANDING: VehicleState.LANDING,
     FlightState.LANDED: VehicleState.LANDED,
     FlightState.LOST: VehicleState.LOST,
+    FlightState.WAITING: VehicleState.WAITING,
 }
 _VERDICTS = {
     CheckVerdict.PASS: PreflightCheck.PASS,
@@ -63,29 +68,34 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
         Naming what cannot be flown.
     """
     home = position_of_point(message.home)
-    if not message.viewpoints:
-        raise ValueError('the route has no viewpoint')
     _require_plain(message)
     waypoints: list[FlightWaypoint] = []
     for viewpoint in message.viewpoints:
         waypoints += _waypoints(viewpoint, home, spec.hover_s)
-    last = waypoints[-1]
+    last = waypoints[-1] if waypoints else _over_home(home, message.flight_height_m)
     waypoints += [_bend(point, last) for point in message.homeward]
+    if not message.viewpoints:
+        waypoints.append(last)
     plan = FlightPlan(
         waypoints=tuple(waypoints),
         speed_mps=spec.speed_mps,
         takes_photographs=spec.takes_photographs,
         trigger_distance_m=spec.trigger_distance_m,
         home=GeoPosition(home.latitude_deg, home.longitude_deg, 0.0),
+        exclusions=tuple(tuple(map(_level, ring_of(zone))) for zone in message.exclusions),
+        clearance_m=message.clearance_m,
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
 
 
+def _over_home(home: GeoPosition, height_m: float) -> FlightWaypoint:
+    """Return where a vehicle that is called home comes to, before it returns and lands."""
+    return FlightWaypoint(position=_level(home), height_m=height_m, is_bend=True)
+
+
 def _require_plain(message: RouteMessage) -> None:
-    """Refuse what real vehicles do not fly: a late start, several flights, another end."""
-    if message.delay_s > 0.0:
-        raise ValueError(f'delay_s is {message.delay_s:g} s: must be 0, it takes off when ready')
+    """Refuse what real vehicles do not fly: several flights, another end."""
     if len(message.flights) > 1:
         count = len(message.flights)
         raise ValueError(f'the route has {count} flights: must be 1, batteries are not changed')
@@ -105,6 +115,7 @@ def _waypoints(viewpoint: Viewpoint, home: GeoPosition, hover_s: float) -> list[
         height_m=height_m,
         hold_s=hover_s,
         heading_deg=math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)) % 360.0,
+        height_agl_m=viewpoint.height_agl_m if viewpoint.height_agl_m > 0.0 else None,
     )
     return [*(_bend(point, stop) for point in viewpoint.approach), stop]
 
@@ -180,8 +191,11 @@ def state_message(
         battery_fraction=seen.charge,
         distance_flown_m=seen.distance_m,
         text=seen.text,
+        advice=seen.advice,
         position=_point(seen.motion),
         speed_mps=_speed_mps(seen.motion),
+        ending=0 if seen.ending is None else OUTCOMES[seen.ending],
+        taken_by=seen.taken_by,
     )
 
 
@@ -207,6 +221,30 @@ def event_message(event: Event, vehicle: str, stamp: Time) -> VehicleEvent:
     )
 
 
+def traffic_message(seen: Encounter, vehicle: str, stamp: Time, separation_m: float) -> Traffic:
+    """Return another aircraft; `separation_m` is the height of the geoid, NaN if not known."""
+    aircraft = seen.aircraft
+    east, north, up = aircraft.velocity_enu_mps or (math.nan,) * 3
+    place = aircraft.position
+    return Traffic(
+        header=Header(stamp=stamp, frame_id=f'{vehicle}/base_link'),
+        vehicle=vehicle,
+        icao=aircraft.icao,
+        callsign=aircraft.callsign,
+        position=GeoPoint(
+            latitude=place.latitude_deg,
+            longitude=place.longitude_deg,
+            altitude=aircraft.altitude_msl_m + separation_m,
+        ),
+        velocity=Vector3(x=east, y=north, z=up),
+        distance_m=seen.distance_m,
+        above_m=seen.above_m,
+        closest_m=seen.closest_m,
+        closest_in_s=seen.closest_in_s,
+        is_close=seen.is_close,
+    )
+
+
 def check_message(check: Check) -> PreflightCheck:
     """Return one check before a flight."""
     return PreflightCheck(
@@ -219,10 +257,5 @@ def link_status(
 ) -> DiagnosticStatus:
     """Return the health of a link: who is heard, and how much was dropped and why."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
-    return DiagnosticStatus(
-        name=f'bridge: {name}',
-        hardware_id=name,
-        level=DiagnosticStatus.WARN if silent else DiagnosticStatus.OK,
-        message=', '.join(silent) or 'all are heard',
-        values=[KeyValue(key=key, value=str(value)) for key, value in counts.items()],
-    )
+    text = ', '.join(silent) or 'all are heard'
+    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(silent), values=counts)

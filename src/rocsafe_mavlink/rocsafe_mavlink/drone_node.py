@@ -5,35 +5,47 @@ from collections.abc import Callable
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
-from std_msgs.msg import Float64, Header
+from std_msgs.msg import Float64, Header, UInt8MultiArray
 
+from rocsafe_interfaces.msg import VehicleState
 from rocsafe_mavlink.conversions import (
     battery_message,
     event_message,
     predicted_message,
     state_message,
+    traffic_message,
 )
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.station import TUNNEL
 from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.telemetry import Motion
+from rocsafe_mavlink.knowledge.traffic import encounters
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
     odometry_message,
     path_pose,
     point_of_position,
+    vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 SLOW_S = 1.0
+# Types of TUNNEL payloads up to this one are those of known devices.
+LARGEST_REGISTERED_TYPE = 32_767
 # Positions kept of a track: the last two hours.
 LARGEST_PATH = 7200
+# Period of a path that nobody watches, for the recorder.
+UNSEEN_PATH_S = 10.0
 # Texts of a vehicle that are logged each second; all of them are published as events.
 TEXTS_PER_S = 5
 
@@ -41,8 +53,9 @@ TEXTS_PER_S = 5
 class TelemetryPublisher:
     """Publishes what a drone says, as soon as it says it.
 
-    Publishes: fix, velocity, odom, rel_alt, heading at each position; state, battery_state, path,
-    predicted_fix each second; state and events on change; home on change.
+    Publishes: fix, velocity, odom, /tf, rel_alt, heading at each position; state, battery_state,
+    path, predicted_fix each second; state and events on change; home on change; traffic when
+    heard.
 
     Parameters
     ----------
@@ -66,18 +79,25 @@ class TelemetryPublisher:
             for spec in (
                 *(topics.FIX, topics.VELOCITY, topics.ODOM, topics.REL_ALT, topics.HEADING),
                 *(topics.BATTERY_STATE, topics.STATE, topics.PATH, topics.PREDICTED_FIX),
-                *(topics.EVENTS, topics.HOME),
+                *(topics.EVENTS, topics.HOME, topics.TRAFFIC, topics.DETECTOR_BYTES),
             )
         }
+        self._frames = VehicleFrames(node, {'camera_optical': LOOKS_DOWN})
         self._track = Path(header=Header(frame_id=MAP_FRAME))
-        self._slow_s = -SLOW_S
+        self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
+        self._viewers = Audience(node, self._publishers[topics.PATH.name])
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._texts_left = TEXTS_PER_S
         self._following: list[tuple[Motion, Time]] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
         """Publish the fix of a position; the rest of it waits for `follow`."""
+        if message.name == TUNNEL:
+            self._publish_bytes(message)
         motion, gps = self._drone.vehicle.motion, self._drone.vehicle.gps
+        if message.name == 'ADSB_VEHICLE':
+            self._publish_traffic(int(message['ICAO_address']), now_s)
         if message.name != POSITION or motion is None:
             return
         stamp = self._node.get_clock().now().to_msg()
@@ -87,17 +107,28 @@ class TelemetryPublisher:
         self._publish(topics.FIX, fix_message(motion.position, stamp, frame_id, std_m, status))
         self._following.append((motion, stamp))
 
+    def _publish_bytes(self, message: Message) -> None:
+        """Publish the bytes of a payload, unless MAVLink says that they are of another kind."""
+        kind = message['payload_type']
+        if kind == 0 or kind > LARGEST_REGISTERED_TYPE:
+            data = message['payload'][: message['payload_length']]
+            self._publishers[topics.DETECTOR_BYTES.name].publish(UInt8MultiArray(data=data))
+
     def follow(self) -> None:
         """Publish the rest of the positions that have come: the fixes of all vehicles go first."""
         following, self._following = self._following, []
         for motion, stamp in following:
             place, velocity = enu_of(self._drone.spec.frame, motion), motion.velocity_enu_mps
             self._publish(topics.VELOCITY, velocity_message(velocity, stamp))
-            self._publish(
-                topics.ODOM, odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
-            )
+            odometry = odometry_message(place, motion.yaw_rad, velocity, stamp, self._name)
+            self._publish(topics.ODOM, odometry)
+            self._frames.move(odometry)
             self._publish(topics.REL_ALT, Float64(data=motion.height_above_home_m))
             self._publish(topics.HEADING, Float64(data=motion.heading_deg))
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
 
     def on_event(self, event: Event) -> None:
         """Publish an event."""
@@ -117,12 +148,22 @@ class TelemetryPublisher:
         seen = self._drone.status(now_s)
         if is_slow:
             self._slow_s, self._texts_left = now_s, TEXTS_PER_S
-            self._publish_slow(seen)
+            self._publish_slow(seen, now_s)
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
-        self._publish(topics.STATE, state_message(seen, self._name, stamp, self._shots()))
+        self._last = state_message(seen, self._name, stamp, self._shots())
+        self._publish(topics.STATE, self._last)
 
-    def _publish_slow(self, seen: DroneStatus) -> None:
+    def _publish_traffic(self, icao: int, now_s: float) -> None:
+        vehicle = self._drone.vehicle
+        stamp = self._node.get_clock().now().to_msg()
+        for seen in encounters(vehicle, now_s):
+            if seen.aircraft.icao == icao:
+                separation_m = vehicle.geoid_separation_m
+                said = traffic_message(seen, self._name, stamp, separation_m)
+                self._publish(topics.TRAFFIC, said)
+
+    def _publish_slow(self, seen: DroneStatus, now_s: float) -> None:
         stamp = self._node.get_clock().now().to_msg()
         self._publish(
             topics.BATTERY_STATE, battery_message(seen, stamp, f'{self._name}/base_link')
@@ -134,7 +175,9 @@ class TelemetryPublisher:
             self._track.header.stamp = stamp
             self._track.poses.append(path_pose(seen.position_enu, stamp))
             del self._track.poses[:-LARGEST_PATH]
-            self._publish(topics.PATH, self._track)
+            if self._viewers.is_watching or now_s - self._path_s >= UNSEEN_PATH_S:
+                self._path_s = now_s
+                self._publish(topics.PATH, self._track)
 
     def _publish(self, spec: topics.TopicSpec, message: Any) -> None:
         self._publishers[spec.name].publish(message)

@@ -18,6 +18,9 @@ from rocsafe_mavlink.result_conversions import (
     result_message,
 )
 from rocsafe_ros import topics
+from rocsafe_ros.control_lease import LeaseRefusedError
+from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.plan_digest import route_digest
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 FEEDBACK_S = 1.0
@@ -28,6 +31,10 @@ LARGEST_WAIT_S = 45.0
 class FlyRouteServer:
     """Serves fly_route: any number of goals may join one flight, and all end with it.
 
+    A goal with a delay is begun so long after it came, on the ground or in the air. It is given up
+    if the vehicle is told to hold, return or land meanwhile, if another route comes, or if nobody
+    supervises the flight any more.
+
     A goal is executed, as rclpy calls it, when its result is known.
 
     Parameters
@@ -36,16 +43,22 @@ class FlyRouteServer:
         Node in the vehicle's namespace.
     drone
         The vehicle.
+    lease
+        Judges who may send goals.
     shots
-        Returns how many photographs of the flight will be in the store.
+        Returns how many photographs the store must get, of so many viewpoints visited.
     """
 
-    def __init__(self, node: VehicleScopeNode, drone: Drone, shots: Callable[[], int]) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, drone: Drone, lease: LeaseServer, shots: Callable[[int], int]
+    ) -> None:
         self._drone = drone
+        self._lease = lease
         self._shots = shots
         self._now_s = 0.0
         self._feedback_s = 0.0
         self._early: list[tuple[Any, float]] = []
+        self._late: tuple[list[Any], float] | None = None
         self._flying: list[Any] = []
         self._cancelling: list[tuple[Any, int]] = []
         self._replacing: tuple[Any, Assignment, int] | None = None
@@ -59,9 +72,10 @@ class FlyRouteServer:
             cancel_callback=self._on_cancel,
         )
 
-    def step(self, now_s: float) -> None:
+    def step(self, now_s: float, *, is_supervised: bool = True) -> None:
         """Begin flights, give feedback, and end the goals of a flight that has ended."""
         self._now_s = now_s
+        self._watch_late(is_supervised=is_supervised)
         early, self._early = self._early, []
         for goal, since_s in early:
             self._begin(goal, since_s)
@@ -69,7 +83,7 @@ class FlyRouteServer:
         self._watch_cancelling()
         summary = self._drone.summary()
         if summary is not None and self._flying:
-            self._end_all(result_message(summary, self._shots()))
+            self._end_all(result_message(summary, self._shots(summary.visited)))
         if self._flying and now_s - self._feedback_s >= FEEDBACK_S:
             self._feedback_s = now_s
             feedback = self._feedback()
@@ -77,7 +91,41 @@ class FlyRouteServer:
                 goal.publish_feedback(feedback)
 
     def _on_goal(self, goal: Any) -> None:
-        self._early.append((goal, self._now_s or time.monotonic()))
+        if self._lease.is_for_another(goal.request.lease):
+            return  # that node executes it
+        now_s, delay_s = self._now_s or time.monotonic(), goal.request.route.delay_s
+        if self._late is not None and _is_same(self._late[0][0].request, goal.request):
+            self._late[0].append(goal)
+            return
+        self._end_late('another route came')
+        if delay_s > 0.0:
+            self._late = ([goal], now_s + delay_s)
+            self._drone.wait_until(now_s + delay_s)
+        else:
+            self._early.append((goal, now_s))
+
+    def _watch_late(self, *, is_supervised: bool) -> None:
+        """Begin the goals with a delay when they are due, or give them up."""
+        if self._late is None:
+            return
+        goals, due_s = self._late
+        if not self._drone.is_waiting:
+            self._end_late('its start was withdrawn by a command')
+        elif not is_supervised:
+            self._end_late('nobody supervises the mission')
+        elif self._now_s >= due_s:
+            self._late = None
+            self._drone.wait_until(None)
+            self._early += [(goal, self._now_s) for goal in goals]
+
+    def _end_late(self, why: str) -> None:
+        """Give up the goals with a delay, if there are any."""
+        if self._late is None:
+            return
+        (goals, _due_s), self._late = self._late, None
+        self._drone.wait_until(None)
+        for goal in goals:
+            self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
 
     def _begin(self, goal: Any, since_s: float) -> None:
         """Begin the flight, or say why not; a goal that cannot be judged yet waits."""
@@ -86,11 +134,13 @@ class FlyRouteServer:
             self._end(goal, refusal_message(f'{name}: the route is for {request.route.vehicle}'))
             return
         try:
+            self._lease.require(request.lease)
             assignment = assignment_of(request.route, request.plan_id, self._drone.spec)
             if request.replace and self._drone.flies_another(assignment):
                 self._drone.replace_route(assignment, self._now_s)
                 self._replacing = (goal, assignment, self._drone.commands.count)
                 return
+            _require_confirmed(request)
             self._drone.fly(assignment, self._now_s)
         except WaitError as reason:
             if self._now_s - since_s > LARGEST_WAIT_S:
@@ -98,7 +148,7 @@ class FlyRouteServer:
             else:
                 self._early.append((goal, since_s))
             return
-        except (CommandRefusedError, ValueError) as error:
+        except (LeaseRefusedError, CommandRefusedError, ValueError) as error:
             self._end(goal, refusal_message(f'{name}: {error}'))
             return
         self._flying.append(goal)
@@ -141,6 +191,9 @@ class FlyRouteServer:
 
     def _on_cancel(self, goal: Any) -> CancelResponse:
         """Hold; the goal ends when the vehicle holds, or has refused to."""
+        if self._late is not None and goal in self._late[0]:
+            self._drone.withdraw_start()
+            return CancelResponse.ACCEPT
         if goal not in self._flying:
             return CancelResponse.REJECT
         try:
@@ -159,7 +212,8 @@ class FlyRouteServer:
             elif goal in self._flying:
                 self._flying.remove(goal)
                 remaining = self._drone.remaining()
-                self._end(goal, cancelled_message(remaining, self._shots(), error))
+                shots = self._shots(remaining.visited)
+                self._end(goal, cancelled_message(remaining, shots, error))
 
     def _feedback(self) -> FlyRoute.Feedback:
         left = self._drone.remaining()
@@ -169,3 +223,24 @@ class FlyRouteServer:
             distance_left_m=left.distance_m,
             time_left_s=left.time_s,
         )
+
+
+def _require_confirmed(request: FlyRoute.Goal) -> None:
+    """Refuse a take-off that nobody has confirmed for exactly this route.
+
+    Raises
+    ------
+    CommandRefusedError
+        Naming what the goal must carry.
+    """
+    wanted = route_digest(request.plan_id, request.route)
+    if request.confirmation != wanted:
+        raise CommandRefusedError(
+            f'the take-off of a real vehicle must be confirmed: send this goal with '
+            f'confirmation {wanted}'
+        )
+
+
+def _is_same(one: FlyRoute.Goal, other: FlyRoute.Goal) -> bool:
+    """Return whether two goals ask for the same flight."""
+    return bool(one.plan_id == other.plan_id and one.route == other.route)

@@ -2,9 +2,9 @@
 """The executable ``preflight``: looks at vehicles before a flight, without ROS.
 
 Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
-drones file among them), `routes` (name of a vehicle -> home and waypoints; may be left out) and
-`patience_s`. Writes the answer as JSON: for each vehicle its checks and its home. It only reads:
-nothing is commanded but the messages that it needs.
+drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`.
+Writes the answer as JSON: for each vehicle its checks and its home. It only reads: nothing is
+commanded but the messages that it needs.
 """
 
 import json
@@ -21,8 +21,8 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone_options import DroneFleet
 from rocsafe_mavlink.errors import MavlinkError
+from rocsafe_mavlink.flight.check import NOT_READ, Check, CheckVerdict, failures
 from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.flight.preflight import NOT_READ, Check, CheckVerdict, failures
 
 POLL_S = 0.02
 LARGEST_PATIENCE_S = 300.0
@@ -67,13 +67,24 @@ def options_of(given: dict[str, Any]) -> BridgeOptions:
 
 
 def plan_of(route: dict[str, Any], speed_mps: float) -> FlightPlan:
-    """Return the plan of a route: ``waypoints`` of latitude, longitude, height above home."""
+    """Return the plan of a route.
+
+    Its ``waypoints`` are latitude, longitude, height above home, and whether it is a bend; its
+    ``exclusions`` rings of latitude and longitude, to which ``clearance_m`` is kept.
+    """
     home = route.get('home')
     return FlightPlan(
         waypoints=tuple(
-            FlightWaypoint(position=GeoPosition(latitude, longitude, 0.0), height_m=height)
-            for latitude, longitude, height in route['waypoints']
+            FlightWaypoint(
+                position=GeoPosition(latitude, longitude, 0.0), height_m=height, is_bend=any(bend)
+            )
+            for latitude, longitude, height, *bend in route['waypoints']
         ),
+        exclusions=tuple(
+            tuple(GeoPosition(latitude, longitude, 0.0) for latitude, longitude in ring)
+            for ring in route.get('exclusions', ())
+        ),
+        clearance_m=route.get('clearance_m', 0.0),
         speed_mps=speed_mps,
         home=home and GeoPosition(home[0], home[1], 0.0),
     )

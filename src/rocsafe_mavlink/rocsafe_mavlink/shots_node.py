@@ -59,16 +59,17 @@ class ShotSender:
     @property
     def counts(self) -> tuple[int, int]:
         """Number of photographs taken, and of those not yet stored."""
-        return self._geotagger.shot_count, len(self._geotagger.numbering.store)
+        return self._geotagger.shot_count, self._geotagger.pending
 
-    @property
-    def delivered(self) -> int:
-        """Number of photographs that are, or will be, in the store."""
-        return self._geotagger.delivered
+    def owed(self, visited: int) -> int:
+        """Return how many photographs of the flight, `visited` stops so far, must be stored."""
+        return self._geotagger.owed(self._drone.assignment, visited)
 
     def on_message(self, message: Message) -> None:
         """Take a message of the vehicle."""
-        self._geotagger.on_message(message, self._drone.vehicle, time.time())
+        assignment = self._drone.assignment
+        plan_id = '' if assignment is None else assignment.plan_id
+        self._geotagger.on_message(message, self._drone.vehicle, time.time(), plan_id)
 
     def step(self, now_s: float, time_s: float) -> None:
         """Publish what has come."""

@@ -7,15 +7,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rocsafe_orchestrator.command_line import (
-    check,
-    passed_on,
-    plan,
-    preflight,
-    replan,
-    report,
-    run,
-)
+from rocsafe_orchestrator.command_line import passed_on
+from rocsafe_orchestrator.command_line.lasting_output import lasting_output
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
@@ -32,6 +25,7 @@ examples:
   rocsafe plan config/scenarios/derailment.yaml     plan it; nothing flies
   rocsafe run config/scenarios/derailment.yaml      fly it as fast as possible
   rocsafe run config/scenarios/derailment.yaml --speed 1    fly it in real time
+  rocsafe fleet hold                                stop all vehicles of a mission in the air
   rocsafe localize readings.csv                     find the sources in a file of readings
 
 exit codes:
@@ -46,6 +40,12 @@ exit codes:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with `argv`, by default the arguments of this process."""
     words = sys.argv[1:] if argv is None else argv
+    with lasting_output():
+        return _answered(words)
+
+
+def _answered(words: Sequence[str]) -> int:
+    """Return the exit code, having told in a line what went wrong."""
     try:
         return _obey(words)
     except (OrchestratorError, ScenarioError) as error:
@@ -58,6 +58,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             'source the workspace (. install/setup.bash)',
             file=sys.stderr,
         )
+        return EXIT_SETUP
+    except MemoryError:
+        print('rocsafe: not enough memory', file=sys.stderr)
+        return EXIT_SETUP
+    except OSError as error:
+        what = ': '.join(filter(None, (error.filename and str(error.filename), error.strerror)))
+        print(f'rocsafe: {what or error}', file=sys.stderr)
         return EXIT_SETUP
     except KeyboardInterrupt:
         return EXIT_SIGNAL_BASE + signal.SIGINT
@@ -90,6 +97,19 @@ class _Version(argparse.Action):
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Imported here: commands that are passed on need none of it.
+    from rocsafe_orchestrator.command_line import (
+        check,
+        clear,
+        fleet,
+        plan,
+        preflight,
+        replan,
+        replay,
+        report,
+        run,
+    )
+
     parser = argparse.ArgumentParser(
         prog='rocsafe',
         description=DESCRIPTION,
@@ -98,7 +118,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, check, plan, replan, preflight, report, passed_on):
+    for module in (run, fleet, check, plan, replan, preflight, report, replay, clear, passed_on):
         module.add_to(commands)
     return parser
 

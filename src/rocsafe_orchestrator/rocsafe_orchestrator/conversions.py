@@ -2,15 +2,20 @@
 """Scenario and status <-> messages."""
 
 import math
-from collections.abc import Container
+from collections.abc import Container, Iterable, Mapping
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     Autopilot,
     CameraSpec,
+    DoseAlarm,
     GeoPoint,
+    GeoPolygon,
+    HazardSource,
+    HazardSourceArray,
     MissionState,
     RadiationReading,
     Region,
@@ -24,6 +29,9 @@ from rocsafe_interfaces.msg import (
     VehicleSpec,
     VehicleState,
 )
+from rocsafe_interfaces.msg import Decision as DecisionMessage
+from rocsafe_orchestrator.mission.decisions import Decision
+from rocsafe_orchestrator.mission.retreat import Danger, EstimatedSource, Retreat
 from rocsafe_orchestrator.mission.status import (
     GROUNDED,
     FlightState,
@@ -43,8 +51,13 @@ _FAULTS = {
     FlyRoute.Result.RETURNED_EARLY: 'returned early by request',
     FlyRoute.Result.BATTERY_LOW: 'returned early to keep its reserve of battery',
     FlyRoute.Result.ABORTED: 'aborted its flight',
+    FlyRoute.Result.FAILSAFE_LINK: 'gave up its route because it heard nobody',
+    FlyRoute.Result.FAILSAFE_FENCE: 'gave up its route because it left its fence',
+    FlyRoute.Result.FAILSAFE_POSITION: 'gave up its route because it lost its position',
+    FlyRoute.Result.LOST: 'was not heard for too long',
     FlyRoute.Result.COLLISION: 'flew into something',
 }
+_BY_REQUEST = (FlyRoute.Result.CANCELLED, FlyRoute.Result.RETURNED_EARLY)
 
 
 def region_of_scenario(scenario: Scenario) -> Region:
@@ -83,11 +96,12 @@ def plan_goal(scenario: Scenario) -> PlanSurvey.Goal:
         airspace=SurveyAirspace(
             clearance_m=survey.airspace.clearance_m,
             terrain_clearance_m=survey.airspace.terrain_clearance_m,
+            max_height_agl_m=survey.airspace.max_height_agl_m,
             wind_east_mps=survey.airspace.wind_mps[0],
             wind_north_mps=survey.airspace.wind_mps[1],
         ),
         separation=SurveySeparation(
-            distance_m=survey.separation.distance_m, by=survey.separation.by
+            distance_m=survey.separation.distance_m or -1.0, by=survey.separation.by
         ),
         effort=SurveyEffort(
             method=survey.effort.method,
@@ -133,33 +147,55 @@ def _landing(route: Route, vehicle: VehicleSpec) -> GeoPoint:
 
 
 def rest_goal(
-    scenario: Scenario, plan: SurveyPlan, monitor: Monitor, lost: Container[str]
+    scenario: Scenario,
+    plans: tuple[SurveyPlan, Mapping[tuple[str, str], Route]],
+    monitor: Monitor,
+    able: Container[str],
 ) -> PlanSurvey.Goal:
-    """Return the request for the rest of `plan`, for those that are not lost.
+    """Return the request for the rest of a survey, for those that are able.
 
-    Photographs that a lost vehicle has not handed over count as not taken. Who has landed away
-    from home stays there.
+    Photographs that another vehicle has not handed over count as not taken. Who has landed away
+    from home stays there, and so does every real vehicle that has landed: it starts again by hand
+    only.
+
+    Parameters
+    ----------
+    scenario
+        What is surveyed, by which vehicles.
+    plans
+        The present plan, and the routes of all plans by their plan id and vehicle: a vehicle that
+        was not heard for a while has flown one of an earlier plan.
+    monitor
+        What is known of the vehicles.
+    able
+        Names of the vehicles that can be given a route.
     """
-    visited: list[int] = []
-    for route in plan.routes:
-        status = monitor.vehicle(route.vehicle)
-        count = status.viewpoints_visited if status.plan_id == plan.plan_id else 0
-        if route.vehicle in lost:
+    plan, routes = plans
+    left = {viewpoint.id for route in plan.routes for viewpoint in route.viewpoints}
+    visited: set[int] = set()
+    for vehicle in scenario.vehicles:
+        status = monitor.vehicle(vehicle.name)
+        flown = routes.get((status.plan_id, vehicle.name))
+        if flown is None:
+            continue
+        count = status.viewpoints_visited
+        if vehicle.name not in able:
             count = max(0, count - status.shots_pending)
-        visited += [viewpoint.id for viewpoint in route.viewpoints[:count]]
+        visited |= left & {viewpoint.id for viewpoint in flown.viewpoints[:count]}
     away = {route.vehicle for route in plan.routes if route.viewpoints and _ends_away(route)}
-    able = [
+    able_now = [
         _vehicle_now(vehicle, monitor.vehicle(vehicle.name))
         for vehicle in scenario.vehicles
-        if vehicle.name not in lost
+        if vehicle.name in able
         and not (
-            vehicle.name in away and monitor.vehicle(vehicle.name).state is FlightState.LANDED
+            (vehicle.name in away or vehicle.link)
+            and monitor.vehicle(vehicle.name).state is FlightState.LANDED
         )
     ]
     return PlanSurvey.Goal(
         rest_of=plan.plan_id,
         visited=sorted(visited),
-        able=able,
+        able=able_now,
         terrain_file=scenario.survey.terrain_file,
     )
 
@@ -242,7 +278,21 @@ def status_of_vehicle(message: VehicleState) -> VehicleStatus:
         plan_id=message.plan_id,
         position=_position_of(message.position),
         speed_mps=message.speed_mps,
+        is_simulated=message.is_simulated,
+        ending=_ending_of(message),
+        is_by_request=message.ending in _BY_REQUEST,
+        taken_by=message.taken_by,
     )
+
+
+def _ending_of(message: VehicleState) -> str:
+    """Return why a flight will end otherwise than planned, empty if it will not."""
+    if message.state == VehicleState.CRASHED and not message.ending:
+        return 'crashed'
+    if message.ending == FlyRoute.Result.COMPLETED:
+        return ''
+    fault = _FAULTS.get(message.ending, f'ends with outcome {message.ending}')
+    return f'{fault}: {message.text}' if message.text else fault
 
 
 def _position_of(point: GeoPoint) -> GeoPosition | None:
@@ -259,6 +309,71 @@ def position_of_reading(message: RadiationReading) -> GeoPosition | None:
     return position_of_point(message.position)
 
 
+def turn_back_text(message: DoseAlarm) -> str:
+    """Return why a vehicle turns back."""
+    unit = 'uSv' if message.quantity == DoseAlarm.DOSE else 'uSv/h'
+    return (
+        f'turns back at {message.value_usv:.3g} {unit}, the limit is '
+        f'{message.threshold_usv:.3g} {unit}'
+    )
+
+
+def sources_of(message: HazardSourceArray) -> tuple[tuple[GeoPosition, float], ...]:
+    """Return places and dose rates at 1 m of the estimated sources of gamma radiation."""
+    return tuple(
+        (position_of_point(source.position), source.dose_rate_at_1m_usvh)
+        for source in message.sources
+        if source.kind == HazardSource.GAMMA and math.isfinite(source.dose_rate_at_1m_usvh)
+    )
+
+
+def danger_of(
+    scenario: Scenario, route: Route, monitor: Monitor, here: GeoPosition
+) -> tuple[Danger, LocalFrame]:
+    """Return what a vehicle on `route` that turns back at `here` has around it."""
+    frame = LocalFrame(scenario.origin_position())
+    speed_mps = next(v.cruise_speed_mps for v in scenario.vehicles if v.name == route.vehicle)
+
+    def enu(place: GeoPosition) -> tuple[float, float, float]:
+        east, north, up = frame.enu_of(place).tolist()
+        return east, north, 0.0 if math.isnan(up) else up
+
+    def rings(zones: Iterable[GeoPolygon]) -> tuple[tuple[tuple[float, float], ...], ...]:
+        return tuple(
+            tuple(enu(position_of_point(point))[:2] for point in zone.points) for zone in zones
+        )
+
+    flown = monitor.flown(route.vehicle)
+    danger = Danger(
+        here_enu=enu(here),
+        home=enu(position_of_point(route.home))[:2],
+        speed_mps=speed_mps,
+        flown=tuple(enu(place)[:2] for place, _ in flown),
+        flown_usvh=tuple(rate for _, rate in flown),
+        sources=tuple(
+            EstimatedSource(place_enu=enu(place), at_1m_usvh=rate)
+            for place, rate in monitor.sources
+        ),
+        exclusions=rings(route.exclusions),
+        clearance_m=route.clearance_m,
+    )
+    return danger, frame
+
+
+def retreat_route(route: Route, way: Retreat, here: GeoPosition, frame: LocalFrame) -> Route:
+    """Return the route home by a way, at the height of the vehicle."""
+    up = float(frame.enu_of(here)[2])
+    bends = [frame.position_of((east, north, up)) for east, north in way.bends]
+    return Route(
+        vehicle=route.vehicle,
+        home=route.home,
+        homeward=[point_of_position(bend) for bend in bends],
+        exclusions=route.exclusions,
+        clearance_m=route.clearance_m,
+        flight_height_m=max(1.0, here.altitude_m - route.home.altitude),
+    )
+
+
 def fault_of_flight(result: FlyRoute.Result) -> str:
     """Return what went wrong with a flight, empty if nothing did."""
     if result.outcome == FlyRoute.Result.COMPLETED:
@@ -266,6 +381,19 @@ def fault_of_flight(result: FlyRoute.Result) -> str:
     fault = _FAULTS.get(result.outcome, f'ended with outcome {result.outcome}')
     visited = f'after {result.viewpoints_visited} viewpoints'
     return f'{fault} {visited}' + (f': {result.error_msg}' if result.error_msg else '')
+
+
+def decision_message(decision: Decision, by: str, wall_time_s: float) -> DecisionMessage:
+    """Return a decision of the node `by` as a message, without a stamp."""
+    return DecisionMessage(
+        wall_time_s=wall_time_s,
+        severity=decision.severity,
+        kind=decision.kind,
+        by=by,
+        vehicles=list(decision.vehicles),
+        text=decision.text,
+        reason=decision.reason,
+    )
 
 
 def mission_state(

@@ -15,15 +15,27 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from rocsafe_interfaces.msg import RadiationReading, ShotReceipt, StepDone, VehicleState
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_interfaces.msg import (
+    DoseAlarm,
+    HazardSourceArray,
+    RadiationReading,
+    ShotReceipt,
+    StepDone,
+    VehicleState,
+)
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.decisions import Decision
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.frames import publish_origin
+from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -36,19 +48,21 @@ ANSWER_PERIOD_S = 0.02
 class OrchestratorNode(Node):
     """Receives the state of the nodes and publishes the state of the mission.
 
-    Publishes ``region`` and ``mission/state``. Subscribes ``<vehicle>/state``,
-    ``<vehicle>/radiation``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
+    Publishes ``region``, ``mission/state`` and ``decisions``. Subscribes ``<vehicle>/state``,
+    ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``, ``hazard/sources``, ``shots/receipts`` and,
+    while time stands still, ``sim/step_done``.
     Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
 
     def __init__(
-        self, scenario: Scenario, monitor: Monitor, mission_id: str, **node_options: Any
+        self, scenario: Scenario, monitor: Monitor, identity: MissionIdentity, **node_options: Any
     ) -> None:
-        super().__init__(NAME, **node_options)
+        rules = ['--ros-args', *identity.remapping_arguments]
+        super().__init__(NAME, cli_args=rules, **node_options)
         self.deadlines = Deadlines(**dataclasses.asdict(_options(self)))
         self._scenario = scenario
         self._monitor = monitor
-        self._mission_id = mission_id
+        self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
@@ -56,20 +70,26 @@ class OrchestratorNode(Node):
             f'{NAME}_requests',
             context=self.context,
             use_global_arguments=False,
+            cli_args=rules,
             start_parameter_services=False,
             enable_rosout=False,
         )
-        self.requests = Requests(self.requester, scenario, monitor)
+        self.requests = Requests(self.requester, scenario, monitor, identity.mission)
         self._wire()
 
     def _wire(self) -> None:
         names = self._scenario.vehicle_names
         self._state = topics.create_publisher(self, topics.MISSION_STATE)
         self._region = topics.create_publisher(self, topics.REGION)
+        self._decisions = topics.create_publisher(self, topics.DECISIONS)
+        self._health = HealthReporter(self)
         for name in names:
             topics.create_subscription(self, topics.STATE, self._on_state, name)
             on_reading = partial(self._on_reading, name)
             topics.create_subscription(self, topics.RADIATION, on_reading, name)
+            on_alarm = partial(self._on_alarm, name)
+            topics.create_subscription(self, topics.DOSE_ALARM, on_alarm, name)
+        topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
 
     def destroy_node(self) -> None:
@@ -79,16 +99,12 @@ class OrchestratorNode(Node):
         super().destroy_node()
 
     def publish_region(self) -> None:
-        """Publish what is surveyed."""
+        """Publish what is surveyed, and where the map lies on the earth."""
         region = conversions.region_of_scenario(self._scenario)
         region.header.stamp = self.get_clock().now().to_msg()
         region.header.frame_id = 'earth'
         self._region.publish(region)
-
-    def has_company(self) -> bool:
-        """Return whether another orchestrator is at work in this ROS domain."""
-        names = self.get_node_names_and_namespaces()
-        return names.count((NAME, '/')) > 1
+        publish_origin(self, LocalFrame(self._scenario.origin_position()))
 
     def ready(self, table: Iterable[ProcessSpec]) -> frozenset[str]:
         """Return the names of the processes whose endpoints all exist."""
@@ -111,6 +127,12 @@ class OrchestratorNode(Node):
         state = conversions.mission_state(status, self._mission_id, list(self._states.values()))
         state.header.stamp = self.get_clock().now().to_msg()
         self._state.publish(state)
+
+    def tell(self, decision: Decision, wall_time_s: float) -> None:
+        """Publish a decision that was taken `wall_time_s` seconds after the run began."""
+        message = conversions.decision_message(decision, NAME, wall_time_s)
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._decisions.publish(message)
 
     # Who holds up simulated time.
 
@@ -135,12 +157,19 @@ class OrchestratorNode(Node):
 
     def _on_state(self, message: VehicleState) -> None:
         self._states[message.vehicle] = message
-        self._monitor.on_vehicle(conversions.status_of_vehicle(message))
+        self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)
         if position is not None:
             self._monitor.on_dose_rate(vehicle, message.dose_rate_usvh, position)
+
+    def _on_alarm(self, vehicle: str, message: DoseAlarm) -> None:
+        if message.triggered and message.turns_back:
+            self._monitor.on_turn_back(vehicle, conversions.turn_back_text(message))
+
+    def _on_sources(self, message: HazardSourceArray) -> None:
+        self._monitor.sources = conversions.sources_of(message)
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:
@@ -167,10 +196,17 @@ def _options(node: Node) -> OrchestratorOptions:
 
 
 @contextmanager
-def ros_session(config: Path | None = None) -> Iterator[None]:
-    """Initialise ROS, with the parameters of the file `config`, and shut it down at the end.
+def ros_session(identity: MissionIdentity, config: Path | None = None) -> Iterator[None]:
+    """Initialise ROS as a part of a mission, and shut it down at the end.
 
     Signals are left alone: a mission handles them itself.
+
+    Parameters
+    ----------
+    identity
+        The mission.
+    config
+        File with parameters of the nodes.
 
     Raises
     ------
@@ -178,7 +214,7 @@ def ros_session(config: Path | None = None) -> Iterator[None]:
         If ROS cannot start.
     """
     # Every mission of this suite's own world runs on simulated time.
-    arguments = ['--ros-args', '-p', 'use_sim_time:=true']
+    arguments = ['--ros-args', '-p', 'use_sim_time:=true', *identity.ros_arguments]
     if config is not None:
         arguments += ['--params-file', str(config)]
     try:

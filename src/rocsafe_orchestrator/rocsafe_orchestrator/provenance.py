@@ -13,8 +13,9 @@ from typing import Any
 # Distributions whose version decides what a run computes.
 _DISTRIBUTIONS = (
     'rocsafe_orchestrator', 'rocsafe_planner', 'rocsafe_scene', 'rocsafe_sim', 'rocsafe_radiation',
-    'rocsafe_mapping', 'ros-jazzy-rclpy', 'ros-jazzy-rmw-fastrtps-cpp', 'numpy', 'numba',
-    'opencv-python-headless', 'rasterio', 'shapely', 'pyproj', 'pydantic', 'mcap', 'pillow',
+    'rocsafe_dispersion', 'rocsafe_mapping', 'ros-jazzy-rclpy', 'ros-jazzy-rmw-fastrtps-cpp',
+    'numpy', 'numba', 'opencv-python-headless', 'rasterio', 'shapely', 'pyproj', 'pydantic',
+    'mcap', 'pillow',
 )  # fmt: skip
 _GIT_TIMEOUT_S = 5.0
 

@@ -43,6 +43,9 @@ class RecorderOptions:
     other_cameras: tuple[str, ...] = field(
         default=(), metadata={'doc': 'names of further cameras of the vehicles'}
     )
+    real_vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'those of `vehicles` that are no simulation'}
+    )
     lock_step: bool = field(
         default=True, metadata={'doc': 'take part in lock-step simulation as "recorder"'}
     )
@@ -88,11 +91,15 @@ class RecorderNode(Node):
     def _subscribe(self) -> list[Subscription]:
         """Subscribe to all topics; return the subscriptions with a permanent publisher."""
         awaited = []
-        for spec, vehicle in recorded_topics(self._options.vehicles, self._options.other_cameras):
-            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle))
+        options = self._options
+        for spec, vehicle in recorded_topics(
+            options.vehicles, options.other_cameras, options.real_vehicles
+        ):
+            # Under the name that everybody knows, also if the mission has one of its own.
+            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle), only_expand=True)
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
-                self, spec, partial(self._on_message, number), vehicle, raw=True
+                self, spec, partial(self._on_message, number), vehicle, is_recording=True
             )
             if spec in AWAITED_TOPICS:
                 awaited.append(subscription)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.client import Client
 from rclpy.node import Node
@@ -12,21 +13,37 @@ from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
-from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
+from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
+
+SERVICES = (
+    topics.WORLD_RUN,
+    topics.SAVE_MOSAIC,
+    topics.SUGGEST_VIEWPOINTS,
+    topics.FLEET_HOLD,
+    topics.FLEET_RETURN_HOME,
+)
+_VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
+# A server whose callback fails answers with an empty result, which looks like success.
+BROKEN_OFF = 'broke off with an error, see its log'
 
 
 class Requests:
     """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
 
-    Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``world/run``, ``mosaic/save``,
-    ``hazard/suggest_viewpoints``.
+    Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
+    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``.
 
     Parameters
     ----------
@@ -34,36 +51,51 @@ class Requests:
         Node that owns the clients.
     monitor
         Receives the number of photographs of the plan.
+    mission_id
+        Name of the mission, for the leases of the vehicles.
+
+    Attributes
+    ----------
+    unconfirmed
+        Hash of a plan by which real vehicles would take off, until it is confirmed; empty: none.
     """
 
-    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor) -> None:
+    def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
         self._scenario = scenario
         self._monitor = monitor
         self._mission: Mission | None = None
         self._plans: dict[str, SurveyPlan] = {}
         self._plan: SurveyPlan | None = None
+        self._routes: dict[tuple[str, str], Route] = {}
         self._viewpoints: list[GeoPoint] = []
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
+        self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
-            spec.name: node.create_client(spec.call_type, spec.name)
-            for spec in (topics.WORLD_RUN, topics.SAVE_MOSAIC, topics.SUGGEST_VIEWPOINTS)
+            spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
-        self._holds: dict[str, Client] = {
-            name: node.create_client(topics.HOLD.call_type, topics.name_of(topics.HOLD, name))
-            for name in (scenario.vehicle_names if scenario.replan == 'on_loss' else ())
+        self._verbs: dict[tuple[OrderKind, str], Client] = {
+            (kind, name): node.create_client(spec.call_type, topics.name_of(spec, name))
+            for kind, spec in _VERBS.items()
+            for name in scenario.vehicle_names
         }
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
+        self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
+        self._routed: list[str] = []
+        self.unconfirmed = ''
+        self._replaces = False
         self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
             OrderKind.FLY: self._send_fly,
             OrderKind.ADVISE: self._send_advise,
-            OrderKind.HOLD: self._send_hold,
+            OrderKind.HOLD: self._send_verb,
+            OrderKind.RETURN: self._send_verb,
+            OrderKind.RETREAT: self._send_retreat,
             OrderKind.DISMISS: self._dismiss,
             OrderKind.PAUSE_CLOCK: self._pause,
             OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
@@ -90,11 +122,22 @@ class Requests:
         client = self._vehicles.get(endpoint.vehicle, self._planner)
         return bool(client.server_is_ready())
 
+    def command_fleet(self, verb: Verb) -> None:
+        """Command all vehicles; what they refuse is told."""
+        spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
+        answer = self._services[spec.name].call_async(FleetCommand.Request())
+        answer.add_done_callback(self._on_fleet)
+
+    def _on_fleet(self, future: Any) -> None:
+        for answer in future.result().answers:
+            if answer.message:
+                self._remark(answer.message)
+
     def _send_plan(self, order: Order) -> None:
         goal = conversions.plan_goal(self._scenario)
         if self._mission is not None and self._mission.is_gathering and self._plan is not None:
             goal = conversions.rest_goal(
-                self._scenario, self._plan, self._monitor, self._mission.losses
+                self._scenario, (self._plan, self._routes), self._monitor, self._mission.able
             )
             self._visited = list(goal.visited)
             if len(self._visited) == conversions.viewpoint_count(self._plan):
@@ -107,22 +150,72 @@ class Requests:
     def _send_fly(self, order: Order) -> None:
         if self._plan is None:
             return
-        routes: dict[str, Route] = {route.vehicle: route for route in self._plan.routes}
+        route = self._routes[self._plan.plan_id, order.vehicle]
+        if not route.viewpoints and order.vehicle in self._real and self._mission is not None:
+            self._mission.sent_home(order.vehicle)
+            return
         goal = FlyRoute.Goal(
-            route=routes[order.vehicle],
+            route=route,
             plan_id=self._plan.plan_id,
-            replace=bool(self._photographed or self._visited),
+            replace=self._replaces,
         )
-        on_flight = partial(self._on_flight, self._plan.plan_id)
-        self._send_goal(self._vehicles[order.vehicle], goal, order, on_flight)
+        self._send_flight(order, goal, partial(self._on_flight, self._plan.plan_id))
 
-    def _send_hold(self, order: Order) -> None:
-        client = self._holds[order.vehicle]
-        answer = client.call_async(Trigger.Request())
-        answer.add_done_callback(partial(self._on_answer, topics.HOLD, order))
+    def _send_flight(
+        self, order: Order, goal: FlyRoute.Goal, on_result: Callable[..., None]
+    ) -> None:
+        def send(lease: str) -> None:
+            goal.lease = lease
+            goal.confirmation = route_digest(goal.plan_id, goal.route)
+            self._send_goal(self._vehicles[order.vehicle], goal, order, on_result)
+
+        self._leases.carry(order.vehicle, send, partial(self._on_refusal, order))
+
+    def _on_refusal(self, order: Order, text: str) -> None:
+        if self._mission is not None:
+            self._mission.refused(order, text)
+
+    def _remark(self, text: str) -> None:
+        if self._mission is not None:
+            self._mission.remarks.append(text)
+
+    def _send_retreat(self, order: Order) -> None:
+        """Call a vehicle home by the way of least dose; over terrain by its own way."""
+        status = self._monitor.vehicle(order.vehicle)
+        route = self._routes.get((status.plan_id, order.vehicle))
+        if self._mission is None:
+            return
+        if route is None or route.follows_terrain or status.position is None:
+            why = 'its height above the ground is not known on the way'
+            self._mission.refused(order, f'{order.vehicle}: {why}')
+            return
+        danger, frame = conversions.danger_of(
+            self._scenario, route, self._monitor, status.position
+        )
+        way = retreat(danger)
+        self._mission.remarks.append(
+            f'{order.vehicle}: returns by the way of least dose {way.basis}: {way.dose_usv:.3g} '
+            f'uSv, {way.straight_usv:.3g} uSv straight'
+        )
+        goal = FlyRoute.Goal(
+            route=conversions.retreat_route(route, way, status.position, frame),
+            plan_id=f'{status.plan_id}-retreat',
+            replace=True,
+        )
+        self._send_flight(order, goal, self._on_retreat)
+
+    def _on_retreat(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is not None and result.outcome == result.REJECTED:
+            self._mission.refused(order, f'{order.vehicle}: {result.error_msg}')
+
+    def _send_verb(self, order: Order) -> None:
+        answer = self._verbs[order.kind, order.vehicle].call_async(Trigger.Request())
+        answer.add_done_callback(partial(self._on_answer, _VERBS[order.kind], order))
 
     def _dismiss(self, order: Order) -> None:
-        self._steps.publish(StepDone(participant=order.vehicle, has_left=True))
+        participant = FLEET if self._scenario.simulation.processes == 'fleet' else order.vehicle
+        self._steps.publish(StepDone(participant=participant, has_left=True))
         if self._mission is not None:
             self._mission.answered(order)
 
@@ -165,8 +258,12 @@ class Requests:
         handle.get_result_async().add_done_callback(partial(on_result, order))
 
     def _on_plan(self, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
+        result = answer.result
         if self._mission is None:
+            return
+        if result.error_code == result.NONE and answer.status != GoalStatus.STATUS_SUCCEEDED:
+            self._mission.refused(order, f'planner: {BROKEN_OFF}')
             return
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
@@ -177,22 +274,47 @@ class Requests:
         visited, self._visited = self._visited, []
         if self._mission.is_gathering and self._plan is not None:
             self._photographed += len(visited)
+            self._replaces = True
             del self._plans[self._plan.plan_id]
         self._plan = self._plans[result.plan.plan_id] = result.plan
+        self._routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        self._monitor.viewpoints_planned = conversions.viewpoint_count(result.plan)
-        self._mission.planned([route.vehicle for route in routed], len(visited))
+        viewpoints = conversions.viewpoint_count(result.plan)
+        self._monitor.begin_plan(result.plan.plan_id, viewpoints)
+        self._routed = [route.vehicle for route in routed]
+        real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
+        # The rest of a plan that was confirmed needs no confirmation of its own.
+        if real and not self._mission.is_gathering:
+            self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
+        else:
+            self._mission.planned(self._routed, len(visited))
+
+    def confirm(self) -> None:
+        """Fly the plan that waits for a confirmation."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.planned(self._routed)
+
+    def reject(self, text: str) -> None:
+        """Do not fly the plan that waits for a confirmation, and say why."""
+        self.unconfirmed = ''
+        if self._mission is not None:
+            self._mission.refused(Order(kind=OrderKind.PLAN), text)
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
-        result = future.result().result
+        answer = future.result()
         # A repeated request is answered twice; the second answer may come in the next round.
         is_current = self._plan is not None and self._plan.plan_id == plan_id
         if self._mission is not None and is_current:
+            result = answer.result
             fault = conversions.fault_of_flight(result)
-            self._mission.flown(order.vehicle, result.shots_taken, fault)
+            is_refused = result.outcome == FlyRoute.Result.REJECTED
+            if not (fault or is_refused) and answer.status != GoalStatus.STATUS_SUCCEEDED:
+                fault = BROKEN_OFF
+            self._mission.flown(order.vehicle, result.shots_taken, fault, is_refused=is_refused)
 
     def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:
         client = self._services[spec.name]

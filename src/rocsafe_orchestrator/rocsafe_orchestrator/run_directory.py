@@ -61,6 +61,11 @@ class RunDirectory:
         return self.path / 'plan.json'
 
     @property
+    def further_plans(self) -> list[Path]:
+        """Plans made during the flight: for the rest of a survey, or for another round."""
+        return sorted(self.path.glob('further-*/plan.json'))
+
+    @property
     def recording(self) -> Path:
         """All messages of the run."""
         return self.path / 'mission.mcap'
@@ -93,17 +98,19 @@ class RunDirectory:
         return self.parameters / f'{process}.yaml'
 
 
-def create_run_directory(parent: Path, scenario: str, now: datetime) -> RunDirectory:
-    """Make a new folder ``<scenario>-<YYYYMMDD-HHMMSS>`` below `parent`.
+def run_name(scenario: str, now: datetime) -> str:
+    """Return the name of a run that begins now: ``<scenario>-<YYYYMMDD-HHMMSS>``."""
+    return f'{scenario}-{now:%Y%m%d-%H%M%S}'
 
-    Two runs of the same second get different folders.
+
+def create_run_directory(parent: Path, stem: str) -> RunDirectory:
+    """Make a new folder `stem` below `parent`; two runs of the same name get different folders.
 
     Raises
     ------
     SetupError
         If the folder cannot be made.
     """
-    stem = f'{scenario}-{now:%Y%m%d-%H%M%S}'
     for suffix in ('', *(f'-{number}' for number in range(2, 100))):
         try:
             (parent / (stem + suffix)).mkdir(parents=True)

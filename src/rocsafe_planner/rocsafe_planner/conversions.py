@@ -65,7 +65,12 @@ def request_of_goal(goal: action.PlanSurvey.Goal, options: PlannerOptions) -> Su
         coverage=coverage,
         airspace=_airspace(goal.airspace),
         separation=SeparationOptions(
-            distance_m=goal.separation.distance_m, **_given(by=goal.separation.by)
+            **_given(
+                distance_m=None
+                if goal.separation.distance_m == 0.0
+                else max(0.0, goal.separation.distance_m),
+                by=goal.separation.by,
+            )
         ),
         effort=Effort(
             method=goal.effort.method or options.default_method,
@@ -96,6 +101,7 @@ def _airspace(message: msg.SurveyAirspace) -> AirspaceOptions:
         **_given(
             clearance_m=_known(message.clearance_m),
             terrain_clearance_m=_known(message.terrain_clearance_m),
+            max_height_agl_m=_known(message.max_height_agl_m),
         ),
     )
 

@@ -88,7 +88,7 @@ def _stranded(site: SurveySite, found: Optimised) -> set[int]:
     return {
         k
         for k, order in enumerate(found.orders)
-        if not order and problem.vehicles[k].is_open and problem.inside(k) is not None
+        if not order and problem.vehicles[k].is_open and problem.is_shut_in(k)
     }
 
 

@@ -58,4 +58,5 @@ def alarm_message(header: Header, alarm: Alarm) -> DoseAlarm:
         threshold_usv=alarm.threshold,
         value_usv=alarm.value,
         name=alarm.name,
+        turns_back=alarm.turns_back,
     )

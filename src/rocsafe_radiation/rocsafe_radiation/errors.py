@@ -8,3 +8,7 @@ class RadiationError(Exception):
 
 class UnknownPointError(RadiationError):
     """A dose rate is asked for at a place that is not finite or out of range."""
+
+
+class DetectorLostError(RadiationError):
+    """The port of a detector was tried as often as allowed."""

@@ -17,7 +17,6 @@ from rocsafe_radiation.conversions import (
     seconds_since,
 )
 from rocsafe_radiation.detection.counting import WindowCounter
-from rocsafe_radiation.detection.pairing import StampPairing
 from rocsafe_radiation.detection.survey_field import SurveyField
 from rocsafe_radiation.errors import RadiationError, UnknownPointError
 from rocsafe_radiation.field_parameters.field_making import survey_field
@@ -26,6 +25,7 @@ from rocsafe_radiation.physics.field import require_point
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lockstep import Participant
+from rocsafe_ros.pairing import StampPairing
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 

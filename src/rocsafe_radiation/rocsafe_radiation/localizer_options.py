@@ -12,6 +12,8 @@ from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_DOSE_RATES_USVH,
     DEFAULT_DOSES_USV,
+    DEFAULT_TURN_BACK_USVH,
+    DEFAULT_VEHICLE_BUDGET_USV,
     AlarmLevels,
 )
 from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
@@ -146,6 +148,22 @@ class LocalizerOptions:
         default=DEFAULT_DOSES_USV,
         metadata={'doc': 'doses of alarms of vehicles, uSv; 1000: a year of the public'},
     )
+    turn_back_usvh: float = field(
+        default=DEFAULT_TURN_BACK_USVH,
+        metadata={
+            'doc': 'dose rate at which a vehicle is to return, uSv/h; 0: never',
+            'min': 0.0,
+            'max': 1e12,
+        },
+    )
+    vehicle_budget_usv: float = field(
+        default=DEFAULT_VEHICLE_BUDGET_USV,
+        metadata={
+            'doc': 'dose at which a vehicle is to return, uSv; 0: never',
+            'min': 0.0,
+            'max': 1e12,
+        },
+    )
     largest_gap_s: float = field(
         default=5.0,
         metadata={
@@ -218,6 +236,8 @@ class LocalizerOptions:
         return AlarmLevels(
             dose_rates_usvh=self.alarm_dose_rates_usvh,
             doses_usv=self.alarm_doses_usv,
+            turn_back_usvh=self.turn_back_usvh,
+            vehicle_budget_usv=self.vehicle_budget_usv,
             largest_gap_s=self.largest_gap_s,
         )
 

@@ -3,9 +3,11 @@
 
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped, Quaternion, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
@@ -17,13 +19,19 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region
+from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region, VehicleState
 
 EARTH_FRAME = 'earth'
 MAP_FRAME = 'map'
 # Variance of a fix without error; some readers take 0 for "unknown".
 _LEAST_VARIANCE_M2 = 1e-12
 _NO_DISTORTION = [0.0] * 5
+_STATE_NAMES = {
+    value: name.lower().replace('_', ' ')
+    for name, value in vars(VehicleState).items()
+    if name.isupper() and isinstance(value, int)
+}
+_WARNED_STATES = frozenset({VehicleState.LOST, VehicleState.CRASHED})
 
 
 def stamp_of_ns(time_ns: int) -> Time:
@@ -228,3 +236,44 @@ def _polygon(points: tuple[GeoPosition, ...]) -> GeoPolygon:
 
 def _positions(polygon: GeoPolygon) -> tuple[GeoPosition, ...]:
     return tuple(position_of_point(point) for point in polygon.points)
+
+
+def diagnostic(
+    message: str,
+    *,
+    name: str = '',
+    is_warning: bool = False,
+    values: Mapping[str, Any] | None = None,
+) -> DiagnosticStatus:
+    """Return a status of /diagnostics; names of values end with the unit: ``battery_percent``."""
+    return DiagnosticStatus(
+        name=name,
+        hardware_id=name,
+        level=DiagnosticStatus.WARN if is_warning else DiagnosticStatus.OK,
+        message=message,
+        values=key_values(values or {}),
+    )
+
+
+def vehicle_diagnostic(state: VehicleState) -> DiagnosticStatus:
+    """Return the status of a vehicle from its last state."""
+    is_warning = bool(state.taken_by) or state.state in _WARNED_STATES
+    return diagnostic(
+        state.text or _STATE_NAMES.get(state.state, 'unknown'),
+        name=state.vehicle,
+        is_warning=is_warning,
+        values={
+            'state': _STATE_NAMES.get(state.state, 'unknown'),
+            'battery_percent': round(100.0 * state.battery_fraction, 1),
+            'speed_mps': round(state.speed_mps, 2),
+            'distance_flown_m': round(state.distance_flown_m, 1),
+            'viewpoints_visited': f'{state.viewpoints_visited} of {state.viewpoint_count}',
+            'photographs_pending': state.shots_pending,
+            'taken_by': state.taken_by or 'nobody',
+        },
+    )
+
+
+def key_values(values: Mapping[str, Any]) -> list[KeyValue]:
+    """Return values as text."""
+    return [KeyValue(key=key, value=str(value)) for key, value in values.items()]

@@ -40,6 +40,8 @@ class Participant:
     is_ready
         Returns whether the participant is connected to all nodes that it works with. Until then,
         but at most for ten seconds, its first report waits, and so does simulated time.
+    has_news
+        Returns whether something happened in the step that others are to answer at its time.
     """
 
     def __init__(
@@ -48,12 +50,14 @@ class Participant:
         name: str,
         on_step: Callable[[int], bool],
         is_ready: Callable[[], bool] = lambda: True,
+        has_news: Callable[[], bool] = lambda: False,
     ) -> None:
         node.set_parameters([Parameter('use_sim_time', Parameter.Type.BOOL, True)])
         self._node = node
         self._name = name
         self._on_step = on_step
         self._is_ready = is_ready
+        self._says_news = has_news
         self._has_begun = False
         self._held_back = 0
         self._last: StepDone | None = None
@@ -83,7 +87,12 @@ class Participant:
 
     def _work(self, time_ns: int) -> None:
         is_idle = self._on_step(time_ns)
-        self._last = StepDone(step=stamp_of_ns(time_ns), participant=self._name, is_idle=is_idle)
+        self._last = StepDone(
+            step=stamp_of_ns(time_ns),
+            participant=self._name,
+            is_idle=is_idle,
+            has_news=self._says_news(),
+        )
         self._has_news = True
         self._tell(self._last)
 

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from types import FrameType
+from typing import Any
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException
@@ -19,6 +20,8 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 EXIT_OK = 0
@@ -43,8 +46,23 @@ class StopRequest:
         self.is_set = True
 
 
-def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | None = None) -> int:
+def run(
+    make_node: Callable[[], Node | Iterable[Node]],
+    args: Sequence[str] | None = None,
+    *,
+    outlives: Callable[[Any], bool] | None = None,
+) -> int:
     """Spin the node or nodes that `make_node` returns until asked to stop; return the exit code.
+
+    Parameters
+    ----------
+    make_node
+        Makes the node or nodes.
+    args
+        Arguments of ROS; None: those of the process.
+    outlives
+        Returns, of what `make_node` returned, whether it is still needed; it then does not end
+        with its supervisor. None: it does.
 
     Returns
     -------
@@ -53,15 +71,21 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
         a parameter is wrong. Any other exception ends the process with its traceback, and its
         supervisor decides whether to start it again.
     """
-    _end_with_supervisor()
+    if outlives is None:
+        _end_with_supervisor()
     stop = StopRequest()
+    try:
+        bind_interfaces(os.environ)
+    except ParameterError as error:
+        print(f'error: {error}', file=sys.stderr)  # noqa: T201
+        return EXIT_USAGE
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public
         print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     try:
-        return _spin(make_node, stop)
+        return _spin(make_node, stop, outlives)
     except (ParameterError, InvalidParameterTypeException) as error:
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
@@ -69,32 +93,51 @@ def run(make_node: Callable[[], Node | Iterable[Node]], args: Sequence[str] | No
         rclpy.try_shutdown()
 
 
-def _spin(make_node: Callable[[], Node | Iterable[Node]], stop: StopRequest) -> int:
+def _spin(
+    make_node: Callable[[], Node | Iterable[Node]],
+    stop: StopRequest,
+    outlives: Callable[[Any], bool] | None,
+) -> int:
     made = make_node()
     nodes = [made] if isinstance(made, Node) else list(made)
     executor = EventsExecutor()
     for node in nodes:
         executor.add_node(node)
+    # The first node is that of the process; others are small ones in vehicles' namespaces.
+    health = HealthReporter(nodes[0])
     try:
-        while rclpy.ok() and not stop.is_set:
+        while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
             executor.spin_once(timeout_sec=POLL_S)
     except ExternalShutdownException:
         pass
     finally:
+        health.close()
         for node in nodes:
             executor.remove_node(node)
             node.destroy_node()
     return EXIT_OK
 
 
+def is_orphan() -> bool:
+    """Return whether the supervisor that started this process has died."""
+    supervisor = os.environ.get(SUPERVISOR_VARIABLE)
+    return bool(supervisor) and os.getppid() != int(supervisor or 0)
+
+
 def _end_with_supervisor() -> None:
     """Ask the kernel for SIGTERM when the supervisor that started this process dies."""
     supervisor = os.environ.get(SUPERVISOR_VARIABLE)
-    if not supervisor or not sys.platform.startswith('linux'):
+    if supervisor:
+        end_with(int(supervisor))
+
+
+def end_with(parent: int) -> None:
+    """Ask the kernel for SIGTERM when the process `parent`, which started this one, dies."""
+    if not sys.platform.startswith('linux'):
         return
     ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    # The supervisor may have ended before prctl took effect.
-    if os.getppid() != int(supervisor):
+    # The parent may have ended before prctl took effect.
+    if os.getppid() != parent:
         sys.exit(EXIT_FAILURE)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
+from rcl_interfaces.msg import Log
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -20,15 +21,19 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
-from std_msgs.msg import Float64, String
+from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    Control,
+    Decision,
     DoseAlarm,
     DoseRate,
+    GasReading,
     GeoPoint,
     GeotaggedImage,
     GimbalCommand,
@@ -36,20 +41,27 @@ from rocsafe_interfaces.msg import (
     HazardSourceArray,
     MissionState,
     Mosaic,
+    ParticleReading,
     RadiationReading,
     Region,
     ShotReceipt,
     StepDone,
     SurveyPlan,
+    Traffic,
     VehicleEvent,
     VehicleState,
+    WindReading,
 )
 from rocsafe_interfaces.srv import (
+    FleetCommand,
     GoTo,
+    Lease,
     Preflight,
     PushFence,
     PushRally,
     QueryRadiationField,
+    Resume,
+    SetHome,
     SetSpeed,
     SuggestViewpoints,
 )
@@ -62,6 +74,10 @@ STREAM_DEPTH = 600
 MEASUREMENTS_KEPT = 50
 # Images are large; a subscriber that was away for longer finds them in the image store.
 PICTURES_KEPT = 8
+# States that a recorder which falls behind does not miss: at full speed several come at once.
+STATES_KEPT = 10
+# All decisions of a mission: whoever comes late reads what happened.
+DECISIONS_KEPT = 500
 # Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'
 # A vehicle without a heartbeat for this long is taken for lost.
@@ -101,7 +117,7 @@ def _latched() -> QoSProfile:
 
 
 def _heartbeat() -> QoSProfile:
-    profile = _latched()
+    profile = _kept(STATES_KEPT)
     profile.liveliness = LivelinessPolicy.AUTOMATIC
     profile.liveliness_lease_duration = Duration(seconds=HEARTBEAT_LEASE_S)
     profile.deadline = Duration(seconds=HEARTBEAT_LEASE_S)
@@ -124,6 +140,9 @@ class TopicSpec:
         Its rate, as text for readers.
     note
         Its meaning, as text for readers.
+    is_state
+        Whether a message makes all earlier ones out of date for whoever acts on it. A publisher
+        may keep more of them, for those who record.
     """
 
     name: str
@@ -132,6 +151,7 @@ class TopicSpec:
     scope: Scope
     rate: str
     note: str
+    is_state: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,15 +166,20 @@ class CallSpec:
 
 
 def _vehicle(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:
-    return TopicSpec(
-        name=name, message_type=message_type, qos=qos, scope=Scope.VEHICLE, rate=rate, note=note
-    )
+    return _topic(Scope.VEHICLE, name, message_type, qos, rate, note)
 
 
 def _fleet(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:
+    return _topic(Scope.FLEET, name, message_type, qos, rate, note)
+
+
+def _topic(
+    scope: Scope, name: str, message_type: type, qos: QoSProfile, rate: str, note: str
+) -> TopicSpec:
     return TopicSpec(
-        name=name, message_type=message_type, qos=qos, scope=Scope.FLEET, rate=rate, note=note
-    )
+        name=name, message_type=message_type, qos=qos, scope=scope, rate=rate, note=note,
+        is_state=qos.depth in (1, STATES_KEPT),
+    )  # fmt: skip
 
 
 FIX = _vehicle('fix', NavSatFix, _kept(), '5 Hz', 'position, altitude above the ellipsoid')
@@ -166,11 +191,19 @@ ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission orig
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
+GAS = _vehicle('gas', GasReading, _kept(), 'each window', 'a reading of each gas sensor')
+BIO = _vehicle('bio', ParticleReading, _kept(), 'each window', 'counts of particles, trigger')
+ANEMOMETER = _vehicle(
+    'anemometer', WindReading, _kept(), 'each window', 'where the air goes to, m/s'
+)
+DETECTOR_BYTES = _vehicle(
+    'detector/bytes', UInt8MultiArray, _kept(), 'as sent', 'of MAVLink TUNNEL, real ones only'
+)
 DOSE_RATE = _vehicle(
     'dose_rate', DoseRate, _kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
 )
 ACCUMULATED_DOSE = _vehicle(
-    'accumulated_dose', AccumulatedDose, _latched(), 'each reading', 'dose since the first reading'
+    'accumulated_dose', AccumulatedDose, _kept(), 'each reading', 'dose since the first reading'
 )
 DOSE_ALARM = _vehicle(
     'dose_alarm', DoseAlarm, _kept(), 'on change', 'level of dose rate or dose reached or left'
@@ -213,15 +246,19 @@ GIMBAL_STATE = _vehicle(
 SHOT = _vehicle(
     'camera/shot', GeotaggedImage, _stream(), 'each shot, until its receipt', 'photograph and pose'
 )
-PATH = _vehicle('path', Path, _latched(), '1 Hz', 'flown track')
+PATH = _vehicle('path', Path, _latched(), '1 Hz while watched, else 0.1 Hz', 'whole flown track')
 ROUTE_MARKERS = _vehicle('route_markers', MarkerArray, _latched(), 'on change', 'planned route')
 REL_ALT = _vehicle(
     'rel_alt', Float64, _stream(), 'as fix', 'height above home, real vehicles only'
 )
 HEADING = _vehicle('heading', Float64, _stream(), 'as fix', 'degrees, real vehicles only')
-HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns, real vehicles only')
+HOME = _vehicle('home', GeoPoint, _latched(), 'on change', 'where it returns')
+CONTROL = _vehicle('control', Control, _latched(), 'on change', 'who may give it orders')
 PREDICTED_FIX = _vehicle(
     'predicted_fix', NavSatFix, _kept(), '1 Hz while silent', 'where it should be, real ones only'
+)
+TRAFFIC = _vehicle(
+    'traffic', Traffic, _kept(), 'as heard', 'other aircraft heard, real vehicles only'
 )
 EVENTS = _vehicle(
     'events', VehicleEvent, _kept(), 'on change', 'what happened, real vehicles only'
@@ -229,7 +266,12 @@ EVENTS = _vehicle(
 
 REGION = _fleet('region', Region, _latched(), 'on change', 'what the operator drew')
 PLAN = _fleet('plan', SurveyPlan, _latched(), 'on change', 'routes of all vehicles, with bound')
-MISSION_STATE = _fleet('mission/state', MissionState, _latched(), '2 Hz', 'phase and progress')
+MISSION_STATE = _fleet(
+    'mission/state', MissionState, _kept(STATES_KEPT), '2 Hz', 'phase and progress'
+)
+DECISIONS = _fleet(
+    'decisions', Decision, _kept(DECISIONS_KEPT), 'on change', 'what was decided, by whom, why'
+)
 RECEIPTS = _fleet('shots/receipts', ShotReceipt, _kept(), 'each shot', 'photograph is stored')
 HAZARD_SOURCES = _fleet('hazard/sources', HazardSourceArray, _latched(), 'on change', 'estimates')
 DOSE_MAP = _fleet('hazard/dose_map', OccupancyGrid, _latched(), 'on change', 'dose rate, log')
@@ -243,6 +285,10 @@ MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and fil
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
+TF = _fleet('/tf', TFMessage, _stream(), 'as odom', 'frames that move, see ros.md')
+# Many publish here, each once: a subscriber that kept one message would have one of them.
+TF_STATIC = _fleet('/tf_static', TFMessage, _kept(), 'once', 'frames that are fixed')
+ROSOUT = _fleet('/rosout', Log, _stream(), 'on change', 'log of all nodes')
 DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health of the nodes')
 
 TOPICS = tuple(value for value in tuple(globals().values()) if isinstance(value, TopicSpec))
@@ -255,17 +301,17 @@ def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> Cal
 
 FLY_ROUTE = _call('fly_route', FlyRoute, 'action', Scope.VEHICLE, 'fly, photograph, return, land')
 HOLD = _call('hold', Trigger, 'service', Scope.VEHICLE, 'stand still in the air')
-RESUME = _call('resume', Trigger, 'service', Scope.VEHICLE, 'go on after hold')
+RESUME = _call('resume', Resume, 'service', Scope.VEHICLE, 'go on after hold')
 RETURN_HOME = _call('return_home', Trigger, 'service', Scope.VEHICLE, 'give up the route')
 LAND = _call('land', Trigger, 'service', Scope.VEHICLE, 'land where it is')
+LEASE = _call('lease', Lease, 'service', Scope.VEHICLE, 'take, renew or give back the control')
 PREFLIGHT = _call('preflight', Preflight, 'service', Scope.VEHICLE, 'checks of a real vehicle')
-GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point; real vehicles')
-SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'over ground; real vehicles')
-PUSH_FENCE = _call(
-    'geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence of a real vehicle'
-)
-PUSH_RALLY = _call(
-    'rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'rally points of a real vehicle'
+GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point and stay there')
+SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'speed over ground')
+PUSH_FENCE = _call('geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence')
+PUSH_RALLY = _call('rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'replace rally points')
+SET_HOME = _call(
+    'set_home', SetHome, 'service', Scope.VEHICLE, 'before take-off; simulated vehicles only'
 )
 PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to routes')
 QUERY_FIELD = _call(
@@ -275,6 +321,12 @@ SUGGEST_VIEWPOINTS = _call(
     'hazard/suggest_viewpoints', SuggestViewpoints, 'service', Scope.FLEET, 'where to measure next'
 )
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
+FLEET_HOLD = _call('fleet/hold', FleetCommand, 'service', Scope.FLEET, 'hold of all vehicles')
+FLEET_RESUME = _call('fleet/resume', FleetCommand, 'service', Scope.FLEET, 'all go on after hold')
+FLEET_RETURN_HOME = _call(
+    'fleet/return_home', FleetCommand, 'service', Scope.FLEET, 'all give up their routes'
+)
+FLEET_LAND = _call('fleet/land', FleetCommand, 'service', Scope.FLEET, 'all land where they are')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
 CALLS = tuple(value for value in tuple(globals().values()) if isinstance(value, CallSpec))
@@ -329,18 +381,19 @@ def create_subscription(
     callback: Callable[[Any], None],
     vehicle: str = '',
     *,
-    raw: bool = False,
+    is_recording: bool = False,
 ) -> Subscription:
     """Subscribe `node` to every message of `spec`: nothing is lost up to the depth of its queue.
 
-    The deadline of a heartbeat is offered but not requested, so a slow simulation is no fault.
-    With `raw` the callback gets the serialised bytes.
+    Of a state it gets the newest. The deadline of a heartbeat is offered but not requested, so a
+    slow simulation is no fault. With `is_recording` the callback gets the serialised bytes, of a
+    state every message.
     """
     qos = QoSProfile(
-        depth=1 if spec.qos.depth == 1 else STREAM_DEPTH,
+        depth=1 if spec.is_state and not is_recording else STREAM_DEPTH,
         reliability=spec.qos.reliability,
         durability=spec.qos.durability,
     )
     return node.create_subscription(
-        spec.message_type, _name_from(node, spec, vehicle), callback, qos, raw=raw
+        spec.message_type, _name_from(node, spec, vehicle), callback, qos, raw=is_recording
     )

@@ -6,6 +6,5 @@ the verbs that the documents and tests of ROCSAFE use; `python -m rocsafe_ros2cl
 `ros2 topic list`. Set-up installs it as `ros2` only where no other `ros2` is on the PATH.
 
 `cli` parses the arguments. Each command has a module of its own (`topic_command` and so on) with
-a table of verbs. `command_node` makes the node of a verb, `discovery` waits until it knows the
-other nodes.
+a table of verbs. `command_node` makes the node of a verb, which waits until it knows the others.
 """

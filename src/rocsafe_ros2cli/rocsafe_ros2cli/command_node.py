@@ -14,8 +14,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.discovery import await_discovery
 from rocsafe_ros2cli.command import CommandError
-from rocsafe_ros2cli.discovery import await_discovery
 
 SLICE_S = 0.1
 """Longest time inside rcl, which Ctrl-C and SIGTERM do not interrupt."""

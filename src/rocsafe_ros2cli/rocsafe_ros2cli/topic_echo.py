@@ -6,9 +6,9 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 
+from rocsafe_ros.discovery import OTHERS_LIMIT_S, await_discovery, wait_for
 from rocsafe_ros2cli.command import CommandError
 from rocsafe_ros2cli.command_node import command_node
-from rocsafe_ros2cli.discovery import OTHERS_LIMIT_S, await_discovery, wait_for
 from rocsafe_ros2cli.interfaces import message_class
 from rocsafe_ros2cli.message_text import TextStyle, yaml_text
 from rocsafe_ros2cli.names import not_published_warning, topic_class

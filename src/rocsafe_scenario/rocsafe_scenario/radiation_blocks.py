@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The radiation block of a scenario file: sources, shields, background and detectors."""
 
-from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block, LatLon, in_utc
+from rocsafe_scenario.scenario_blocks import Block, LatLon, UtcTime
 
 LARGEST_TIME_S = 604_800.0
 Material = Literal['iron', 'lead', 'concrete', 'water']
@@ -41,7 +40,7 @@ class SourceBlock(Block):
     nuclide: Nuclide | None = None
     sigma_usvps: float | None = Field(default=None, gt=0.0, le=1e12)
     activity_gbq: float | None = Field(default=None, gt=0.0, le=1e9)
-    activity_date: Annotated[datetime, AfterValidator(in_utc)] | None = None
+    activity_date: UtcTime | None = None
 
     @property
     def shapes(self) -> tuple[str, ...]:
@@ -133,6 +132,9 @@ Level = Annotated[float, Field(gt=0.0, le=1e12)]
 class LevelsBlock(Block):
     """Dose rates of cordons at 1 m, and dose rates and doses at which a vehicle's alarm trips.
 
+    At `turn_back_usvh` or `vehicle_budget_usv` the vehicle returns by the way of least dose. Who
+    read `contamination_usvh` may be contaminated. 0: never.
+
     By default those of IAEA EPR-First Responders, GSR Part 7 and ICRP 103; see the documentation.
     """
 
@@ -143,6 +145,17 @@ class LevelsBlock(Block):
         default=(25.0, 100.0, 1000.0, 100_000.0), max_length=20
     )
     alarm_doses_usv: tuple[Level, ...] = Field(default=(1e3, 2e4, 5e4, 1e5, 5e5), max_length=20)
+    turn_back_usvh: float = Field(default=1e5, ge=0.0, le=1e12)
+    vehicle_budget_usv: float = Field(default=1e7, ge=0.0, le=1e12)
+    contamination_usvh: float = Field(default=100.0, ge=0.0, le=1e12)
+
+
+class CrewBlock(Block):
+    """Somebody at a place, and the dose that is not to be exceeded, microsievert."""
+
+    name: Annotated[str, Field(min_length=1, max_length=64)]
+    position: LatLon
+    budget_usv: float = Field(default=2e4, gt=0.0, le=1e9)
 
 
 class RadiationBlock(Block):
@@ -160,6 +173,7 @@ class RadiationBlock(Block):
     source_radius_m: float = Field(default=0.1, gt=0.0, le=100.0)
     search: SearchBlock = SearchBlock()
     levels: LevelsBlock = LevelsBlock()
+    crew: tuple[CrewBlock, ...] = Field(default=(), max_length=100)
     sources: tuple[SourceBlock, ...] = ()
     shields: tuple[ShieldBlock, ...] = Field(default=(), max_length=1000)
     scene_file: str = ''

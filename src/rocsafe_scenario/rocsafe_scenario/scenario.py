@@ -8,6 +8,7 @@ from pydantic import Field
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_scenario.air_blocks import AirBlock
 from rocsafe_scenario.camera_blocks import CameraBlock, OtherCameraBlock
 from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
 from rocsafe_scenario.radiation_blocks import RadiationBlock
@@ -39,9 +40,11 @@ class Scenario(Block):
     other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
-    replan: Literal['never', 'on_loss'] = 'never'
+    replan: Literal['never', 'on_loss'] = 'on_loss'
+    on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
     radiation: RadiationBlock = RadiationBlock()
+    air: AirBlock = AirBlock()
 
     @property
     def vehicle_names(self) -> tuple[str, ...]:

@@ -9,9 +9,10 @@ from dataclasses import fields
 from datetime import datetime, timezone
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.storage.utc_time import in_utc, time_of_text
 from rocsafe_planner.plan.survey_options import (
     AirspaceOptions,
     CoverageOptions,
@@ -26,10 +27,14 @@ from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_scenario.limits import LARGEST_BUDGET_S, LARGEST_HEIGHT_M, LARGEST_SPEED
 
 DEFAULT_START = datetime(2025, 6, 1, 10, 0, tzinfo=timezone.utc)
+# Seconds of messages end on 2038-01-19; missions take days at most.
+EARLIEST_START = datetime(1970, 1, 1, tzinfo=timezone.utc)
+LATEST_START = datetime(2038, 1, 1, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
-    {'clock', 'collector', 'fleet', 'hazard', 'localizer', 'mission', 'mosaic', 'orchestrator',
-     'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
+    {'air', 'clock', 'collector', 'fleet', 'fleet_verbs', 'hazard', 'localizer', 'mission',
+     'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene',
+     'shots', 'sim', 'world'}
 )  # fmt: skip
 
 
@@ -67,13 +72,15 @@ def _vehicle_name(name: str) -> str:
     return name
 
 
-def in_utc(start: datetime) -> datetime:
-    """Return a time in UTC; ValueError if it does not say its zone."""
-    if start.tzinfo is None:
-        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
-    return start.astimezone(timezone.utc)
+def _in_messages(start: datetime) -> datetime:
+    """Refuse a time that no message can carry: ROS counts seconds since 1970 in 31 bits."""
+    if not EARLIEST_START <= start <= LATEST_START:
+        limits = f'{EARLIEST_START:%Y-%m-%d} to {LATEST_START:%Y-%m-%d}'
+        raise ValueError(f'must be within {limits}: messages of ROS carry no other times')
+    return start
 
 
+UtcTime = Annotated[datetime, BeforeValidator(time_of_text), AfterValidator(in_utc)]
 Latitude = Annotated[float, AfterValidator(_within('latitude', -90.0, 90.0))]
 Longitude = Annotated[float, AfterValidator(_within('longitude', -180.0, 180.0))]
 LatLon = tuple[Latitude, Longitude]
@@ -92,7 +99,7 @@ class ClockBlock(Block):
 
     speed: float = Field(default=0.0, ge=0.0, le=LARGEST_SPEED)
     step_s: float = Field(default=0.1, ge=0.001, le=1.0)
-    start: Annotated[datetime, AfterValidator(in_utc)] = DEFAULT_START
+    start: Annotated[UtcTime, AfterValidator(_in_messages)] = DEFAULT_START
 
 
 class OriginBlock(Block):
@@ -124,6 +131,9 @@ class AirspaceBlock(Block):
     clearance_m: float = Field(default=_AIRSPACE['clearance_m'], ge=0.0, le=1000.0)
     terrain_clearance_m: float = Field(
         default=_AIRSPACE['terrain_clearance_m'], gt=0.0, le=LARGEST_HEIGHT_M
+    )
+    max_height_agl_m: float = Field(
+        default=_AIRSPACE['max_height_agl_m'], gt=0.0, le=LARGEST_HEIGHT_M
     )
     wind_mps: tuple[float, float] = _AIRSPACE['wind_mps']
 
@@ -189,6 +199,29 @@ HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
 LINK_KEYS = frozenset({'link', 'drone'})
 
 
+class DetectorBlock(Block):
+    """A real detector whose lines the suite reads itself; the keys are those of the node detector.
+
+    Just one of `serial`, `udp` and `tunnel` says where the lines come in.
+    """
+
+    serial: str = ''
+    baud: int = Field(default=9600, ge=50)
+    udp: str = ''
+    allow_lan: bool = False
+    tunnel: bool = False
+    format: str = 'dose_rate'
+    format_file: str = ''
+    silent_after_s: float = Field(default=5.0, gt=0.0, le=3600.0)
+    delay_s: float = Field(default=0.0, ge=0.0, le=60.0)
+
+    @model_validator(mode='after')
+    def _has_one_source(self) -> 'DetectorBlock':
+        if [bool(self.serial), bool(self.udp), self.tunnel].count(True) != 1:
+            raise ValueError('must have one of serial, udp and tunnel')
+        return self
+
+
 class DroneBlock(Block):
     """More of a real vehicle.
 
@@ -200,19 +233,32 @@ class DroneBlock(Block):
         Folder of its JPEG files, or a stream; empty: no images.
     signing_key_file
         Signing key, mode 0600; empty: unsigned.
+    allow_lan
+        Whether its link may wait for vehicles beyond this machine.
+    unsigned
+        Whether a link beyond this machine may be without signatures.
     geoid_separation_m
         Height of the geoid above the ellipsoid, metres; None: the vehicle tells.
+    max_wind_mps, max_gust_mps
+        Greatest mean wind and gust of a minute in which it flies; 0: no limit.
+    on_wind
+        What happens when they are exceeded in the air: a return is offered, or ordered.
     detector
-        ``simulated``: reads the simulated field at its fix. ``own``: its driver publishes
-        ``radiation`` in the namespace of the vehicle.
+        ``simulated``: reads the simulated field at its fix. ``own``: a driver that the user starts
+        publishes ``radiation`` in the namespace of the vehicle. Or where its lines come in.
     """
 
     system: int = Field(default=1, ge=1, le=255)
     component: int = Field(default=1, ge=1, le=255)
     image_folder: str = ''
     signing_key_file: str = ''
+    allow_lan: bool = False
+    unsigned: bool = False
     geoid_separation_m: float | None = Field(default=None, ge=-110.0, le=110.0)
-    detector: Literal['simulated', 'own'] = 'simulated'
+    max_wind_mps: float = Field(default=0.0, ge=0.0, le=50.0)
+    max_gust_mps: float = Field(default=0.0, ge=0.0, le=50.0)
+    on_wind: Literal['warn', 'return'] = 'warn'
+    detector: Literal['simulated', 'own'] | DetectorBlock = 'simulated'
 
 
 class AutopilotBlock(Block):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks across the blocks of a scenario: polygons, names, distances, size of the survey."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
@@ -18,6 +19,8 @@ from rocsafe_scenario.survey_size import fewest_viewpoints
 LARGEST_DISTANCE_M = 20_000.0
 # On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
 MOST_VEHICLE_PROCESSES = 20
+# Slower air carries a release nowhere, m/s.
+LEAST_WIND_MPS = 0.5
 
 
 def mistakes(scenario: Scenario) -> list[str]:
@@ -36,6 +39,7 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_missing_sensors(scenario),
         *_unclear_places(scenario),
         *_unused_shields(scenario),
+        *_unclear_releases(scenario),
     ]
     try:
         area = scenario.area()
@@ -53,6 +57,7 @@ def _double_names(scenario: Scenario) -> Iterator[str]:
     for block, names in (
         ('vehicles', scenario.vehicle_names),
         ('radiation.sources', tuple(source.name for source in scenario.radiation.sources)),
+        ('air.releases', tuple(release.name for release in scenario.air.releases)),
     ):
         for name, count in Counter(names).items():
             if count > 1:
@@ -124,6 +129,19 @@ def _too_much_wind(scenario: Scenario) -> Iterator[str]:
             )
         except ValueError as error:
             yield f'vehicles[{index}] in survey.airspace.wind_mps: {error}'
+
+
+def _unclear_releases(scenario: Scenario) -> Iterator[str]:
+    for index, release in enumerate(scenario.air.releases):
+        if len(release.amounts) != 1 or not set(release.amounts) <= set(release.own_amounts):
+            keys = ', '.join(release.own_amounts)
+            yield f'air.releases[{index}]: needs exactly one of {keys} above 0'
+    speed = math.hypot(*scenario.survey.airspace.wind_mps)
+    if scenario.air.releases and speed < LEAST_WIND_MPS:
+        yield (
+            f'survey.airspace.wind_mps = {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s '
+            'with air.releases'
+        )
 
 
 def _missing_sensors(scenario: Scenario) -> Iterator[str]:
@@ -236,15 +254,4 @@ def flight_mistakes(scenario: Scenario) -> list[str]:
                     f'vehicles[{index}].{key} = {value}: is for plans and simulated vehicles; '
                     f'{vehicle.name} is real and flies once, from home to home'
                 )
-    if scenario.replan != 'never' and scenario.linked:
-        lines.append(
-            f'replan = {scenario.replan}: must be never where a vehicle is real (has a link), as '
-            f'{scenario.linked[0].name}'
-        )
-    distance_m = scenario.survey.separation.distance_m
-    if distance_m > 0.0 and scenario.linked:
-        lines.append(
-            f'survey.separation.distance_m = {distance_m:g}: is for plans and simulated '
-            f'vehicles; {scenario.linked[0].name} is real and takes off when it is ready'
-        )
     return lines

@@ -6,7 +6,9 @@ from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import jpeg_message
+from rocsafe_ros.audience import Audience
+from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
@@ -19,6 +21,7 @@ from rocsafe_sim.picture_conversions import (
     image_message,
     info_message,
     labels_message,
+    mount_of,
     picture_header,
     pose_message,
 )
@@ -26,21 +29,22 @@ from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 
 GIMBAL_PERIOD_NS = 1_000_000_000
-# Subscriptions of these nodes do not start a stream.
-RECORDERS = frozenset({'recorder'})
 
 
 class CameraInterface:
     """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
-    gimbal/state. Subscribes: gimbal/command.
+    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command.
 
     Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
     simulated second as long as anybody but a recorder subscribes.
     """
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, rav: Rav, camera: MountedCamera, frames: VehicleFrames
+    ) -> None:
+        self._frames = frames
         self._node, self._rav, self._camera = node, rav, camera
         self._vehicle = rav.parts.name
         self._image = self._publisher(topics.CAMERA_IMAGE)
@@ -50,6 +54,10 @@ class CameraInterface:
         self._labels = self._publisher(topics.CAMERA_LABELS)
         self._pose = self._publisher(topics.CAMERA_POSE)
         self._table = self._publisher(topics.CAMERA_LABEL_TABLE)
+        self._audiences = [
+            Audience(node, publisher)
+            for publisher in (self._image, self._compressed, self._depth, self._labels)
+        ]
         if camera.model.camera.label_table():
             self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
@@ -106,12 +114,7 @@ class CameraInterface:
         self._publish(picture, self._jpeg_of(picture) if _is_heard(self._compressed) else None)
 
     def _is_watched(self) -> bool:
-        if any(map(_is_heard, (self._image, self._depth, self._labels))):
-            return True
-        if not _is_heard(self._compressed):
-            return False
-        listeners = self._node.get_subscriptions_info_by_topic(self._compressed.topic_name)
-        return any(listener.node_name not in RECORDERS for listener in listeners)
+        return any(audience.is_watching for audience in self._audiences)
 
     def _add_gimbal(self) -> None:
         self._gimbals = Cadence(GIMBAL_PERIOD_NS)
@@ -135,6 +138,8 @@ class CameraInterface:
         is_news = not self._is_settled
         if self._gimbals.is_due(time_ns) or is_news:
             self._state.publish(gimbal_message(self._vehicle, self.name, gimbal, time_ns))
+            frame, rotation = mount_of(self._camera, time_ns)
+            self._frames.turn(frame, rotation, stamp_of_ns(time_ns))
         self._is_settled = gimbal.is_settled(time_ns)
 
     def _publisher(self, spec: topics.TopicSpec) -> Publisher:

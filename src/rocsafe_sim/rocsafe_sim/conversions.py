@@ -14,10 +14,12 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
 from rocsafe_interfaces.msg import Route as RouteMessage
+from rocsafe_interfaces.srv import PushFence
 from rocsafe_ros.conversions import position_of_point
+from rocsafe_sim.flight.fence import Fence
 from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
-from rocsafe_sim.vehicle.flight_record import FlightOutcome
+from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord
 from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
 
 STATES = {
@@ -90,6 +92,25 @@ def _waypoint(viewpoint: Viewpoint, places: '_Places') -> RouteWaypoint:
             f'viewpoint {viewpoint.id} is {up_m:g} m above the ground: must be above 0'
         )
     return waypoint
+
+
+def ending_of(flight: FlightRecord) -> int:
+    """Return the outcome that a flight has or will have, as in FlyRoute."""
+    return int(OUTCOMES[flight.outcome or flight.ending])
+
+
+def fence_of(request: PushFence.Request, frame: LocalFrame) -> Fence:
+    """Return the fence of a message; raises `ValueError` if a polygon is invalid."""
+    places = _Places(frame, is_level=True)
+    return Fence(
+        inclusions=tuple(map(places.outline, request.inclusions)),
+        exclusions=tuple(map(places.outline, request.exclusions)),
+    )
+
+
+def places_of(points: list[GeoPoint], frame: LocalFrame) -> tuple[Enu, ...]:
+    """Return places of messages; raises `ValueError` if one is invalid."""
+    return _Places(frame, is_level=True).all(points)
 
 
 def waiting_text(number: int, waits_s: float) -> str:

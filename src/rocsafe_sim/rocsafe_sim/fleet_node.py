@@ -4,8 +4,10 @@
 from pathlib import Path
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
+from rocsafe_ros.conversions import diagnostic
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -47,13 +49,23 @@ class FleetNode(Node):
             for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
         ]
         if options.lock_step:
-            self._participant = Participant(self, self.get_name(), self._on_step)
+            self._participant = Participant(
+                self, self.get_name(), self._on_step, has_news=self._has_news
+            )
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
+
+    def health(self) -> list[DiagnosticStatus]:
+        """Return its own status and those of its vehicles."""
+        vehicles = (interface.health() for interface in self._interfaces)
+        return [diagnostic('runs'), *filter(None, vehicles)]
 
     def _on_step(self, time_ns: int) -> bool:
         are_idle = [interface.step(time_ns) for interface in self._interfaces]
         return all(are_idle)
+
+    def _has_news(self) -> bool:
+        return any(interface.has_news for interface in self._interfaces)
 
     def _on_busy(self) -> None:
         if self._participant is not None:

@@ -8,6 +8,8 @@ from rclpy.action import ActionServer, CancelResponse
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_ros import topics
+from rocsafe_ros.control_lease import LeaseRefusedError
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.conversions import refusal_message, result_message, route_of
@@ -26,12 +28,28 @@ class FlyRouteServer:
     A goal is executed, in the terms of rclpy, when its flight has ended. No coroutine waits for
     that, because the executors of rclpy resume a waiting coroutine all the time.
 
-    `on_command` is called after the vehicle got a command.
+    Parameters
+    ----------
+    node
+        Node in the namespace of the vehicle.
+    rav
+        The vehicle.
+    lease
+        Judges who may send goals.
+    on_command
+        Called after the vehicle got a command.
     """
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, on_command: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        rav: Rav,
+        lease: LeaseServer,
+        on_command: Callable[[], None],
+    ) -> None:
         self._node = node
         self._rav = rav
+        self._lease = lease
         self._on_command = on_command
         self._has_time = False
         self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
@@ -66,6 +84,8 @@ class FlyRouteServer:
                 goal.execute()
 
     def _on_goal(self, goal: Any) -> None:
+        if self._lease.is_for_another(goal.request.lease):
+            return  # that node executes it
         if not self._has_time:
             self._early.append(goal)
             return
@@ -82,10 +102,11 @@ class FlyRouteServer:
         if request.route.vehicle not in ('', name):
             return refusal_message(f'{name}: the route is for {request.route.vehicle}')
         try:
+            self._lease.require(request.lease)
             route = route_of(request.route, request.plan_id, self._rav.parts.frame)
             before = self._rav.vehicle.flight
             self._rav.vehicle.fly_route(route, replaces=request.replace)
-        except (CommandRefusedError, ValueError) as error:
+        except (LeaseRefusedError, CommandRefusedError, ValueError) as error:
             return refusal_message(f'{name}: {error}')
         if before is not None and before.route != route:
             self._end_replaced(request.plan_id)

@@ -21,6 +21,8 @@ from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 SCENE_GROUND = 'scene'
 FLAT, ENGINE = 'flat', 'engine'
 LARGEST_VIEW_ANGLE_DEG = 70.0
+# Messages count seconds in 31 bits.
+LATEST_S = 2.0**31 - 1.0
 IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
 
 
@@ -38,7 +40,8 @@ class WorldOptions:
     participants: tuple[str, ...] = option((), 'names of those who must finish each step')
     autostart: bool = option(True, 'let time run from the start; otherwise world/run starts it')
     pause_when_idle: bool = option(False, 'pause when all participants have become idle')
-    start_time_s: float = option(0.0, 'simulated time of the first step, s since 1970', 0.0, 4e9)
+    pause_on_news: bool = option(False, 'pause when a loss is announced, or a hold is obeyed')
+    start_time_s: float = option(0.0, 'time of the first step, s since 1970', 0.0, LATEST_S)
     scene: str = option(NO_SCENE, f'objects shown as markers: {", ".join(SCENE_NAMES)}')
 
     def __post_init__(self) -> None:
@@ -89,7 +92,7 @@ class VehicleOptions(FlightOptions):
     fix_rate_hz: float = option(5.0, 'rate of fix, velocity and odom, Hz', 0.01, 1e3)
     camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
     scene_file: str = option('', 'path of the scene, for the engine')
-    scene_start_s: float = option(0.0, 'start of all motion in the scene, s since 1970', 0.0, 4e9)
+    scene_start_s: float = option(0.0, 'start of motion in the scene, s since 1970', 0.0, LATEST_S)
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )

@@ -2,6 +2,7 @@
 """Messages of images and gimbals, and commands to gimbals."""
 
 from array import array
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
-from rocsafe_geo.pinhole import quaternion_of_rotation
+from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_body_from_optical
+from rocsafe_geo.storage.shot import Quaternion
 from rocsafe_interfaces.msg import GimbalCommand, GimbalState
 from rocsafe_ros.conversions import (
     MAP_FRAME,
@@ -21,7 +23,7 @@ from rocsafe_ros.conversions import (
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
-from rocsafe_sim.cameras.mounted_camera import CameraPicture
+from rocsafe_sim.cameras.mounted_camera import CameraPicture, MountedCamera
 
 
 def picture_header(vehicle: str, picture: CameraPicture) -> Header:
@@ -91,3 +93,16 @@ def _plane_message(plane: NDArray[Any], encoding: str, header: Header) -> Image:
     message.step = plane.nbytes // height
     message.data = array('B', plane.tobytes())
     return message
+
+
+def mounts_of(cameras: Iterable[MountedCamera]) -> dict[str, Quaternion]:
+    """Return the rotations to the vehicle's body of the cameras that are fixed to it, by frame."""
+    return dict(mount_of(camera, 0) for camera in cameras if camera.gimbal is None)
+
+
+def mount_of(camera: MountedCamera, time_ns: int) -> tuple[str, Quaternion]:
+    """Return the frame of a camera, without the vehicle's name, and its rotation to the body."""
+    looks = camera.direction(time_ns)
+    rotation = rotation_body_from_optical(looks.pitch_rad, looks.yaw_rad)
+    x, y, z, w = map(float, quaternion_of_rotation(rotation))
+    return f'{camera.name}_optical', (x, y, z, w)

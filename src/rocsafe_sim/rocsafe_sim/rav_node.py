@@ -4,7 +4,10 @@
 from pathlib import Path
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticStatus
+
 from rocsafe_geo.position import GeoPosition
+from rocsafe_ros.conversions import diagnostic
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -36,9 +39,18 @@ class RavNode(VehicleScopeNode):
             self, _rav(options, self.vehicle_name), options.fix_period_ns, self._on_busy
         )
         if options.lock_step:
-            self._participant = Participant(self, self.vehicle_name, self._interface.step)
+            self._participant = Participant(
+                self,
+                self.vehicle_name,
+                self._interface.step,
+                has_news=lambda: self._interface.has_news,
+            )
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
+
+    def health(self) -> list[DiagnosticStatus]:
+        """Return its own status and that of the vehicle."""
+        return [diagnostic('runs'), *filter(None, [self._interface.health()])]
 
     def _on_busy(self) -> None:
         if self._participant is not None:

@@ -2,11 +2,14 @@
 """Telemetry of a simulated vehicle."""
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
+from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -14,11 +17,13 @@ from rocsafe_ros.conversions import (
     path_pose,
     point_of_position,
     stamp_of_ns,
+    vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.conversions import STATES, battery_message, waiting_text
+from rocsafe_sim.conversions import STATES, battery_message, ending_of, waiting_text
 from rocsafe_sim.flight.route import FlightRoute
 from rocsafe_sim.marker_conversions import route_markers
 from rocsafe_sim.rav.rav import Rav
@@ -32,9 +37,12 @@ EXACT_M = (0.0, 0.0)
 
 
 class Telemetry:
-    """Publishes ground_truth/fix, fix, velocity, odom, battery_state, state, path and markers."""
+    """Publishes where a vehicle is, its battery, state, track, home and route."""
 
-    def __init__(self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int) -> None:
+    def __init__(
+        self, node: VehicleScopeNode, rav: Rav, fix_period_ns: int, frames: VehicleFrames
+    ) -> None:
+        self._frames = frames
         self._rav = rav
         self._fixes = Cadence(fix_period_ns)
         self._slow = Cadence(SLOW_PERIOD_NS)
@@ -46,11 +54,19 @@ class Telemetry:
         self._odom = topics.create_publisher(node, topics.ODOM)
         self._battery = topics.create_publisher(node, topics.BATTERY_STATE)
         self._state = topics.create_publisher(node, topics.STATE)
+        self._home = topics.create_publisher(node, topics.HOME)
         self._path = topics.create_publisher(node, topics.PATH)
+        self._viewers = Audience(node, self._path)
         self._markers = topics.create_publisher(node, topics.ROUTE_MARKERS)
         self._track = Path(header=Header(frame_id=MAP_FRAME))
         self._said: tuple[object, ...] = ()
+        self._last: VehicleState | None = None
         self._shown: FlightRoute | None = None
+        self._told_home: Enu | None = None
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return vehicle_diagnostic(self._last) if self._last is not None else None
 
     def publish(self, seen: VehicleSnapshot) -> None:
         """Publish what is due at a step, position first."""
@@ -65,11 +81,13 @@ class Telemetry:
         elif self._news(seen) != self._said:
             self._publish_state(seen, stamp)
         self._publish_markers()
+        self._publish_home()
 
     def publish_state(self, seen: VehicleSnapshot) -> None:
         """Publish the state between two steps, if a command or a receipt changed it."""
         if self._news(seen) != self._said:
             self._publish_state(seen, stamp_of_ns(seen.time_ns))
+        self._publish_home()
 
     def _publish_motion(self, seen: VehicleSnapshot, stamp: Time) -> None:
         fix = self._rav.fix(seen.time_ns, seen.pose.position_enu)
@@ -78,9 +96,11 @@ class Telemetry:
         self._truth.publish(fix_message(fix.true_position, stamp, gps, EXACT_M))
         self._fix.publish(fix_message(fix.position, stamp, gps, std_m))
         self._velocity.publish(velocity_message(pose.velocity_enu, stamp))
-        self._odom.publish(
-            odometry_message(fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name)
+        odometry = odometry_message(
+            fix.position_enu, pose.yaw_rad, pose.velocity_enu, stamp, self._name
         )
+        self._odom.publish(odometry)
+        self._frames.move(odometry)
 
     def _publish_state(self, seen: VehicleSnapshot, stamp: Time) -> None:
         self._said = self._news(seen)
@@ -102,22 +122,37 @@ class Telemetry:
         if flight is not None:
             message.plan_id = flight.route.plan_id
             message.viewpoint_count = len(flight.route.waypoints)
+            message.ending = ending_of(flight)
             message.text = flight.text or waiting_text(flight.command.number, seen.waits_s)
         self._state.publish(message)
+        self._last = message
 
     def _news(self, seen: VehicleSnapshot) -> tuple[object, ...]:
         flight = self._rav.vehicle.flight
-        why = None if flight is None else (flight.route.plan_id, flight.text)
-        return seen.mode, seen.viewpoints_visited, seen.shots_taken, len(self._rav.shots), why
+        why = None if flight is None else (flight.route.plan_id, flight.text, ending_of(flight))
+        stands = self._rav.vehicle.stands
+        return (
+            seen.mode,
+            stands,
+            seen.viewpoints_visited,
+            seen.shots_taken,
+            len(self._rav.shots),
+            why,
+        )
 
     def _publish_path(self, seen: VehicleSnapshot, stamp: Time) -> None:
         if not seen.mode.is_airborne:
             return
         self._track.header.stamp = stamp
         self._track.poses.append(path_pose(seen.pose.position_enu, stamp))
-        is_seen = self._path.get_subscription_count() > 0
-        if self._unseen_path.is_due(seen.time_ns) or is_seen:
+        if self._unseen_path.is_due(seen.time_ns) or self._viewers.is_watching:
             self._path.publish(self._track)
+
+    def _publish_home(self) -> None:
+        home = self._rav.vehicle.home_enu
+        if home != self._told_home:
+            self._told_home = home
+            self._home.publish(point_of_position(self._rav.parts.frame.position_of(home)))
 
     def _publish_markers(self) -> None:
         flight = self._rav.vehicle.flight

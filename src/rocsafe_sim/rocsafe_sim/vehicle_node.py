@@ -3,25 +3,34 @@
 
 from collections.abc import Callable
 
-from std_srvs.srv import Trigger
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from rocsafe_geo.storage.shot import Shot
-from rocsafe_ros import topics
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_ros.frames import VehicleFrames
+from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
-from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.command_node import CommandServices
+from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.fly_route_node import FlyRouteServer
+from rocsafe_sim.picture_conversions import mounts_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
+
+# A vehicle that was not stepped for longer, because its process stood still, was cut off: it holds
+# where it was then. In lock-step no step is that long.
+LONGEST_GAP_NS = 5_000_000_000
+_ON_ITS_WAY = (Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
 
 
 class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    camera/*. Subscribes: shots/receipts. Services: hold, resume, return_home, land. Action:
-    fly_route.
+    home, camera/*, control, /tf, /tf_static. Subscribes: shots/receipts. Services: lease, and
+    those of `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
@@ -33,6 +42,13 @@ class VehicleInterface:
         Simulated time between fixes, nanoseconds.
     on_busy
         Called when a command wakes an idle vehicle.
+
+    Attributes
+    ----------
+    has_news
+        Whether in the last step it announced an early end of its flight, or came to stand.
+    lease
+        Judges who may give orders.
     """
 
     def __init__(
@@ -45,15 +61,21 @@ class VehicleInterface:
         self._rav = rav
         self._log = node.get_logger()
         self._on_busy = on_busy
-        self._telemetry = Telemetry(node, rav, fix_period_ns)
+        self._has_stepped = False
+        self.has_news = False
+        self._was_told: tuple[bool, bool] = (False, False)
+        frames = VehicleFrames(node, mounts_of(rav.parts.cameras))
+        self._telemetry = Telemetry(node, rav, fix_period_ns, frames)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
-        self._cameras = [CameraInterface(node, rav, each) for each in rav.parts.cameras]
-        self._flights = FlyRouteServer(node, rav, self._after_command)
-        self._add_service(node, topics.HOLD, rav.vehicle.hold)
-        self._add_service(node, topics.RESUME, rav.vehicle.resume)
-        self._add_service(node, topics.RETURN_HOME, rav.vehicle.return_home)
-        self._add_service(node, topics.LAND, rav.vehicle.land)
+        self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
+        self.lease = LeaseServer(node, rav.spool)
+        self._flights = FlyRouteServer(node, rav, self.lease, self._after_command)
+        self._commands = CommandServices(node, rav, self.lease, self._after_command)
         self._publish_state()
+
+    def health(self) -> DiagnosticStatus | None:
+        """Return the status of the vehicle, None before its first state."""
+        return self._telemetry.health()
 
     def step(self, time_ns: int) -> bool:
         """Advance the vehicle to `time_ns` and publish all of it; return whether it is idle."""
@@ -61,7 +83,16 @@ class VehicleInterface:
         if time_ns < vehicle.time_ns:
             self._log.warning('time ran backwards: waiting until it is back', once=True)
             return vehicle.is_idle
+        is_cut_off = self._has_stepped and time_ns - vehicle.time_ns > LONGEST_GAP_NS
+        self._has_stepped = True
+        if is_cut_off and vehicle.mode in _ON_ITS_WAY:
+            gap_s = (time_ns - vehicle.time_ns) / NS_PER_S
+            self._log.warning(f'{self._rav.parts.name}: cut off for {gap_s:.0f} s, holds')
+            vehicle.hold()
         seen, shots = self._rav.step(time_ns)
+        told = (vehicle.ends_early, vehicle.stands)
+        self.has_news = any(now > before for now, before in zip(told, self._was_told, strict=True))
+        self._was_told = told
         self._telemetry.publish(seen)
         self._publish_pictures(shots)
         for camera in self._cameras:
@@ -87,18 +118,3 @@ class VehicleInterface:
         self._publish_state()
         if not self._rav.vehicle.is_idle:
             self._on_busy()
-
-    def _add_service(
-        self, node: VehicleScopeNode, spec: topics.CallSpec, command: Callable[[], None]
-    ) -> None:
-        def on_call(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            try:
-                command()
-            except CommandRefusedError as refusal:
-                response.message = f'{self._rav.parts.name}: {refusal}'
-                return response
-            self._after_command()
-            response.success = True
-            return response
-
-        node.create_service(spec.call_type, spec.name, on_call)

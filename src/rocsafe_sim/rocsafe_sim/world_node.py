@@ -4,7 +4,7 @@
 import time
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool
 
 from rocsafe_interfaces.msg import StepDone
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.conversions import diagnostic, ns_of_stamp, stamp_of_ns
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_scene.flat_ground.ground_photograph import read_boxes
@@ -22,13 +22,12 @@ from rocsafe_sim.options import WorldOptions
 
 # Wall period of the check whether the next time is due.
 TICK_S = 0.1
-DIAGNOSE_S = 1.0
 
 
 class WorldNode(Node):
     """Publishes /clock: the next time when all participants have finished the last one.
 
-    Subscribes: sim/step_done. Publishes: /clock, scene/markers, /diagnostics. Service: world/run.
+    Subscribes: sim/step_done. Publishes: /clock, scene/markers. Service: world/run.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -40,64 +39,89 @@ class WorldNode(Node):
             time.monotonic(),
             is_running=options.autostart,
             pauses_when_idle=options.pause_when_idle,
+            pauses_on_news=options.pause_on_news,
         )
         self._missing: list[str] = []
-        self._clock_out = topics.create_publisher(self, topics.CLOCK)
-        self._diagnostics = topics.create_publisher(self, topics.DIAGNOSTICS)
+        self._clocks_out = [topics.create_publisher(self, topics.CLOCK)]
         self._markers = topics.create_publisher(self, topics.SCENE_MARKERS)
         self._markers.publish(scene_markers(read_boxes(options.scene)))
         topics.create_subscription(self, topics.STEP_DONE, self._on_step_done)
         self.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        self._public = self._open_to_the_public()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         tick_s = min(TICK_S, options.step_s / options.speed) if options.speed else TICK_S
         self.create_timer(tick_s, self._advance, clock=steady)
-        self.create_timer(DIAGNOSE_S, self._diagnose, clock=steady)
+
+    def _open_to_the_public(self) -> Node | None:
+        """Return a node with the names that viewers know, None if this node has them itself.
+
+        The nodes of a mission keep their time under names of their own, so that no other clock
+        and no other mission can move or stop it.
+        """
+        if self.resolve_topic_name(topics.CLOCK.name) == topics.CLOCK.name:
+            return None
+        public = Node(
+            'world_public',
+            context=self.context,
+            namespace=self.get_namespace(),
+            use_global_arguments=False,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        self._clocks_out.append(topics.create_publisher(public, topics.CLOCK))
+        public.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        return public
+
+    @property
+    def nodes(self) -> list[Node]:
+        """The node itself, and the one for the public where there is one."""
+        return [self] if self._public is None else [self, self._public]
 
     def _on_step_done(self, report: StepDone) -> None:
         if report.has_left:
             self._clockwork.dismiss(report.participant)
             self._advance()
             return
-        self._clockwork.take(report.participant, ns_of_stamp(report.step), is_idle=report.is_idle)
+        self._clockwork.take(
+            report.participant,
+            ns_of_stamp(report.step),
+            is_idle=report.is_idle,
+            has_news=report.has_news,
+        )
         self._advance()
 
     def _advance(self) -> None:
         due_ns = self._clockwork.due(time.monotonic())
         if due_ns is not None:
-            self._clock_out.publish(ClockMessage(clock=stamp_of_ns(due_ns)))
+            message = ClockMessage(clock=stamp_of_ns(due_ns))
+            for clock in self._clocks_out:
+                clock.publish(message)
 
     def _on_run(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        was_running = self._clockwork.is_running
         self._clockwork.run(is_running=request.data)
         response.success = True
         response.message = 'time runs' if request.data else 'time is paused'
-        self.get_logger().info(response.message)
+        if was_running != request.data:
+            self.get_logger().info(response.message)
         self._advance()
         return response
 
-    def _diagnose(self) -> None:
+    def health(self) -> list[DiagnosticStatus]:
+        """Return whether time runs, and who holds it up."""
         missing = self._clockwork.missing(time.monotonic())
         if missing and missing != self._missing:
             self.get_logger().warning(f'time waits for {", ".join(missing)}')
         self._missing = missing
+        text = 'time runs' if self._clockwork.is_running else 'time is paused'
         waiting = f'waits for {", ".join(missing)}'
-        status = DiagnosticStatus(
-            name='world: lock-step',
-            hardware_id='world',
-            level=DiagnosticStatus.WARN if missing else DiagnosticStatus.OK,
-            message=waiting if missing else _running_text(self._clockwork.is_running),
-        )
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = stamp_of_ns(self._clockwork.time_ns)
-        self._diagnostics.publish(message)
-
-
-def _running_text(is_running: bool) -> str:
-    return 'time runs' if is_running else 'time is paused'
+        values = {'simulated_time_ns': self._clockwork.time_ns}
+        return [diagnostic(waiting if missing else text, is_warning=bool(missing), values=values)]
 
 
 def main() -> int:
     """Run the node until it is asked to stop."""
-    return run(WorldNode)
+    return run(lambda: WorldNode().nodes)
 
 
 if __name__ == '__main__':

@@ -13,6 +13,9 @@ _THIN_GAP = '\u202f'
 _DOSE_RATE_UNITS = ((1e6, 'Sv/h'), (1e3, 'mSv/h'), (1.0, 'µSv/h'))
 _DOSE_UNITS = ((1e6, 'Sv'), (1e3, 'mSv'), (1.0, 'µSv'))
 _LEAST_SHOWN = 0.001
+_H_PER_YEAR = 8766.0
+_CERTAIN = 0.999
+_EVIDENCE = ((5.0, 'very strong'), (3.0, 'strong'), (1.0, 'positive'), (-math.inf, 'weak'))
 
 
 def figures(value: float, count: int = 3) -> str:
@@ -39,6 +42,39 @@ def dose(value_usv: float | None) -> tuple[str, str]:
 def spaced(parts: tuple[str, str]) -> str:
     """Return number and unit as one text that does not break."""
     return GAP.join(part for part in parts if part)
+
+
+def about(value: float) -> str:
+    """Return `value` with two significant figures and without zeros that promise more."""
+    text = figures(value, 2)
+    return text.rstrip('0').rstrip('.') if '.' in text else text
+
+
+def stay(hours: float) -> str:
+    """Return a time that somebody may stay, as ``36 s``, ``12 min``, ``20 h`` or ``330 d``."""
+    for limit_h, per_h, unit in ((1 / 60, 3600.0, 's'), (1.0, 60.0, 'min'), (72.0, 1.0, 'h')):
+        if hours < limit_h:
+            return f'{about(hours * per_h)}{GAP}{unit}'
+    return f'{about(hours / 24.0)}{GAP}d' if hours < 10 * _H_PER_YEAR else f'over 10{GAP}years'
+
+
+def probability(share: float) -> str:
+    """Return a probability in per cent; what is not certain is not shown as 100 or 0."""
+    if share >= _CERTAIN:
+        return f'over {100.0 * _CERTAIN:.1f}{GAP}%'
+    if share <= 1.0 - _CERTAIN:
+        return f'below {100.0 * (1.0 - _CERTAIN):.1f}{GAP}%'
+    return f'{about(100.0 * share)}{GAP}%'
+
+
+def evidence(log_likelihood_ratio: float) -> str:
+    """Return in words how much evidence a natural logarithm of a likelihood ratio is.
+
+    The words are those of Kass and Raftery, Bayes Factors (1995), section 3.2.
+    """
+    if math.isnan(log_likelihood_ratio):
+        return UNKNOWN
+    return next(words for least, words in _EVIDENCE if log_likelihood_ratio >= least)
 
 
 def duration(seconds: float | None) -> str:

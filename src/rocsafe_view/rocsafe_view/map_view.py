@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rocsafe_view import formats
 from rocsafe_view.palette import DoseScale, ramp_colour
 from rocsafe_view.svg import Point, Rings, polyline
 
@@ -76,6 +77,45 @@ class EstimatePoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cordon:
+    """Edge of the ground above a dose rate; each of its parts is a ring and its holes."""
+
+    level_usvh: float
+    name: str
+    parts: tuple[Rings, ...]
+
+    @property
+    def rings(self) -> Rings:
+        """Rings of all parts."""
+        return tuple(ring for part in self.parts for ring in part)
+
+    @property
+    def radius_text(self) -> str:
+        """Distance from the middle to the furthest point, of the largest part."""
+        text = _metres(max(_radius_m(part[0]) for part in self.parts))
+        return text if len(self.parts) == 1 else f'{text} ({len(self.parts)} parts)'
+
+    def labels(self, least_m: float) -> list[tuple[Point, str]]:
+        """Return a text and its place, the northernmost point, for parts of at least a radius."""
+        level = formats.spaced(formats.dose_rate(self.level_usvh))
+        return [
+            (min(part[0], key=lambda point: point[1]), f'{level} within {_metres(radius_m)}')
+            for part in self.parts
+            if (radius_m := _radius_m(part[0])) >= least_m
+        ]
+
+
+def _radius_m(ring: Sequence[Point]) -> float:
+    xs, ys = zip(*ring, strict=True)
+    x, y = (min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0
+    return max(math.hypot(point[0] - x, point[1] - y) for point in ring)
+
+
+def _metres(value: float) -> str:
+    return f'{formats.about(value)}{formats.GAP}m'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayTrack:
     """Positions of a vehicle over time, all three of the same length."""
 
@@ -118,6 +158,8 @@ class MapView:
         Ground that the planned photographs show.
     viewpoints
         Planned viewpoints, in the order of the route.
+    replanned
+        Routes of the plans that followed the first.
     readings_per_point
         Each `DosePoint` is the highest of so many readings.
     """
@@ -139,6 +181,8 @@ class MapView:
     homes: Mapping[str, Point]
     sources: tuple[SourcePoint, ...]
     estimates: tuple[EstimatePoint, ...]
+    cordons: tuple[Cordon, ...]
+    replanned: Mapping[str, tuple[tuple[Point, ...], ...]]
     picture: GroundPicture | None
 
     @property

@@ -21,6 +21,8 @@ VEHICLE_COLOURS = (
     '#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a',
 )  # fmt: skip
 _DECADES_SHOWN = 4
+# Beyond it, the numbers of a finer scale do not fit on the page of a phone.
+_DECADES_OF_FINE_TICKS = 2.2
 _LOWEST_USVH = 1e-3
 
 
@@ -56,14 +58,15 @@ class DoseScale:
         return ramp_colour(self.fraction(dose_rate_usvh))
 
     def ticks(self) -> list[float]:
-        """Return round dose rates on the scale: 1, 2 and 5 of each decade, or 1 alone."""
+        """Return the ends of the scale, and between them 1, 2 and 5 of each decade, or 1 alone."""
         decades = math.log10(self.high_usvh / self.low_usvh)
-        steps = (1.0, 2.0, 5.0) if decades < 2.8 else (1.0,)
+        steps = (1.0, 2.0, 5.0) if decades < _DECADES_OF_FINE_TICKS else (1.0,)
         first = math.floor(math.log10(self.low_usvh))
         last = math.ceil(math.log10(self.high_usvh))
         candidates = (step * 10.0**power for power in range(first, last + 1) for step in steps)
         edge = 1.0 + 1e-9
-        return [c for c in candidates if self.low_usvh / edge <= c <= self.high_usvh * edge]
+        between = [c for c in candidates if self.low_usvh * edge < c < self.high_usvh / edge]
+        return [self.low_usvh, *between, self.high_usvh]
 
 
 def scale_of(

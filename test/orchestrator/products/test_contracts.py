@@ -1,70 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What other packages write, the products read: their own writers are the judges."""
 
-import json
 import math
 
 import pytest
 
-from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.photographs import read_photographs
-from rocsafe_orchestrator.products.plan_file import read_plan
-
-
-@pytest.fixture(scope='module')
-def planned():
-    """A small plan, made by the planner."""
-    from rocsafe_geo.regions.area import SurveyArea
-    from rocsafe_planner.plan.request import SurveyRequest
-    from rocsafe_planner.plan.survey_options import CoverageOptions
-    from rocsafe_planner.plan.survey_region import SurveyRegion
-    from rocsafe_planner.plan.vehicle import Vehicle
-    from rocsafe_planner.planning import plan_survey
-
-    corners = [(53.28, -9.06), (53.281, -9.06), (53.281, -9.062), (53.28, -9.062)]
-    boundary = tuple(GeoPosition(*corner) for corner in corners)
-    request = SurveyRequest(
-        regions=(SurveyRegion(area=SurveyArea(boundary=boundary, name='yard')),),
-        camera=PinholeCamera(math.radians(60.0), 640, 480),
-        vehicles=(
-            Vehicle(
-                name='rav1', home=GeoPosition(53.2795, -9.061, 66.0), cruise_speed_mps=8.0,
-                acceleration_mps2=2.0, climb_rate_mps=2.5, descent_rate_mps=1.5, hover_s=1.0,
-                endurance_s=1500.0,
-            ),
-        ),
-        coverage=CoverageOptions(height_agl_m=32.0),
-    )  # fmt: skip
-    return plan_survey(request)
-
-
-def test_plan_of_the_planner_is_read_whole(planned, tmp_path):
-    """Figures, routes and region are those of the plan."""
-    from rocsafe_planner.plan.plan_json import plan_document
-
-    path = tmp_path / 'plan.json'
-    path.write_text(json.dumps(plan_document(planned)), encoding='utf-8')
-    plan = read_plan(path)
-    assert plan.makespan_s == planned.makespan_s
-    assert plan.gap_fraction == planned.gap_fraction
-    assert plan.covered_fraction == planned.covered_fraction
-    assert plan.region.boundary == planned.request.regions[0].area.boundary
-    assert [v.position for v in plan.routes[0].viewpoints] == [
-        v.position for v in planned.routes[0].viewpoints
-    ]
-
-
-@pytest.mark.parametrize(
-    ('text', 'told'),
-    [('{', 'Expecting'), ('{"format_version": 1}', 'format 1'), ('{}', "'format_version'")],
-)
-def test_what_is_no_plan_is_refused(tmp_path, text, told):
-    """The error names the file and what is wrong."""
-    path = tmp_path / 'plan.json'
-    path.write_text(text, encoding='utf-8')
-    with pytest.raises(ValueError, match=f'plan.json.*{told}'):
-        read_plan(path)
 
 
 def test_photographs_of_the_store_are_read(tmp_path):

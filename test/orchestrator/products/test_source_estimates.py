@@ -28,6 +28,7 @@ def run(flown_run, tmp_path, monkeypatch):
     return copy, executable
 
 
+@pytest.mark.slow
 def test_the_true_source_is_found_from_the_readings(run):
     """Within 2 m, and told in summary, report and GeoJSON."""
     folder, _ = run

@@ -14,13 +14,21 @@ import numpy as np
 
 from rocsafe_mapping.alignment.adjustment.clock_lag import without_lag
 from rocsafe_mapping.alignment.adjustment.least_squares import adjusted
+from rocsafe_mapping.alignment.initial.flying_height import with_heights
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.matching.pair_table import PairTable, ReadGray
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.state import State
-from rocsafe_mapping.alignment.steps import Solution, pose_beside, solve_block, without_yaw
+from rocsafe_mapping.alignment.steps import (
+    Solution,
+    find_pairs,
+    pose_beside,
+    solve_block,
+    without_yaw,
+)
 from rocsafe_mapping.alignment_options import AlignmentOptions
+from rocsafe_mapping.errors import PlacementError
 
 BY_FEATURES, BY_GPS = 'features', 'gps'
 
@@ -88,6 +96,28 @@ class Block:
         self._photos[photo.name] = photo
         self.pair_table.add(photo)
 
+    def find_pairs(self) -> None:
+        """Match all photographs that may overlap; unknown heights are found first.
+
+        Raises
+        ------
+        PlacementError
+            If heights above the ground are unknown and cannot be found.
+        """
+        if not all(photo.has_height for photo in self._photos.values()):
+            self.pair_table.match_nearest()
+            pairs = tuple(self.pair_table.found.values())
+            found = with_heights(self._photos, pairs, self.options.initial)
+            if not found:
+                raise PlacementError(
+                    'no photograph tells its height above the ground, and too few overlap to '
+                    'find it from their fixes'
+                )
+            for name, photo in found.items():
+                self._photos[name] = photo
+                self.pair_table.replace(photo)
+        find_pairs(self.pair_table)
+
     def remove(self, name: str) -> None:
         """Forget a photograph that was added but never tied."""
         del self._photos[name]
@@ -152,17 +182,24 @@ class Block:
         }
 
     def _corrected(self, name: str) -> Pose:
-        """Return the prior pose, moved as the fixes of tied photographs nearby were wrong."""
+        """Return the prior pose, moved as the fixes of tied photographs nearby were wrong.
+
+        A height that is hardly known becomes that of those photographs.
+        """
         options = self.options.adjustment
-        prior = self._photos[name].prior
+        photo = self._photos[name]
+        prior = photo.prior
         offs = []
         for other, pose in self.state.poses.items():
             fix = self._photos[other].prior.centre
             away = float(np.linalg.norm(fix[:2] - prior.centre[:2]))
             if away < options.correcting_reach * prior.centre[2]:
-                offs.append((away, other, pose.centre[:2] - fix[:2]))
+                offs.append((away, other, pose.centre - [*fix[:2], 0.0]))
         if len(offs) < options.correcting_fixes:
             return prior
         nearest = sorted(offs, key=lambda off: off[:2])[: options.correcting_fixes]
-        shift = np.median([off for _, _, off in nearest], axis=0)
-        return Pose(centre=prior.centre + np.array([*shift, 0.0]), rotation=prior.rotation)
+        east, north, height_m = np.median([off for _, _, off in nearest], axis=0)
+        if photo.vertical_std_m < self.options.initial.guessed_height_share * prior.centre[2]:
+            height_m = prior.centre[2]
+        centre = np.array([prior.centre[0] + east, prior.centre[1] + north, height_m])
+        return Pose(centre=centre, rotation=prior.rotation)

@@ -11,7 +11,7 @@ from typing import Any
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.command_line.map_command import shots_of
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.changes import (
     AFTER,
     BEFORE,
@@ -20,7 +20,7 @@ from rocsafe_mapping.mosaic.changes import (
     changes,
     renamed,
 )
-from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.products.quality import violations
 
 EXIT_OK, EXIT_REFUSED = 0, 2
@@ -50,12 +50,17 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
         If a folder has no photographs, or the flights do not tie to each other.
     """
     maker = Mapmaker(MapOptions(ground_resolution_m=wanted.resolution_m), _note)
-    for folder, prefix in ((before, BEFORE), (after, AFTER)):
-        for shot in shots_of(folder):
-            try:
-                maker.add(renamed(shot.record, prefix), shot.read_image)
-            except PlacementError as error:
-                _note(str(error))
+    maker.add_all(
+        [
+            Shot(
+                name=prefix + shot.path.name,
+                record=renamed(shot.record, prefix),
+                read=shot.read_image,
+            )
+            for folder, prefix in ((before, BEFORE), (after, AFTER))
+            for shot in shots_of(folder)
+        ]
+    )
     alignment = maker.align()
     _require_tied(maker)
     for reason in violations(alignment, maker.block.state):

@@ -11,12 +11,10 @@ from typing import Any
 
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
-from rocsafe_mapping.errors import MappingError, PlacementError
-from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions
+from rocsafe_mapping.errors import MappingError
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
-from rocsafe_mapping.products.overlays import write_mbtiles
-from rocsafe_mapping.products.pmtiles_file import write_pmtiles
 from rocsafe_mapping.store.catalogue import MANIFEST, StoredShot, read_store
 from rocsafe_mapping.store.photograph_files import photographs_of
 
@@ -37,7 +35,8 @@ class Stopwatch:
 
     costs: dict[str, dict[str, float]] = field(default_factory=dict)
     _wall_s: float = field(default_factory=time.perf_counter)
-    _cpu_s: float = field(default_factory=time.process_time)
+    # The first stage has what the process used before, for imports.
+    _cpu_s: float = 0.0
 
     def lap(self, stage: str) -> None:
         """Note the time since the last stage as that of `stage`."""
@@ -69,14 +68,16 @@ def make_map(options: argparse.Namespace) -> int:
         If there is nothing to map or a file cannot be written.
     """
     watch = Stopwatch()
+    watch.lap('start')
     maker = Mapmaker(
         MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), _note
     )
-    for shot in shots_of(options.folder):
-        try:
-            maker.add(shot.record, shot.read_image, shot.path.stem)
-        except PlacementError as error:
-            _note(f'not on the map: {error}')
+    maker.add_all(
+        [
+            Shot(name=shot.path.name, record=shot.record, read=shot.read_image)
+            for shot in shots_of(options.folder)
+        ]
+    )
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
     watch.lap('read')
@@ -89,13 +90,11 @@ def make_map(options: argparse.Namespace) -> int:
         folder=folder,
         region=region,
         with_overlays=not options.only_geotiff,
+        with_tiles=not options.only_geotiff,
         labels=_labels_of(options),
     )
     alignment = maker.align(watch.lap)
     document = write_products(maker, alignment, wanted, watch.lap, watch.costs)
-    if not options.only_geotiff:
-        write_mbtiles(wanted.geotiff, folder / f'{NAME}.mbtiles')
-        write_pmtiles(folder / f'{NAME}.mbtiles', folder / f'{NAME}.pmtiles')
     return _conclude(document, folder)
 
 

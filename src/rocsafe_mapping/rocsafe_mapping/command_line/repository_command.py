@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.repository.server import Repository
+from rocsafe_mapping.repository.sink import token_of_file
 
 EXIT_OK, EXIT_REFUSED = 0, 2
 
@@ -16,7 +17,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until interrupted and return the exit code."""
     options = _parser().parse_args(arguments)
     try:
-        token = options.token_file.read_text().strip() if options.token_file else ''
+        token = token_of_file(options.token_file)
         server = Repository(options.folder, (options.host, options.port), token)
     except (MappingError, ValueError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
@@ -41,8 +42,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
     parser.add_argument('--port', type=int, default=8730, help='[8730]; 0: any')
     parser.add_argument(
-        '--token-file', type=Path, metavar='FILE',
-        help='holds the token that senders must bring; needed beyond loopback',
+        '--token-file', default='', metavar='FILE',
+        help='holds the token that senders must bring, mode 0600; needed beyond loopback',
     )  # fmt: skip
     return parser
 

@@ -3,7 +3,7 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +16,7 @@ from rocsafe_mapping.alignment.adjustment.least_squares import (
     stated_error_m,
 )
 from rocsafe_mapping.alignment.block import BY_GPS, Block, Placement
+from rocsafe_mapping.alignment.initial.pair_graph import groups_of
 from rocsafe_mapping.alignment.model.photo import (
     GroundFrame,
     Photo,
@@ -25,7 +26,6 @@ from rocsafe_mapping.alignment.model.photo import (
 )
 from rocsafe_mapping.alignment.model.state import Lens
 from rocsafe_mapping.alignment.model.surface import Surface
-from rocsafe_mapping.alignment.steps import find_pairs
 from rocsafe_mapping.alignment_options import AlignmentOptions
 from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
 from rocsafe_mapping.drawing.pixel_cache import PixelCache, ReadImage
@@ -33,9 +33,13 @@ from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing_options import DrawingOptions
 from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.mosaic.one_place import distances_from_most_m
 from rocsafe_mapping.photographs.shot import ShotRecord
 
 DEFAULT_MAX_PIXELS = 400_000_000
+FARTHEST_M = 100_000.0
+"""A photograph farther from the first one is no part of a map in one plane."""
+
 # Shares of the four corners of a photograph at 8 x 8 places spread over it, shape (64, 4).
 _ALONG = (np.arange(8) + 0.5) / 8
 EVENLY = np.stack(
@@ -73,6 +77,25 @@ class MapOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Shot:
+    """A photograph to be mapped.
+
+    Attributes
+    ----------
+    name
+        Of its file; unique among the photographs of a map.
+    record
+        Its record.
+    read
+        Returns its file.
+    """
+
+    name: str
+    record: ShotRecord
+    read: ReadImage
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Alignment:
     """Where all photographs are, and how sure that is.
 
@@ -91,6 +114,8 @@ class Alignment:
     lags_s
         By how much the fixes of vehicles are late, where that is certain; the priors of `photos`
         are without it.
+    groups
+        Numbers of photographs that are tied to each other, largest first.
     """
 
     photos: Mapping[str, Photo]
@@ -101,6 +126,7 @@ class Alignment:
     standing_m: FloatArray
     heights_error: Surface = field(default_factory=Surface)
     lags_s: Mapping[str, float] = field(default_factory=dict)
+    groups: tuple[int, ...] = ()
 
     def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
         """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
@@ -151,7 +177,6 @@ class Mapmaker:
         self.block = Block(self.pixels.gray, options.alignment)
         self.frame: GroundFrame | None = None
         self.epsg = 0
-        self._file_names: dict[str, str] = {}
 
     def __len__(self) -> int:
         return len(self.block)
@@ -161,38 +186,80 @@ class Mapmaker:
 
     @property
     def finest_resolution_m(self) -> float:
-        """Side of the ground that a pixel of the photographs shows."""
-        sizes = [photo.ground_resolution_m for photo in self.block.photos.values()]
+        """Side of the ground that a pixel of the photographs shows, as they lie now."""
+        block = self.block
+        sizes = [
+            placement.pose.centre[2] / block.photo(name).camera.fx_px
+            for name, placement in block.placements().items()
+        ]
         return round(float(np.median(sizes)), 4)
 
-    def file_name(self, name: str) -> str:
-        """Return the name that the file of a photograph has, without its suffix."""
-        return self._file_names.get(name, name)
+    def add_all(self, shots: Sequence[Shot]) -> None:
+        """Take in photographs of one place, also those without a height above the ground.
 
-    def add(self, record: ShotRecord, read: ReadImage, file_name: str = '') -> Photo:
+        Photographs without a fix, and those far away from most others, are left out; `notice` is
+        told of each.
+        """
+        placed = []
+        for shot in shots:
+            if math.isfinite(shot.record.latitude_deg + shot.record.longitude_deg):
+                placed.append(shot)
+            else:
+                self._notice(f'not on the map: {shot.name}: taken without a fix')
+        positions = [(shot.record.latitude_deg, shot.record.longitude_deg) for shot in placed]
+        for shot, away_m in zip(placed, distances_from_most_m(positions), strict=True):
+            if away_m > 0.0:
+                self._notice(
+                    f'not on the map: {shot.name}: its fix is {away_m / 1000.0:.0f} km from most '
+                    'other photographs'
+                )
+                continue
+            try:
+                self._take(shot)
+            except PlacementError as error:
+                self._notice(f'not on the map: {shot.name}: {error}')
+
+    def add(self, record: ShotRecord, read: ReadImage) -> Photo:
         """Take in a photograph, placed by its fix until it is aligned.
-
-        `file_name` is the name of its file, where that differs from the shot's.
 
         Raises
         ------
         PlacementError
-            If its position, height or attitude is unknown or outside UTM.
+            If its position, height or attitude is unknown, or it is far from the first one.
         """
+        if math.isnan(record.height_agl_m):
+            raise PlacementError(f'{record.shot_id}: height_agl_m = nan is unknown')
+        try:
+            return self._take(Shot(name=record.shot_id, record=record, read=read))
+        except PlacementError as error:
+            raise PlacementError(f'{record.shot_id}: {error}') from error
+
+    def _take(self, shot: Shot) -> Photo:
+        record = shot.record
         frame = self.frame or ground_frame_of(record)
-        photo = photo_of_record(record, frame, self.options.alignment.prior)
+        photo = photo_of_record(record, frame, self.options.alignment.prior, shot.name)
+        away_m = float(np.linalg.norm(photo.prior.centre[:2]))
+        if away_m > FARTHEST_M:
+            raise PlacementError(
+                f'its fix is {away_m / 1000.0:.0f} km from the first photograph, more than '
+                f'{FARTHEST_M / 1000.0:g} km'
+            )
         epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
         self.frame, self.epsg = frame, epsg
-        self.pixels.add(photo, read)
-        if file_name:
-            self._file_names[photo.name] = file_name
+        self.pixels.add(photo, shot.read)
         self.block.add(photo)
         return photo
 
     def align(self, step: Callable[[str], None] = lambda _stage: None) -> Alignment:
-        """Find where all photographs are; `step` is told the name of each finished stage."""
+        """Find where all photographs are; `step` is told the name of each finished stage.
+
+        Raises
+        ------
+        PlacementError
+            If heights above the ground are unknown and cannot be found.
+        """
         self.drop_unreadable()
-        find_pairs(self.block.pair_table)
+        self.block.find_pairs()
         step('match')
         self.block.place_all()
         alignment = self.alignment()
@@ -222,6 +289,7 @@ class Mapmaker:
             placements=block.placements(),
             heights_error=height_error(state.surface, ties_m, above_m, options),
             lags_s=block.lags_s,
+            groups=tuple(map(len, groups_of(pairs))),
             errors_m=stated_error_m(photos, pairs, state, options.adjustment)
             if state.poses
             else {},

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tags of a photograph's file: Exif and XMP as they stand there."""
 
+import io
 import math
 import re
+import stat
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +15,8 @@ from PIL.ExifTags import IFD
 
 from rocsafe_mapping.errors import StoreError
 
+MOST_BYTES = 2**29
+MOST_PIXELS = 300_000_000
 _XMP = re.compile(rb'<x:xmpmeta.*?</x:xmpmeta>', re.DOTALL)
 _XMP_VALUE = re.compile(r'(drone-dji|Camera|FLIR|rocsafe):(\w+)(?:="([^"]*)"|>([^<]*)<)')
 
@@ -59,15 +63,20 @@ def read_tags(path: Path) -> tuple[Tags, bytes]:
     Raises
     ------
     StoreError
-        If it is no picture.
+        If it is no picture, or larger than any photograph.
     """
     try:
+        _require_file(path)
         data = path.read_bytes()
-        with Image.open(path) as image:
+        with Image.open(io.BytesIO(data)) as image:
+            size = _credible(image.size)
             exif = image.getexif()
-            size = image.size
             camera, gps = dict(exif.get_ifd(IFD.Exif)), dict(exif.get_ifd(IFD.GPSInfo))
-    except (OSError, SyntaxError, ValueError, UnidentifiedImageError) as error:
+    except UnidentifiedImageError as error:
+        raise StoreError(f'cannot read photograph {path}: it is no picture') from error
+    except OSError as error:
+        raise StoreError(f'cannot read photograph {path}: {error.strerror or error}') from error
+    except (SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise StoreError(f'cannot read photograph {path}: {error}') from error
     found = _XMP.search(data)
     text = found.group(0).decode('utf-8', 'replace') if found else ''
@@ -76,3 +85,19 @@ def read_tags(path: Path) -> tuple[Tags, bytes]:
         image=dict(exif), camera=camera, gps=gps, xmp=xmp, width_px=size[0], height_px=size[1]
     )
     return tags, data
+
+
+def _credible(size: tuple[int, int]) -> tuple[int, int]:
+    """Return the size that a picture claims; raise ValueError if it would fill the memory."""
+    if size[0] * size[1] > MOST_PIXELS:
+        raise ValueError(f'{size[0]} x {size[1]} pixels exceed {MOST_PIXELS}')
+    return size
+
+
+def _require_file(path: Path) -> None:
+    """Raise ValueError unless `path` is a file of a credible size: a pipe would block."""
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise ValueError('it is no file')
+    if not 0 < status.st_size <= MOST_BYTES:
+        raise ValueError(f'{status.st_size} bytes are not from 1 to {MOST_BYTES}')

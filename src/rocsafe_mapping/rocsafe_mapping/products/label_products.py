@@ -2,7 +2,7 @@
 """The map of what is where: a GeoTIFF of classes, and the area of each."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +27,6 @@ def write_labels(
     renderer: Renderer,
     placed_photos: Mapping[str, PlacedPhoto],
     images: LabelImages,
-    file_name: Callable[[str], str],
 ) -> None:
     """Write ``labels.tif`` and ``labels.json``: what each value means and how much there is of it.
 
@@ -38,9 +37,7 @@ def write_labels(
     renderer, placed_photos
         Of the map.
     images
-        Label images of the photographs.
-    file_name
-        Returns what the file of a photograph is called, without its suffix.
+        Label images, named like the files of the photographs.
 
     Raises
     ------
@@ -56,7 +53,7 @@ def write_labels(
             np.add(counts, np.bincount(labels.ravel(), minlength=VALUES), out=counts)
             yield window, labels
 
-    tiles = label_tiles(renderer, placed_photos, lambda name: images.of(file_name(name)), TILE_PX)
+    tiles = label_tiles(renderer, placed_photos, lambda name: images.of(Path(name).stem), TILE_PX)
     colours = {label.value: label.colour for label in images.classes}
     path = folder / LABELS_TIF
     write_cog(path, renderer.grid, renderer.window, counted(tiles), palette=colours)

@@ -15,7 +15,8 @@ from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.products.cog import write_cog
 from rocsafe_mapping.products.error_map import error_map, write_error_map
 from rocsafe_mapping.products.label_products import write_labels
-from rocsafe_mapping.products.overlays import write_overlays
+from rocsafe_mapping.products.overlays import write_mbtiles, write_overlays
+from rocsafe_mapping.products.pmtiles_file import write_pmtiles
 from rocsafe_mapping.products.quality import quality
 from rocsafe_mapping.products.quality_page import quality_page, quality_text
 
@@ -37,6 +38,8 @@ class ProductOptions:
         That was to be covered, in local metres.
     with_overlays
         Whether a picture with world file and KML is wanted.
+    with_tiles
+        Whether MBTiles and PMTiles are wanted.
     labels
         Folder of label images, named like the photographs; None for none.
     """
@@ -45,6 +48,7 @@ class ProductOptions:
     folder: Path
     region: shapely.Polygon | None = None
     with_overlays: bool = True
+    with_tiles: bool = False
     labels: Path | None = None
 
 
@@ -81,7 +85,7 @@ def write_products(
     step('draw')
     if wanted.labels is not None:
         images = LabelImages(wanted.labels)
-        write_labels(wanted.folder, renderer, maker.placed_photos(), images, maker.file_name)
+        write_labels(wanted.folder, renderer, maker.placed_photos(), images)
         step('labels')
     errors = error_map(alignment, renderer)
     document = quality(alignment, maker.block.state, renderer, wanted.region, errors)
@@ -94,6 +98,11 @@ def write_products(
             stem = wanted.folder / wanted.geotiff.stem
             picture = write_overlays(wanted.geotiff, stem)[0].name
             step('overlays')
+        if wanted.with_tiles:
+            stem = wanted.folder / wanted.geotiff.stem
+            write_mbtiles(wanted.geotiff, stem.with_suffix('.mbtiles'))
+            write_pmtiles(stem.with_suffix('.mbtiles'), stem.with_suffix('.pmtiles'))
+            step('tiles')
         document['costs'] = {name: dict(cost) for name, cost in (costs or {}).items()}
         page = quality_page(document, picture, error_picture)
         write_whole(wanted.folder / QUALITY_JSON, quality_text(document))

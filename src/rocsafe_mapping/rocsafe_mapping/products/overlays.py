@@ -84,7 +84,7 @@ def write_mbtiles(cog: Path, path: Path) -> None:
         part.unlink(missing_ok=True)
         with rasterio.Env(GDAL_CACHEMAX=CACHE_BYTES):
             with rasterio.open(cog) as map_file, _on_tiles(map_file) as tiled:
-                rasterio.shutil.copy(tiled, part, driver='MBTILES', TILE_FORMAT='PNG')
+                rasterio.shutil.copy(tiled, part, driver='MBTILES', TILE_FORMAT='PNG', ZLEVEL='1')
             with rasterio.open(part, 'r+') as file:
                 levels = [2**power for power in range(1, 10)
                           if max(file.width, file.height) >> power >= 64]  # fmt: skip

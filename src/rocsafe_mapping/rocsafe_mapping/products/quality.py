@@ -24,6 +24,8 @@ FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
+# Of the image's width.
+LARGEST_TIE_SHARE = 0.002
 LARGEST_SCALE_OFF = 0.15
 LARGEST_TILT_RAD = math.radians(12.0)
 LARGEST_FOCAL_STDS = 3.5
@@ -86,7 +88,10 @@ def quality(
 
 def resolution_of(alignment: Alignment) -> float:
     """Return the side of the ground that a pixel of the photographs shows, metres."""
-    sizes = [photo.ground_resolution_m for photo in alignment.photos.values()]
+    sizes = [
+        placement.pose.centre[2] / alignment.photos[name].camera.fx_px
+        for name, placement in alignment.placements.items()
+    ]
     return float(np.median(sizes))
 
 
@@ -94,11 +99,18 @@ def violations(alignment: Alignment, state: State) -> list[str]:
     """Return why the map must not be called georeferenced; empty if it may."""
     tied = [n for n, p in alignment.placements.items() if p.placed_by == BY_FEATURES]
     found = []
-    if len(tied) < LEAST_TIED_SHARE * len(alignment.photos) or len(tied) < LEAST_FIXES:
+    count = len(alignment.photos)
+    if len(tied) < LEAST_TIED_SHARE * count or len(tied) < LEAST_FIXES:
         found.append(
-            f'{len(tied)} of {len(alignment.photos)} photographs are tied to others: the map '
-            'is as good as the single fixes'
+            f'{len(tied)} of {count} photographs are tied to others: the map is as good as the '
+            'single fixes'
         )
+    elif max(alignment.groups) < LEAST_TIED_SHARE * count:
+        found.append(
+            f'the photographs fall into {len(alignment.groups)} groups that are not tied to each '
+            f'other; the largest has {max(alignment.groups)} of {count}'
+        )
+    found += _inexact(alignment)
     if state.noise.fix_factor > LARGEST_FIX_FACTOR:
         found.append(
             f'fixes scatter {state.noise.fix_factor:.1f} times as far as they claim, more than '
@@ -122,6 +134,27 @@ def violations(alignment: Alignment, state: State) -> list[str]:
             found.append(f'{name}: focal length is {math.exp(lens.log_focal):.2f} of the believed')
         if max(abs(lens.k1), abs(lens.k2)) > LARGEST_RADIAL:
             found.append(f'{name}: distortion k1 {lens.k1:.2f}, k2 {lens.k2:.2f} is not credible')
+    return found
+
+
+def _inexact(alignment: Alignment) -> list[str]:
+    """Return why the ties or the stated error forbid to call the map georeferenced."""
+    found = []
+    if len(alignment.held_out_px):
+        off_px = float(np.median(np.linalg.norm(alignment.held_out_px, axis=1)))
+        width_px = float(np.median([p.camera.width_px for p in alignment.photos.values()]))
+        if off_px > LARGEST_TIE_SHARE * width_px:
+            found.append(
+                f'photographs disagree by {off_px:.1f} pixels, more than '
+                f'{LARGEST_TIE_SHARE * width_px:.1f}'
+            )
+    stated_m = _stated(alignment)['rms']
+    usual_m = float(np.median([photo.horizontal_std_m for photo in alignment.photos.values()]))
+    if stated_m > LARGEST_FIX_FACTOR * usual_m:
+        found.append(
+            f'the map may be off by {stated_m:.0f} m, more than {LARGEST_FIX_FACTOR:g} times the '
+            f'{usual_m:.1f} m of a fix'
+        )
     return found
 
 

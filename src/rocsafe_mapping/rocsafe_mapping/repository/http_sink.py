@@ -68,7 +68,9 @@ class HttpSink:
 
     def _upload(self, sha256: str, image: bytes) -> None:
         path = f'/uploads/{sha256}'
-        _, headers, _ = self._ask('HEAD', path)
+        status, headers, _ = self._ask('HEAD', path)
+        if status != OK:
+            raise StoreError(f'{self._url}: {status}')
         offset = int(headers.get(OFFSET, 0))
         while offset < len(image):
             piece = image[offset : offset + PIECE_BYTES]

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A reference repository: keeps photographs that are sent over HTTP in an image store.
 
-``HEAD /uploads/<sha256>`` tells the offset; ``PATCH /uploads/<sha256>`` with ``Upload-Offset``
-adds a piece; ``PUT /images/<shot_id>`` with the record makes the bytes a photograph: 201 new, 200
-there already, 409 other bytes of that name, 412 not all bytes are there, 422 no photograph, 507
-disk full. Each body is checked against ``Content-Digest`` (RFC 9530). Beyond loopback a token is
-needed.
+Sending: ``HEAD /uploads/<sha256>`` returns the offset; ``PATCH /uploads/<sha256>`` with
+``Upload-Offset`` adds a piece; ``PUT /images/<shot_id>`` with the record makes the bytes a
+photograph: 201 new, 200 there already, 409 other bytes of that name, 412 not all bytes are there,
+413 too large, 422 no photograph, 503 too many unfinished uploads, 507 disk full. Each body is
+checked against ``Content-Digest`` (RFC 9530).
+
+Reading: ``GET /images`` lists the photographs as JSON, ``GET /images/<shot_id>`` is one.
+
+Beyond loopback a token is needed; it is checked before a body is read.
 """
 
 import base64
@@ -14,21 +18,27 @@ import hmac
 import ipaddress
 import json
 import re
-import shutil
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
+from typing import BinaryIO, cast
 
-from rocsafe_geo.storage.durable import sync_file
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
 from rocsafe_mapping.repository.http_sink import OFFSET
+from rocsafe_mapping.repository.uploads import UploadRefusedError, Uploads
+from rocsafe_mapping.store.catalogue import read_shot, read_store
 from rocsafe_mapping.store.store import ImageStore, Status
 
-MOST_BODY_BYTES = 64 * 2**20
+MOST_PIECE_BYTES = 64 * 2**20
+MOST_RECORD_BYTES = 2**20
+SILENCE_S = 30.0
+"""A connection without a byte for so long is closed."""
+
 UPLOADS = 'uploads'
 _UPLOAD = re.compile(r'/uploads/([0-9a-f]{64})')
 _IMAGE = re.compile(r'/images/([A-Za-z0-9_-]{1,80})')
+_SHA256 = re.compile(r'[0-9a-f]{64}')
 _DIGEST = re.compile(r'sha-256=:([A-Za-z0-9+/=]+):')
 ANSWERS = {Status.STORED: 201, Status.DUPLICATE: 200, Status.REJECTED: 409}
 
@@ -58,9 +68,9 @@ class Repository(ThreadingHTTPServer):
     def __init__(self, folder: Path, address: tuple[str, int], token: str = '') -> None:
         if not token and not _is_loopback(address[0]):
             raise ValueError(f'host = {address[0]} is not loopback: a token is needed')
+        self.folder = folder
         self.store = ImageStore(folder)
-        self.uploads = folder / UPLOADS
-        self.uploads.mkdir(exist_ok=True)
+        self.uploads = Uploads(folder / UPLOADS)
         self.token = token
         self.lock = Lock()
         super().__init__(address, _Handler)
@@ -75,94 +85,127 @@ class _Handler(BaseHTTPRequestHandler):
     """One connection."""
 
     protocol_version = 'HTTP/1.1'
+    timeout = SILENCE_S
     server: Repository
 
     def do_HEAD(self) -> None:
-        """Tell how much of an upload is there."""
-        found = _UPLOAD.fullmatch(self.path)
-        if found is None or not self._is_allowed():
-            return self._answer(404 if found is None else 401)
-        path = self.server.uploads / found.group(1)
-        return self._answer(200, headers={OFFSET: str(_size(path))})
+        """Return how much of an upload is there."""
+        if self._is_allowed():
+            found = _UPLOAD.fullmatch(self.path)
+            if found is None:
+                return self._answer(404)
+            self._answer(200, headers={OFFSET: str(self.server.uploads.size(found[1]))})
+        return None
+
+    def do_GET(self) -> None:
+        """Return the list of the photographs, or one of them."""
+        if not self._is_allowed():
+            return None
+        found = _IMAGE.fullmatch(self.path)
+        try:
+            if self.path == '/images':
+                return self._send('application/json', _listed(self.server.folder))
+            if found is None:
+                return self._answer(404)
+            return self._send('image/jpeg', read_shot(self.server.folder, found[1]).read_image())
+        except StoreError as error:
+            return self._answer(404, str(error))
 
     def do_PATCH(self) -> None:
         """Add a piece to an upload."""
-        body, found = self._body(), _UPLOAD.fullmatch(self.path)
-        if body is None:
+        length = self._length(MOST_PIECE_BYTES)
+        if length is None:
             return None
-        if found is None:
-            return self._answer(404)
-        path = self.server.uploads / found.group(1)
-        with self.server.lock:
-            offset = _size(path)
-            if self.headers.get(OFFSET) != str(offset):
-                return self._answer(409, f'offset is {offset}')
-            if shutil.disk_usage(self.server.uploads).free < len(body) + 2**20:
-                return self._answer(507, 'disk is full')
-            with path.open('ab') as file:
-                file.write(body)
-            sync_file(path)
-        return self._answer(204, headers={OFFSET: str(offset + len(body))})
+        found, offset = _UPLOAD.fullmatch(self.path), self.headers.get(OFFSET, '')
+        if found is None or not (offset.isascii() and offset.isdigit()):
+            self.close_connection = True
+            return self._answer(404 if found is None else 400, f'{OFFSET} is {offset!r}')
+        try:
+            size = self._appended(found[1], int(offset), length)
+        except UploadRefusedError as error:
+            self.close_connection = True
+            return self._answer(error.status, str(error))
+        return self._answer(204, headers={OFFSET: str(size)})
+
+    def _appended(self, sha256: str, offset: int, length: int) -> int:
+        """Receive a piece and add it to its upload; return the new size of the upload."""
+        uploads = self.server.uploads
+        piece, digest = uploads.received(cast(BinaryIO, self.rfile), length)
+        try:
+            if not self._is_digest(digest):
+                raise UploadRefusedError(400, 'Content-Digest is missing or not that of the body')
+            with self.server.lock:
+                return uploads.append(sha256, offset, piece)
+        finally:
+            piece.unlink(missing_ok=True)
 
     def do_PUT(self) -> None:
-        """Make an upload a photograph."""
-        body, found = self._body(), _IMAGE.fullmatch(self.path)
-        if body is None:
+        """Make an upload a photograph; a repeated request has the answer that it is there."""
+        length = self._length(MOST_RECORD_BYTES)
+        if length is None:
             return None
+        body, found = self.rfile.read(length), _IMAGE.fullmatch(self.path)
+        if not self._is_digest(hashlib.sha256(body).digest()):
+            return self._answer(400, 'Content-Digest is missing or not that of the body')
         if found is None:
             return self._answer(404)
         try:
             record = record_of_plain(json.loads(body))
         except ValueError as error:
             return self._answer(422, str(error))
-        if record.shot_id != found.group(1):
+        if record.shot_id != found[1]:
             return self._answer(422, f'record is of {record.shot_id}')
-        sha256 = self.headers.get('Idempotency-Key', '')
-        path = self.server.uploads / sha256
-        image = path.read_bytes() if re.fullmatch('[0-9a-f]{64}', sha256) and _size(path) else b''
-        if hashlib.sha256(image).hexdigest() != sha256:
-            return self._answer(412, f'{len(image)} bytes of {sha256} are there')
-        return self._store(record, image, path)
+        # One at a time: a photograph is held in memory while it is stored.
+        with self.server.lock:
+            return self._store(record, self.headers.get('Idempotency-Key', ''))
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
         """Log nothing: the answers say it."""
 
-    def _store(self, record: ShotRecord, image: bytes, upload: Path) -> None:
+    def _store(self, record: ShotRecord, sha256: str) -> None:
+        uploads = self.server.uploads
+        is_there = _SHA256.fullmatch(sha256) is not None and uploads.size(sha256) > 0
+        image = uploads.path(sha256).read_bytes() if is_there else b''
+        if hashlib.sha256(image).hexdigest() != sha256:
+            if _is_stored(self.server.folder, record.shot_id, sha256):
+                return self._answer(ANSWERS[Status.DUPLICATE])
+            return self._answer(412, f'{len(image)} bytes of {sha256} are there')
         try:
-            with self.server.lock:
-                answer = self.server.store.put(record, image, is_tagged=True)
+            answer = self.server.store.put(record, image, is_tagged=True)
         except StoreError as error:
             return self._answer(507, str(error))
-        upload.unlink(missing_ok=True)
+        uploads.remove(sha256)
         return self._answer(ANSWERS[answer.status], answer.reason)
 
-    def _body(self) -> bytes | None:
-        """Return the body, None if it was refused."""
+    def _length(self, most: int) -> int | None:
+        """Return the length of the body, None if the request was refused without reading it."""
+        if not self._is_allowed():
+            return None
         told = self.headers.get('Content-Length', '0')
         if not (told.isascii() and told.isdigit()):
             self.close_connection = True
             self._answer(400, f'Content-Length is {told!r}')
             return None
-        length = int(told)
-        if length > MOST_BODY_BYTES:
+        if int(told) > most:
             self.close_connection = True
-            self._answer(413, f'{length} bytes exceed {MOST_BODY_BYTES}')
+            self._answer(413, f'{told} bytes exceed {most}')
             return None
-        body = self.rfile.read(length)
-        if not self._is_allowed():
-            self._answer(401)
-            return None
-        digest = _DIGEST.search(self.headers.get('Content-Digest', ''))
-        actual = base64.b64encode(hashlib.sha256(body).digest()).decode()
-        if digest is None or digest.group(1) != actual or len(body) != length:
-            self._answer(400, 'Content-Digest is missing or not that of the body')
-            return None
-        return body
+        return int(told)
+
+    def _is_digest(self, digest: bytes) -> bool:
+        """Return whether ``Content-Digest`` is this SHA-256."""
+        given = _DIGEST.search(self.headers.get('Content-Digest', ''))
+        return given is not None and given[1] == base64.b64encode(digest).decode()
 
     def _is_allowed(self) -> bool:
+        """Return whether the request brings the token; else refuse it and close the connection."""
         given = self.headers.get('Authorization', '')
         wanted = f'Bearer {self.server.token}'
-        return not self.server.token or hmac.compare_digest(given.encode(), wanted.encode())
+        if not self.server.token or hmac.compare_digest(given.encode(), wanted.encode()):
+            return True
+        self.close_connection = True
+        self._answer(401)
+        return False
 
     def _answer(self, status: int, text: str = '', headers: dict[str, str] | None = None) -> None:
         content = text.encode() if self.command != 'HEAD' and status != 204 else b''
@@ -174,9 +217,29 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(content)
 
+    def _send(self, kind: str, content: bytes) -> None:
+        self.send_response(200)
+        self.send_header('Content-Type', kind)
+        self.send_header('Content-Length', str(len(content)))
+        self.end_headers()
+        self.wfile.write(content)
 
-def _size(path: Path) -> int:
-    return path.stat().st_size if path.exists() else 0
+
+def _listed(folder: Path) -> bytes:
+    """Return name, SHA-256 and size of the stored photographs as JSON."""
+    rows = [
+        {'shot_id': shot.record.shot_id, 'sha256': shot.sha256, 'bytes': shot.size_bytes}
+        for shot in read_store(folder, lambda _text: None)
+    ]
+    return json.dumps(rows).encode()
+
+
+def _is_stored(folder: Path, shot_id: str, sha256: str) -> bool:
+    """Return whether the store has the photograph of that name with these bytes."""
+    try:
+        return read_shot(folder, shot_id).sha256 == sha256
+    except StoreError:
+        return False
 
 
 def _is_loopback(host: str) -> bool:

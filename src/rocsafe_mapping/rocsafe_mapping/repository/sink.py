@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
+from rocsafe_geo.storage.secret_file import SecretFileError, read_token
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import ShotRecord, plain_of_record
 from rocsafe_mapping.repository.http_sink import HttpSink
@@ -100,17 +101,14 @@ def token_of_file(path: str) -> str:
     Raises
     ------
     StoreError
-        If the file cannot be read or is empty.
+        If the file cannot be read, others could read it too, or the token is weak.
     """
     if not path:
         return ''
     try:
-        token = Path(path).read_text(encoding='utf-8').strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise StoreError(f'cannot read token file {path}: {error}') from error
-    if not token:
-        raise StoreError(f'token file {path} is empty')
-    return token
+        return read_token(Path(path))
+    except SecretFileError as error:
+        raise StoreError(f'token file {error}') from error
 
 
 def open_sink(url: str, token: str = '') -> Sink:

@@ -213,9 +213,11 @@ def collection(name: str, shots: Sequence[StoredShot]) -> dict[str, Any]:
 
 def _ring(record: ShotRecord) -> list[list[float]] | None:
     """Return the footprint as a closed ring, anticlockwise, None where it is not known."""
+    if math.isnan(record.height_agl_m):
+        return None
     try:
         frame = ground_frame_of(record)
-        photo = photo_of_record(record, frame, PriorOptions())
+        photo = photo_of_record(record, frame, PriorOptions(), record.shot_id)
     except PlacementError:
         return None
     corners = frame.geodetic(footprint(photo, photo.prior))

@@ -9,13 +9,10 @@ pitch 0 straight down, roll). Strings may be padded with NUL, numbers may carry 
 import hashlib
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import replace
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PIL.ExifTags import GPS, Base
 
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
@@ -43,7 +40,6 @@ UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 GIMBAL_TILT_STD_DEG, GIMBAL_YAW_STD_DEG = 2.0, 10.0
 FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
 HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
-GUESSED_HEIGHT_STD_SHARE = 0.5
 _NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
 
 
@@ -76,7 +72,7 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
             notice(f'{path}: {error}')
             continue
         shots.append(StoredShot(record=record, path=path))
-    return _with_heights(shots)
+    return tuple(shots)
 
 
 def vehicle_of(tags: Tags) -> str:
@@ -90,8 +86,7 @@ def vehicle_of(tags: Tags) -> str:
 def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> ShotRecord:
     """Return the record that the tags of a photograph amount to.
 
-    What is not known is NaN. A height above the ground that no tag has is found by
-    `photographs_of` from the other photographs.
+    What is not known is NaN.
 
     Raises
     ------
@@ -104,6 +99,8 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
     horizontal = _known(tags.number('Camera:GPSXYAccuracy'), HORIZONTAL_STD_M)
     vertical = _known(tags.number('Camera:GPSZAccuracy'), VERTICAL_STD_M)
     quaternion = quaternion_of_rotation(rotation).tolist()
+    # Above the place of take-off for DJI: below it, it tells nothing of the ground.
+    height_m = tags.number('drone-dji:RelativeAltitude', 'Camera:AboveGroundAltitude')
     return ShotRecord(
         shot_id=f'{vehicle}-{sequence:05d}',
         vehicle=vehicle,
@@ -114,38 +111,13 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
         longitude_deg=longitude,
         altitude_m=_altitude(tags),
         position_covariance_m2=_diagonal(horizontal, horizontal, vertical),
-        height_agl_m=tags.number('drone-dji:RelativeAltitude', 'Camera:AboveGroundAltitude'),
+        height_agl_m=height_m if height_m > 0.0 else math.nan,
         orientation_xyzw=(quaternion[0], quaternion[1], quaternion[2], quaternion[3]),
         orientation_covariance_rad2=_diagonal(tilt_std, tilt_std, yaw_std),
         camera=_camera(tags),
         sha256=sha256,
         lens=f'{tags.text(Base.Make)} {tags.text(Base.Model)} {vehicle}'.strip(),
     )
-
-
-def _with_heights(shots: Sequence[StoredShot]) -> tuple[StoredShot, ...]:
-    """Return the photographs, each with a height above the ground.
-
-    Where no tag has it, it is the altitude less that of the ground below the others, or less
-    0, and very uncertain: the alignment then takes the scale from the fixes.
-    """
-    known = [
-        shot.record.altitude_m - shot.record.height_agl_m
-        for shot in shots
-        if math.isfinite(shot.record.altitude_m + shot.record.height_agl_m)
-    ]
-    ground_m = float(np.median(known)) if known else 0.0
-    return tuple(
-        shot if shot.record.height_agl_m > 0.0 else _with_height(shot, ground_m) for shot in shots
-    )
-
-
-def _with_height(shot: StoredShot, ground_m: float) -> StoredShot:
-    record = shot.record
-    height_m = record.altitude_m - ground_m
-    covariance = (*record.position_covariance_m2[:8], (GUESSED_HEIGHT_STD_SHARE * height_m) ** 2)
-    record = replace(record, height_agl_m=height_m, position_covariance_m2=covariance)
-    return StoredShot(record=record, path=shot.path)
 
 
 def _degrees(tags: Tags, tag: int) -> float:

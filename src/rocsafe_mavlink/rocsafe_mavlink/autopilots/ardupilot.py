@@ -64,5 +64,5 @@ COPTER = Autopilot(
     flies_to_takeoff=False,
     turns_at_waypoints=False,
     starts_anywhere=False,
-    unsent=frozenset({'ESTIMATOR_STATUS'}),
+    unsent=frozenset({'ESTIMATOR_STATUS', 'WIND_COV'}),
 )

@@ -26,6 +26,7 @@ class FlightState(Enum):
     LANDING = 'landing'
     LANDED = 'landed'
     LOST = 'lost'
+    WAITING = 'waiting'
 
 
 class Verb(Enum):

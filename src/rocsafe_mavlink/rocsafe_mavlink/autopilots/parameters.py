@@ -31,6 +31,7 @@ class Parameter(Enum):
     LOW_BATTERY_ACTION = 'low-battery action'
     FENCE_ENABLED = 'fence'
     FENCE_TYPES = 'kinds of fence'
+    FENCE_ACTION = 'action at the fence'
     FENCE_RADIUS_M = 'radius of the fence'
     FENCE_HEIGHT_M = 'height of the fence'
     YAW_BEHAVIOUR = 'heading on the way'
@@ -39,6 +40,10 @@ class Parameter(Enum):
     RETURN_HEIGHT_M = 'height of the return'
     ARMING_CHECKS = 'checks before arming'
     RADIO_LOSS_ACTION = 'radio-loss action'
+    RALLY_LIMIT_M = 'furthest rally point'
+    RALLY_INCLUDES_HOME = 'home as a rally point'
+    PATH_PLANNER = 'path planner'
+    RETURN_KIND = 'kind of return'
 
 
 # Names of each parameter, the newest first, with the factor from their unit to SI.
@@ -51,6 +56,7 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.LOW_BATTERY_ACTION: (('BATT_FS_LOW_ACT', 1.0),),
         Parameter.FENCE_ENABLED: (('FENCE_ENABLE', 1.0),),
         Parameter.FENCE_TYPES: (('FENCE_TYPE', 1.0),),
+        Parameter.FENCE_ACTION: (('FENCE_ACTION', 1.0),),
         Parameter.FENCE_RADIUS_M: (('FENCE_RADIUS', 1.0),),
         Parameter.FENCE_HEIGHT_M: (('FENCE_ALT_MAX', 1.0),),
         Parameter.YAW_BEHAVIOUR: (('WP_YAW_BEHAVIOR', 1.0),),
@@ -60,6 +66,9 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         # The newer one names what is left out, the older one what is checked.
         Parameter.ARMING_CHECKS: (('ARMING_SKIPCHK', 1.0), ('ARMING_CHECK', 1.0)),
         Parameter.RADIO_LOSS_ACTION: (('FS_THR_ENABLE', 1.0),),
+        Parameter.RALLY_LIMIT_M: (('RALLY_LIMIT_KM', 1000.0),),
+        Parameter.RALLY_INCLUDES_HOME: (('RALLY_INCL_HOME', 1.0),),
+        Parameter.PATH_PLANNER: (('OA_TYPE', 1.0),),
     },
     PX4: {
         Parameter.CRUISE_SPEED_MPS: (('MPC_XY_CRUISE', 1.0),),
@@ -67,10 +76,13 @@ SPELLINGS: Mapping[int, Mapping[Parameter, tuple[tuple[str, float], ...]]] = {
         Parameter.WAYPOINT_RADIUS_M: (('NAV_ACC_RAD', 1.0),),
         Parameter.LINK_LOSS_ACTION: (('NAV_DLL_ACT', 1.0),),
         Parameter.LOW_BATTERY_ACTION: (('COM_LOW_BAT_ACT', 1.0),),
+        # Its fence is on where its action is not 0.
         Parameter.FENCE_ENABLED: (('GF_ACTION', 1.0),),
+        Parameter.FENCE_ACTION: (('GF_ACTION', 1.0),),
         Parameter.LINK_LOSS_EXCEPTIONS: (('COM_DLL_EXCEPT', 1.0),),
         Parameter.RETURN_HEIGHT_M: (('RTL_RETURN_ALT', 1.0),),
         Parameter.RADIO_LOSS_ACTION: (('NAV_RCL_ACT', 1.0),),
+        Parameter.RETURN_KIND: (('RTL_TYPE', 1.0),),
         Parameter.FENCE_RADIUS_M: (('GF_MAX_HOR_DIST', 1.0),),
         Parameter.FENCE_HEIGHT_M: (('GF_MAX_VER_DIST', 1.0),),
     },
@@ -140,12 +152,13 @@ class ParameterReader:
         return {name for ways in spellings for name, _ in ways}
 
     def _missing(self) -> list[str]:
-        return [
+        missing = (
             name
             for ways in SPELLINGS[self.autopilot].values()
             if not any(spelling in self.found for spelling, _ in ways)
             for name, _ in ways
-        ]
+        )
+        return list(dict.fromkeys(missing))
 
     def _question(self, name: str) -> Message:
         return addressed('PARAM_REQUEST_READ', self.target, param_id=name, param_index=-1)

@@ -60,5 +60,5 @@ MULTICOPTER = Autopilot(
     flies_to_takeoff=True,
     turns_at_waypoints=True,
     starts_anywhere=True,
-    unsent=frozenset({'EKF_STATUS_REPORT'}),
+    unsent=frozenset({'EKF_STATUS_REPORT', 'WIND'}),
 )

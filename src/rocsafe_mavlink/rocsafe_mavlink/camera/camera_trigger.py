@@ -11,18 +11,27 @@ from collections import deque
 from dataclasses import dataclass
 
 from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.knowledge.telemetry import Attitude, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import m_of_mm, position_of_e7
 
 TRIGGER, FEEDBACK, CAPTURED = 'CAMERA_TRIGGER', 'CAMERA_FEEDBACK', 'CAMERA_IMAGE_CAPTURED'
+# Of a trigger that only an image tells of.
+IMAGE, NO_INDEX = 'IMAGE', -1
+# Time of day, position, height above home, attitude.
+Place = tuple[float, GeoPosition, float, Attitude | None]
 RANKS = {TRIGGER: 1, FEEDBACK: 2, CAPTURED: 3}
 # A larger gap means that the camera counts anew, not a loss.
 LARGEST_GAP = 50
 TRACK_LENGTH = 1200
 # An earlier time of day was never set.
 EARLIEST_UNIX_S = 1e9
+# Between places of the track that are nearer in time, the way is known well.
+DENSE_TRACK_S = 2.0
+# A place is not told between two that differ by more: it may be anywhere, in any direction.
+LARGEST_GAP_M = 60.0
+LARGEST_TURN_RAD = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +54,9 @@ class CameraTrigger:
         Name of the message that reported it.
     is_interpolated
         Whether no report came and it is filled in from the track.
+    position_std_m
+        Standard deviation of the position beside that of the receiver: half of the way between
+        the two known places around it, where the track has a gap.
     """
 
     index: int
@@ -54,17 +66,45 @@ class CameraTrigger:
     attitude: Attitude | None
     source: str
     is_interpolated: bool = False
+    position_std_m: float = 0.0
 
 
 class TriggerLog:
-    """Collects the camera triggers of one vehicle, each index once and in order."""
+    """Collects the camera triggers of one vehicle, each index once and in order.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    last
+        Last trigger that an earlier process took; None: there was none.
+    """
+
+    def __init__(self, last: CameraTrigger | None = None) -> None:
         self._rank = 0
-        self._last: CameraTrigger | None = None
-        self._track: deque[tuple[float, GeoPosition, float, Attitude | None]] = deque(
-            maxlen=TRACK_LENGTH
-        )
+        self._last = last
+        self._track: deque[Place] = deque(maxlen=TRACK_LENGTH)
+        if last is not None:
+            self._track.append((last.unix_s, last.position, last.height_m, last.attitude))
+
+    @property
+    def newest_s(self) -> float:
+        """Time of the last place of the track, 0 before the first."""
+        return self._track[-1][0] if self._track else 0.0
+
+    def found(self, unix_s: float, index: int = NO_INDEX) -> CameraTrigger | None:
+        """Return the trigger of an image that no report tells of, by its time alone.
+
+        None where the track does not tell place and direction: not between two known places, or
+        these are too far apart, or the vehicle has turned between them.
+        """
+        if not self._track or not self._track[0][0] <= unix_s <= self.newest_s:
+            return None
+        before, after = self._around(unix_s)
+        is_gap = after[0] - before[0] > DENSE_TRACK_S
+        if is_gap and distance_m(before[1], after[1]) > LARGEST_GAP_M:
+            return None
+        if is_gap and self._has_turned(before, after):
+            return None
+        return self._at(unix_s, index, IMAGE, is_interpolated=True)
 
     def take(
         self, message: Message, vehicle: VehicleTelemetry, unix_s: float
@@ -150,6 +190,31 @@ class TriggerLog:
         """Return a trigger where the track was at `unix_s`; None if there is no track."""
         if not self._track:
             return None
+        before, after = self._around(unix_s)
+        span_s = after[0] - before[0]
+        gap_m = distance_m(before[1], after[1]) if span_s > DENSE_TRACK_S else 0.0
+        share = 0.0 if span_s <= 0.0 else (unix_s - before[0]) / span_s
+        return CameraTrigger(
+            index=index,
+            unix_s=unix_s,
+            position=_between(before[1], after[1], share),
+            height_m=before[2] + share * (after[2] - before[2]),
+            attitude=before[3],
+            source=source,
+            is_interpolated=is_interpolated,
+            position_std_m=0.5 * gap_m,
+        )
+
+    def _has_turned(self, before: Place, after: Place) -> bool:
+        """Return whether the vehicle points elsewhere after a gap, or does not tell."""
+        later = (place[3] for place in self._track if place[0] >= after[0])
+        attitude = next((known for known in later if known is not None), None)
+        if before[3] is None or attitude is None:
+            return True
+        return abs(wrap_rad(attitude.yaw_rad - before[3].yaw_rad)) > LARGEST_TURN_RAD
+
+    def _around(self, unix_s: float) -> tuple[Place, Place]:
+        """Return the places of the track before and after a time; the nearest at its ends."""
         before = max(
             (place for place in self._track if place[0] <= unix_s),
             key=lambda place: place[0],
@@ -160,17 +225,7 @@ class TriggerLog:
             key=lambda place: place[0],
             default=before,
         )
-        span_s = after[0] - before[0]
-        share = 0.0 if span_s <= 0.0 else (unix_s - before[0]) / span_s
-        return CameraTrigger(
-            index=index,
-            unix_s=unix_s,
-            position=_between(before[1], after[1], share),
-            height_m=before[2] + share * (after[2] - before[2]),
-            attitude=before[3],
-            source=source,
-            is_interpolated=is_interpolated,
-        )
+        return before, after
 
 
 def _time_of_day(told_s: float, arrived_s: float) -> float:

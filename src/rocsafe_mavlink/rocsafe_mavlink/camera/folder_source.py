@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Images from a folder into which files of the camera are copied."""
 
+from collections.abc import Collection
 from pathlib import Path
 
 from rocsafe_mavlink.camera.source import CameraImage
@@ -11,7 +12,13 @@ LARGEST_FILE = 64 * 1024 * 1024
 
 
 class FolderSource:
-    """JPEG files as they appear in a folder, each once and only when it is complete."""
+    """JPEG files as they appear in a folder, each once and only when it is complete.
+
+    Parameters
+    ----------
+    folder
+        Where the files appear.
+    """
 
     is_stream = False
 
@@ -34,6 +41,10 @@ class FolderSource:
     def at(self, _unix_s: float) -> CameraImage | None:
         """Return None: a folder is not asked for an image of a time."""
         return None
+
+    def skip(self, names: Collection[str]) -> None:
+        """Never return the files of these names."""
+        self._known.update(names)
 
     def close(self) -> None:
         """Do nothing: no file is held open."""

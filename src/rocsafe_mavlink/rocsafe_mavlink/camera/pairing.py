@@ -7,6 +7,7 @@ agree: the uneven times between triggers make it unique. Images without a trigge
 without an image stay unpaired.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rocsafe_mavlink.camera.camera_trigger import CameraTrigger
@@ -49,25 +50,63 @@ PAIRING_OPTIONS = PairingOptions()
 
 @dataclass(frozen=True, slots=True)
 class ImagePair:
-    """A trigger and its image."""
+    """A trigger and its image; `guessed` is the one in the table for which it stands, if any."""
 
     trigger: CameraTrigger
     image: CameraImage
+    guessed: CameraTrigger | None = None
 
 
 class ImagePairing:
-    """Pairs the images of one camera with the triggers of its autopilot."""
+    """Pairs the images of one camera with the triggers of its autopilot.
 
-    def __init__(self, options: PairingOptions = PAIRING_OPTIONS) -> None:
+    Parameters
+    ----------
+    triggers
+        Triggers without an image, of an earlier process.
+    offset_s
+        Clock of the camera less that of the autopilot, as it found; None: not known.
+    """
+
+    def __init__(
+        self,
+        options: PairingOptions = PAIRING_OPTIONS,
+        triggers: Iterable[CameraTrigger] = (),
+        offset_s: float | None = None,
+    ) -> None:
         self._options = options
-        self._triggers: list[CameraTrigger] = []
+        self._triggers = [*triggers][-options.largest_waiting :]
         self._images: list[CameraImage] = []
-        self._offset_s: float | None = None
+        self._offset_s = offset_s
 
     @property
     def offset_s(self) -> float | None:
         """Clock of the camera less that of the autopilot; None while it is not known."""
         return self._offset_s
+
+    @property
+    def triggers(self) -> tuple[CameraTrigger, ...]:
+        """Triggers without an image."""
+        return tuple(self._triggers)
+
+    @property
+    def images(self) -> tuple[CameraImage, ...]:
+        """Images without a trigger."""
+        return tuple(self._images)
+
+    def settle(self, image: CameraImage) -> CameraTrigger | None:
+        """Take out an image that gets its place otherwise, and the trigger that it stands for.
+
+        That is the next one that was filled in between two reports; None: there is none.
+        """
+        self._images.remove(image)
+        taken_s = image.unix_s - (self._offset_s or 0.0)
+        guessed = [trigger for trigger in self._triggers if trigger.is_interpolated]
+        if not guessed:
+            return None
+        nearest = min(guessed, key=lambda trigger: abs(trigger.unix_s - taken_s))
+        self._triggers.remove(nearest)
+        return nearest
 
     def add(self, triggers: list[CameraTrigger], images: list[CameraImage]) -> list[ImagePair]:
         """Take new triggers and images; return the pairs that are certain now, by time."""
@@ -114,5 +153,6 @@ class ImagePairing:
         )
         if trigger is None or abs(trigger.unix_s - taken_s) > self._options.tolerance_s:
             return None
-        self._offset_s = offset_s + self._options.drift_share * (taken_s - trigger.unix_s)
+        if not trigger.is_interpolated:
+            self._offset_s = offset_s + self._options.drift_share * (taken_s - trigger.unix_s)
         return ImagePair(trigger, image)

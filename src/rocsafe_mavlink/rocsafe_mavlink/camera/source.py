@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """An image of a real camera, and the protocol of its sources."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -30,6 +31,9 @@ class ImageSource(Protocol):
 
     def at(self, unix_s: float) -> CameraImage | None:
         """Return the image of a time; None if there is none."""
+
+    def skip(self, names: Collection[str]) -> None:
+        """Never return the images of these names: they were used before."""
 
     def close(self) -> None:
         """Stop."""

@@ -8,7 +8,7 @@ waited while the stream was opened, or in the network.
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import cv2
@@ -86,6 +86,9 @@ class VideoSource:
         is_written, jpeg = cv2.imencode('.jpg', pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
         name = f'{taken_s:.3f}.jpg'
         return CameraImage(name=name, unix_s=taken_s, jpeg=jpeg.tobytes()) if is_written else None
+
+    def skip(self, names: Collection[str]) -> None:
+        """Do nothing: a stream returns no image of the past."""
 
     def close(self) -> None:
         """Stop reading."""

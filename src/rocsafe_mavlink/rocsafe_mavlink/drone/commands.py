@@ -9,10 +9,13 @@ from collections.abc import Callable, Sequence
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import Check, failures
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.fence import Fence, rally_items
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, mission_of
-from rocsafe_mavlink.flight.preflight import Check, FlightLimits, failures, route_checks
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
+from rocsafe_mavlink.flight.homeward import homeward_plan, leg_fault
+from rocsafe_mavlink.flight.preflight import route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.telemetry import Contact
 from rocsafe_mavlink.protocols.mission_results import MissionType
@@ -58,7 +61,7 @@ class DroneCommands:
     def hold(self, now_s: float) -> None:
         """Stop where it is, within the mission if one is flown."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.hold(self._session.telemetry), preempts=True)
+        self._begin(lambda commands: commands.hold(self._session.telemetry), now_s, preempts=True)
 
     def resume(self, now_s: float) -> None:
         """Continue the mission."""
@@ -72,22 +75,30 @@ class DroneCommands:
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
         self._require_verified()
-        self._begin(lambda commands: commands.resume(session.telemetry))
+        self._begin(lambda commands: commands.resume(session.telemetry), now_s)
 
     def return_home(self, now_s: float) -> None:
-        """Give up the route, fly home and land."""
+        """Give up the route, fly home and land: straight, or around exclusions."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.return_home(), preempts=True)
+        way = self._way_home()
+        if way is None:
+            self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+        else:
+            self._begin(
+                lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
+                now_s,
+                preempts=True,
+            )
 
     def land(self, now_s: float) -> None:
         """Give up the route and land where it is."""
         self._require_ours(now_s, is_always_taken=True)
-        self._begin(lambda commands: commands.land(), preempts=True)
+        self._begin(lambda commands: commands.land(), now_s, preempts=True)
 
     def change_speed(self, speed_mps: float, now_s: float) -> None:
         """Fly faster or slower from now on."""
         self._require_ours(now_s)
-        self._begin(lambda commands: commands.change_speed(speed_mps))
+        self._begin(lambda commands: commands.change_speed(speed_mps), now_s)
 
     def go_to(self, place: GeoPosition, height_m: float, now_s: float) -> None:
         """Fly to a place, `height_m` above home, and stay there."""
@@ -97,14 +108,15 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         self._require_within_fence(place)
-        self._begin(lambda commands: commands.go_to(place, height_m, home))
+        self._require_clear(place)
+        self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
         """Replace the polygons of the fence."""
         self._require_not_others(now_s)
-        self._begin(lambda commands: commands.push_fence(fence))
+        self._begin(lambda commands: commands.push_fence(fence), now_s)
         # It is read again as it lies there then: until that is done no flight begins.
-        self._session.readout.forget_fence()
+        self._session.readout.overwritten(MissionType.FENCE)
 
     def push_rally(self, points: Sequence[GeoPosition], height_m: float, now_s: float) -> None:
         """Replace the rally points."""
@@ -113,7 +125,7 @@ class DroneCommands:
             items = rally_items(points, height_m)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
-        self._begin(lambda commands: commands.push(MissionType.RALLY, items))
+        self._begin(lambda commands: commands.push(MissionType.RALLY, items), now_s)
 
     def replace_route(self, plan: FlightPlan, now_s: float) -> None:
         """Fly another plan in the place of the one under way."""
@@ -124,7 +136,7 @@ class DroneCommands:
         if failed:
             raise CommandRefusedError(failed)
         self._begin(
-            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot))
+            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot)), now_s
         )
 
     def route_checks(self, plan: FlightPlan) -> tuple[Check, ...]:
@@ -175,8 +187,28 @@ class DroneCommands:
         if not readout.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
-    def _begin(self, write: Writer, *, preempts: bool = False) -> None:
+    def _require_clear(self, place: GeoPosition) -> None:
+        flight, motion = self._session.flight, self._session.telemetry.motion
+        if flight is None or flight.is_over or motion is None:
+            return
+        fault = leg_fault(flight.plan, motion.position, place)
+        if fault:
+            raise CommandRefusedError(fault)
+
+    def _way_home(self) -> FlightPlan | None:
+        """Return the way around exclusions; None if the vehicle may return straight."""
+        flight, vehicle = self._session.flight, self._session.telemetry
+        if flight is None or flight.is_over or vehicle.home is None or vehicle.motion is None:
+            return None
+        here = FlightWaypoint(
+            position=vehicle.motion.position,
+            height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
+        )
+        home = GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg)
+        return homeward_plan(flight.plan, here, home)
+
+    def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:
         try:
-            self._session.begin(write(self._session.commands()), preempts=preempts)
+            self._session.begin(write(self._session.commands()), now_s, preempts=preempts)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error

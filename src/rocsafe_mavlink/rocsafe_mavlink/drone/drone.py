@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """One real vehicle, looked at as the rest of the suite looks at vehicles."""
 
+import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.autopilot import FlightState
+from rocsafe_mavlink.drone.advice import RETURN_HOME, advice_of
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.drone.flight_record import FlightRecord, FlightSummary
 from rocsafe_mavlink.drone.readout import Target
@@ -17,22 +21,20 @@ from rocsafe_mavlink.drone.status import (
     status_of,
 )
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
-from rocsafe_mavlink.errors import WaitError
+from rocsafe_mavlink.errors import CommandRefusedError, WaitError
+from rocsafe_mavlink.flight.check import Check, failures, is_failed_for_good
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_plan import FlightPlan
-from rocsafe_mavlink.flight.preflight import (
-    Check,
-    FlightLimits,
-    failures,
-    is_failed_for_good,
-    preflight,
-)
+from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, VehicleTelemetry
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.wire.dialect import Message
 
+# A return that was refused is ordered again after this time.
+ASK_AGAIN_S = 10.0
 OnMessage = Callable[[Message], None]
 OnEvent = Callable[[Event], None]
 
@@ -69,6 +71,15 @@ class DroneSpec:
     trigger_distance_m: float = 0.0
 
 
+@dataclass(slots=True)
+class _WindReturn:
+    """What became of the return that a wind calls for."""
+
+    number: int = -1
+    asked_s: float = -math.inf
+    is_done: bool = False
+
+
 class Drone:
     """A vehicle on a link, with the plan it was given.
 
@@ -92,6 +103,8 @@ class Drone:
         self.session = session
         self.commands = DroneCommands(session, spec.limits)
         self._record = FlightRecord(journal)
+        self._starts_at_s: float | None = None
+        self._wind_return = _WindReturn()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
 
     @property
@@ -124,6 +137,20 @@ class Drone:
         in_air = (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)
         return self.vehicle.is_armed and self.vehicle.landed in in_air
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a route is to be begun by itself later."""
+        return self._starts_at_s is not None
+
+    def wait_until(self, starts_at_s: float | None) -> None:
+        """Note when a route is to be begun, steady seconds; None: none is."""
+        self._starts_at_s = starts_at_s
+
+    def withdraw_start(self) -> bool:
+        """Let a late start be given up; return whether there was one."""
+        was_waiting, self._starts_at_s = self.is_waiting, None
+        return was_waiting
+
     def listen(self, on_message: OnMessage, on_event: OnEvent) -> None:
         """Call these for each message and event of the vehicle from now on."""
         self._listeners.append((on_message, on_event))
@@ -138,8 +165,15 @@ class Drone:
             for event in events:
                 on_event(event)
 
+    def take_beside(self, message: Message) -> None:
+        """Take a message of a payload of the vehicle; it changes nothing that is known of it."""
+        for on_message, _ in self._listeners:
+            on_message(message)
+
     def step(self, now_s: float) -> None:
         """Take up a flight that is found in the air, and note how far the flight is."""
+        if self.spec.limits.returns_in_wind:
+            self._return_in_wind(now_s)
         entry, flight = self._record.entry, self.flight
         if entry is None:
             return
@@ -156,12 +190,20 @@ class Drone:
             vehicle.is_armed,
             vehicle.landed,
             vehicle.mission.phase,
+            self.is_waiting,
+            self.flight and self.flight.cause,
             entry and (entry.assignment.plan_id, entry.visited, entry.outcome),
         )
 
     def status(self, now_s: float) -> DroneStatus:
         """Return what there is to say of it at `now_s`, steady seconds."""
-        return status_of(self._status_inputs(), now_s)
+        advice = advice_of(self.session, self.spec.limits, now_s)
+        seen = status_of(replace(self._status_inputs(), advice=advice), now_s)
+        is_ready = seen.state in (FlightState.DISARMED, FlightState.LANDED)
+        if self._starts_at_s is None or not is_ready:
+            return seen
+        text = f'keeps away from others: takes off in {max(0.0, self._starts_at_s - now_s):.0f} s'
+        return replace(seen, state=FlightState.WAITING, text=f'{text}; {seen.text}')
 
     def remaining(self) -> RemainingRoute:
         """Return what is left of its plan."""
@@ -207,7 +249,8 @@ class Drone:
         if is_same and entry is not None and (entry.outcome or entry.was_airborne):
             self._record.settle(self.vehicle)
             return
-        if self.vehicle.contact(now_s) is not Contact.FRESH or self.vehicle.is_armed:
+        is_busy = self.vehicle.is_armed or self.session.is_commanded
+        if self.vehicle.contact(now_s) is not Contact.FRESH or is_busy:
             raise WaitError(self._why_it_waits(now_s))
         checks = self.checks(assignment.plan, now_s)
         _require_passed(checks)
@@ -254,7 +297,26 @@ class Drone:
         """Note that a command to return or to land was obeyed: the flight ends by request."""
         session = self.session
         if session.flight is not None and not session.flight.is_over:
-            session.flight = session.flight.stopped()
+            sequence = session.sequence
+            homeward = None if sequence is None else sequence.verified_mission
+            session.flight = session.flight.stopped(homeward)
+
+    def _return_in_wind(self, now_s: float) -> None:
+        """Call the vehicle home in too strong a wind, once a while until it obeys."""
+        asked = self._wind_return
+        if asked.number >= 0 and self.commands.outcome(asked.number) == '':
+            self.gave_up()
+            asked.number, asked.is_done = -1, True
+        advice = advice_of(self.session, self.spec.limits, now_s)
+        if not any(one.order == RETURN_HOME for one in advice):
+            asked.is_done = asked.is_done and self.is_in_air
+            return
+        if asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
+            return
+        asked.asked_s = now_s
+        with suppress(CommandRefusedError):
+            self.commands.return_home(now_s)
+            asked.number = self.commands.count
 
     def _status_inputs(self) -> StatusInputs:
         return StatusInputs(
@@ -268,7 +330,7 @@ class Drone:
         contact = self.vehicle.contact(now_s)
         if contact is not Contact.FRESH:
             return f'the vehicle is not in contact ({contact.value})'
-        return 'the motors run'
+        return 'the motors run' if self.vehicle.is_armed else 'a command is under way'
 
     def _adopt(self, entry: JournalEntry) -> None:
         """Take up the flight of a bridge that ended; nothing is sent for it."""

@@ -43,7 +43,10 @@ class FlightRecord:
         self._journal = journal
         self._last: GeoPosition | None = None
         self._began_s: float | None = None
-        self.distance_m = 0.0
+        entry = journal.entry
+        # A flight that an earlier process watched goes on.
+        self._flown_s = 0.0 if entry is None else entry.duration_s
+        self.distance_m = 0.0 if entry is None else entry.distance_m
 
     @property
     def entry(self) -> JournalEntry | None:
@@ -53,7 +56,7 @@ class FlightRecord:
     def begin(self, assignment: Assignment) -> None:
         """Note a plan that is about to be flown."""
         self._journal.write(JournalEntry(assignment=assignment))
-        self.distance_m, self._began_s = 0.0, None
+        self.distance_m, self._flown_s, self._began_s = 0.0, 0.0, None
 
     def begin_replacing(self, assignment: Assignment) -> None:
         """Note a plan that is being sent to be flown in place of the present one."""
@@ -89,7 +92,7 @@ class FlightRecord:
         )
         if changed != entry:
             began_s = now_s if self._began_s is None else self._began_s
-            duration_s = now_s - began_s
+            duration_s = self._flown_s + now_s - began_s
             self._journal.write(
                 replace(changed, distance_m=self.distance_m, duration_s=duration_s)
             )

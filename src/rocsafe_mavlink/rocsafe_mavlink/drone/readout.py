@@ -8,10 +8,11 @@ settings and fence are read on the ground, the mission of a vehicle that is foun
 import math
 from dataclasses import dataclass, field
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
-from rocsafe_mavlink.flight.fence import Fence, fence_of
-from rocsafe_mavlink.flight.preflight import VehicleSettings
+from rocsafe_mavlink.flight.fence import Fence, fence_of, rally_of
+from rocsafe_mavlink.flight.flight_limits import VehicleSettings
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import set_interval
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
@@ -22,24 +23,12 @@ from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 
 Target = tuple[int, int]
-# Another station may change the fence at any time: on the ground it is read again so often.
-FENCE_READ_AGAIN_S = 30.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Activity:
-    """What a vehicle is busy with, as far as reading must wait for it.
-
-    Attributes
-    ----------
-    is_beginning
-        Whether a flight is being started.
-    is_commanded
-        Whether a command of the operator is under way.
-    """
-
-    is_beginning: bool
-    is_commanded: bool
+# Another station may change fence and rally points at any time: they are read again so often, in
+# the air too.
+READ_AGAIN_S = 30.0
+# A PX4 that waits for an upload of a bridge that is gone asks for its items four times a second. A
+# reading begun meanwhile would leave it refusing every upload, so it is listened to first.
+QUIET_S = 2.0
 
 
 @dataclass(slots=True)
@@ -60,6 +49,10 @@ class Readout:
         Polygons of its fence; None: not read.
     fence_error
         Why its fence cannot be read; empty while it may be.
+    rally
+        Its rally points; None: not read.
+    rally_error
+        Why its rally points cannot be read; empty while they may be.
     """
 
     target: Target
@@ -68,15 +61,23 @@ class Readout:
     mission: OnboardMission = field(default_factory=OnboardMission)
     fence: Fence | None = None
     fence_error: str = ''
+    rally: tuple[GeoPosition, ...] | None = None
+    rally_error: str = ''
     _download: Download | None = None
     _was_lost: bool = False
     _fence_read_s: float = -math.inf
+    _rally_read_s: float = -math.inf
+    _quiet_until_s: float = -math.inf
 
     @property
     def settings(self) -> VehicleSettings:
         """What the pre-flight checks need of it."""
         return VehicleSettings(
-            parameters=self.parameters, fence=self.fence, fence_error=self.fence_error
+            parameters=self.parameters,
+            fence=self.fence,
+            fence_error=self.fence_error,
+            rally=self.rally,
+            rally_error=self.rally_error,
         )
 
     def on_message(self, message: Message, now_s: float) -> list[Message]:
@@ -93,32 +94,61 @@ class Readout:
         self,
         vehicle: VehicleTelemetry,
         kind: Autopilot | None,
-        activity: Activity,
         now_s: float,
+        *,
+        is_commanded: bool,
     ) -> list[Message]:
-        """Let time pass; return what to send. `kind` is None where no autopilot is known."""
+        """Let time pass; return what to send.
+
+        `kind` is None where no autopilot is known. Nothing is begun to be read while the vehicle
+        `is_commanded`.
+        """
         contact = vehicle.contact(now_s)
         if contact is Contact.LOST:
             self._was_lost = True
         if contact is not Contact.FRESH:
+            self.wait(now_s)
             return []
         if self._was_lost:
             # Another station may have changed what lies on it.
             self._was_lost, self.mission = False, self.mission.forgotten()
             self.forget_fence()
-        return self._missing_rates(kind, now_s) + self._read(vehicle, kind, activity, now_s)
+        read = self._read(vehicle, kind, now_s, is_commanded=is_commanded)
+        return self._missing_rates(kind, now_s) + read
 
     def forget(self) -> None:
         """Forget all that a vehicle that was started again may have changed."""
         self.mission = self.mission.forgotten()
         self.parameters = self._download = None
         self.forget_fence()
+        self._forget_rally()
+
+    def wait(self, now_s: float) -> None:
+        """Begin no reading for a while, see `QUIET_S`."""
+        self._quiet_until_s = now_s + QUIET_S
+
+    def overwritten(self, kind: MissionType) -> None:
+        """Note that we are about to overwrite a list on the vehicle.
+
+        A reading under way is thrown away: the first part of what it gives may be the old list.
+        """
+        self._download = None
+        if kind is MissionType.MISSION:
+            self.mission = self.mission.upload_begun()
+        elif kind is MissionType.FENCE:
+            self.forget_fence()
+        else:
+            self._forget_rally()
 
     def forget_fence(self) -> None:
         """Forget the fence, which may be another by now, and what was read of it so far."""
         self.fence, self.fence_error = None, ''
+        self._fence_read_s = -math.inf
         if self._download is not None and self._download.mission_type == MissionType.FENCE:
             self._download = None
+
+    def _forget_rally(self) -> None:
+        self.rally, self.rally_error, self._rally_read_s = None, '', -math.inf
 
     def _missing_rates(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         due = self.rates.due(now_s, frozenset() if kind is None else kind.unsent)
@@ -128,30 +158,30 @@ class Readout:
         self,
         vehicle: VehicleTelemetry,
         kind: Autopilot | None,
-        activity: Activity,
         now_s: float,
+        *,
+        is_commanded: bool,
     ) -> list[Message]:
-        """Read one thing after the other: mission in the air, then fence, settings on the ground.
-
-        The fence is read in the air too, where a route may be replaced.
-        """
+        """Read one thing after the other: mission in the air, fence, settings, rally points."""
         if self._download is not None:
             self._download, sent = self._download.on_tick(now_s)
             self._keep_if_read()
             return sent
         if not vehicle.is_armed:
             self.mission = self.mission.unread()
-        if activity.is_beginning:
+        if is_commanded or now_s < self._quiet_until_s:
             return []
         if vehicle.is_armed and self.mission.items is None:
             return self._begin(MissionType.MISSION, now_s)
-        if activity.is_commanded:
-            return []
-        is_old = not vehicle.is_armed and now_s - self._fence_read_s > FENCE_READ_AGAIN_S
-        if is_old or (self.fence is None and not self.fence_error):
+        if now_s - self._fence_read_s > READ_AGAIN_S:
             self._fence_read_s = now_s
             return self._begin(MissionType.FENCE, now_s)
-        return self._read_parameters(kind, now_s)
+        asked = self._read_parameters(kind, now_s)
+        is_next = self.parameters is not None and self.parameters.is_over
+        if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
+            self._rally_read_s = now_s
+            return self._begin(MissionType.RALLY, now_s)
+        return asked
 
     def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
         download = Download(target=self.target, mission_type=kind)
@@ -165,6 +195,9 @@ class Readout:
         self._download = None
         if done.mission_type == MissionType.MISSION:
             self.mission = self.mission.read(done.items)
+        elif done.mission_type == MissionType.RALLY:
+            is_read = done.stage is DownloadStage.DONE
+            self.rally, self.rally_error = rally_of(done.items) if is_read else None, done.error
         elif done.stage is DownloadStage.DONE:
             self._keep_fence(done.items)
         else:

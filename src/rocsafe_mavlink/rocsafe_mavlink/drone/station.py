@@ -14,6 +14,8 @@ from rocsafe_mavlink.wire.counters import Reason
 from rocsafe_mavlink.wire.dialect import Message
 
 HEARTBEAT_PERIOD_S = 1.0
+# Data of a payload; its component is not the autopilot.
+TUNNEL = 'TUNNEL'
 # MAV_TYPE_GCS, MAV_AUTOPILOT_INVALID, MAV_STATE_ACTIVE.
 HEARTBEAT = Message(
     'HEARTBEAT', {'type': 6, 'autopilot': 8, 'system_status': 4, 'mavlink_version': 3}
@@ -69,7 +71,7 @@ class Station:
         """
         if is_supervised and now_s - self._beat_s >= HEARTBEAT_PERIOD_S - 1e-6:
             self._beat_s = now_s
-            for peer in self.link.peers:
+            for peer in self.link.stations:
                 self._transport.send(peer, self.link.pack(HEARTBEAT, now_s, time_s))
         for drone in self._drones.values():
             drone.session.tick(now_s)
@@ -87,10 +89,29 @@ class Station:
 
     def _route(self, address: Address, message: Message, now_s: float) -> None:
         drone = self._drones.get((message.system, message.component))
-        if drone is None or not drone.session.may_hear(address, now_s):
+        if message.name == TUNNEL:
+            drone = self._carrier_of(message.system, address)
+            if drone is not None:
+                drone.take_beside(message)
+                return
+        if drone is None:
             self.link.counters.drop(Reason.UNKNOWN_PEER)
             return
+        before = drone.session.address
+        if not drone.session.may_hear(address, self.link, now_s):
+            self.link.counters.drop(Reason.IMPOSTOR)
+            return
+        if drone.session.address != before:
+            held = (served.session.address for served in self._drones.values())
+            self.link.held = frozenset(one for one in held if one is not None)
         drone.take(message, now_s)
+
+    def _carrier_of(self, system: int, address: Address) -> Drone | None:
+        """Return the drone of a system that speaks from an address; any of its components may."""
+        for target, drone in self._drones.items():
+            if target[0] == system and drone.session.address == address:
+                return drone
+        return None
 
     def _send(
         self, address: Address | None, message: Message, now_s: float, time_s: float

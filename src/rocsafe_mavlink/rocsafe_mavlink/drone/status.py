@@ -10,9 +10,12 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
+from rocsafe_mavlink.drone.advice import Advice
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.flight.flight_journal import JournalEntry
-from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE, FlightLimits
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, Motion, VehicleTelemetry
@@ -44,12 +47,13 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """Inputs of a status; `frame` is that of the mission."""
+    """Inputs of a status; `frame` is that of the mission, `advice` what an operator is told."""
 
     session: VehicleSession
     entry: JournalEntry | None
     frame: LocalFrame
     distance_m: float
+    advice: tuple[Advice, ...] = ()
 
     @property
     def vehicle(self) -> VehicleTelemetry:
@@ -89,8 +93,14 @@ class DroneStatus:
         Distance flown.
     text
         Explanation for people.
+    advice
+        Order that is offered; empty: none.
     prediction
         Expected position while it is silent.
+    ending
+        How its present or last flight ends, if not as planned; None: as planned, or none.
+    taken_by
+        Who has it in the air, see `Custody.holder`; empty: nobody but this bridge.
     """
 
     contact: Contact
@@ -111,7 +121,10 @@ class DroneStatus:
     current_a: float
     distance_m: float
     text: str
+    advice: str
     prediction: Prediction | None
+    ending: FlightOutcome | None
+    taken_by: str
 
 
 def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
@@ -141,8 +154,31 @@ def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
         current_a=vehicle.battery.current_a,
         distance_m=inputs.distance_m,
         text=_text(inputs, fault, prediction, now_s),
+        advice=inputs.advice[0].order if inputs.advice else '',
         prediction=prediction,
+        ending=_ending(inputs),
+        taken_by=_taken_by(inputs, contact),
     )
+
+
+def _ending(inputs: StatusInputs) -> FlightOutcome | None:
+    flight, entry = inputs.session.flight, inputs.entry
+    if flight is not None and not flight.is_over:
+        return flight.cause
+    outcome = None if entry is None else entry.outcome
+    return None if outcome is FlightOutcome.COMPLETED else outcome
+
+
+def _taken_by(inputs: StatusInputs, contact: Contact) -> str:
+    """Return who has the vehicle; autopilots switch to another mode after the last viewpoint."""
+    session, flight = inputs.session, inputs.session.flight
+    autopilot = session.known_autopilot()
+    if autopilot is None or contact is not Contact.FRESH or inputs.vehicle.is_on_ground:
+        return ''
+    if flight is None or flight.is_beginning or flight.is_over:
+        return ''
+    is_done = flight.cause is None and flight.visited == len(flight.mission.waypoint_items)
+    return '' if is_done else session.custody.holder(inputs.vehicle, autopilot)
 
 
 def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRoute:
@@ -155,7 +191,7 @@ def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRout
     here = home if inputs.vehicle.motion is None else inputs.vehicle.motion.position
     way = [here, *(stop.position for stop in stops), home]
     distance = sum(distance_m(a, b) for a, b in pairwise(way))
-    height_m = plan.stops[-1].height_m
+    height_m = plan.waypoints[-1].height_m
     time_s = LEVEL_ALLOWANCE * distance / plan.speed_mps + height_m / limits.descent_mps
     time_s += sum(stop.hold_s for stop in stops)
     return RemainingRoute(
@@ -214,6 +250,7 @@ def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s
     parts = [] if kind is None else [f'mode {kind.mode_name(vehicle.custom_mode)}']
     if custody.takeover and custody.failsafe is None:
         parts.append(custody.takeover)
+    parts += [f'{one.reason}: {one.order} is offered' for one in inputs.advice]
     if prediction is not None:
         place, silent_s = prediction.position, now_s - vehicle.heartbeat_s
         parts.append(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.registry import autopilot_of
-from rocsafe_mavlink.drone.readout import Activity, Readout, Target
+from rocsafe_mavlink.drone.readout import Readout, Target
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.custody import Custody
 from rocsafe_mavlink.flight.flight import FlightStage, MissionFlight
@@ -19,9 +19,10 @@ from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.px4_events import text_of_event
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
-from rocsafe_mavlink.link.link import Address
+from rocsafe_mavlink.link.link import Address, Link
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import compare
+from rocsafe_mavlink.protocols.mission_upload import REQUESTS, cancelled
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
@@ -99,6 +100,15 @@ class VehicleSession:
         """Whether a flight of ours is under way, or one that was found in the air."""
         return self.flight is not None and not self.flight.is_over
 
+    @property
+    def is_commanded(self) -> bool:
+        """Whether commands are under way: of a flight that begins, or of the operator."""
+        return self._is_ordered or (self.flight is not None and self.flight.is_beginning)
+
+    @property
+    def _is_ordered(self) -> bool:
+        return self.sequence is not None and not self.sequence.is_over
+
     def autopilot(self) -> Autopilot:
         """Return the kind of autopilot of the vehicle.
 
@@ -122,12 +132,21 @@ class VehicleSession:
         """Return what makes commands for the vehicle; raises as `autopilot`."""
         return VehicleCommands(autopilot=self.autopilot(), target=self.target, us=self.us)
 
-    def may_hear(self, address: Address, now_s: float) -> bool:
-        """Whether `address` may speak for the vehicle: one at a time, until it falls silent."""
-        if self.address != address:
-            if self.telemetry.contact(now_s) in (Contact.FRESH, Contact.STALE):
-                return False
+    def may_hear(self, address: Address, link: Link, now_s: float) -> bool:
+        """Whether `address` may speak for the vehicle: one at a time, until it falls silent.
+
+        With signatures a few seconds of silence suffice, since every sender has the key: a vehicle
+        behind a router changes its port. Without them the vehicle has to be lost first.
+        """
+        contact = self.telemetry.contact(now_s)
+        if self.address is None or contact is Contact.NONE:
             self.address = address
+        if self.address == address:
+            return True
+        is_silent = contact is Contact.LOST or (link.is_signed and contact is Contact.STALE)
+        if not is_silent or not link.may_take_over(self.address, address):
+            return False
+        self.address = address
         return True
 
     def take(self, message: Message, now_s: float) -> list[Event]:
@@ -153,35 +172,33 @@ class VehicleSession:
             is_new = self.sequence.is_over and not sequence.is_over
             if is_new and not self.sequence.error:
                 self.custody = self.custody.obeyed(self.sequence.mode)
-        activity = Activity(
-            is_beginning=self.flight is not None and self.flight.is_beginning,
-            is_commanded=self.sequence is not None and not self.sequence.is_over,
-        )
         self._compare_mission()
-        kind = self.known_autopilot()
-        self.send(self.readout.on_tick(self.telemetry, kind, activity, now_s))
+        kind, is_commanded = self.known_autopilot(), self.is_commanded
+        self.send(self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded))
 
-    def begin(self, sequence: CommandSequence, *, preempts: bool = False) -> None:
+    def begin(self, sequence: CommandSequence, now_s: float, *, preempts: bool = False) -> None:
         """Begin a sequence of the operator; the next `tick` sends its first command.
 
-        With `preempts` it takes the place of one that is under way.
+        With `preempts` it takes the place of one that is under way, also of the start of a flight.
 
         Raises
         ------
         ValueError
             If another is under way.
         """
-        if self.sequence is not None and not self.sequence.is_over and not preempts:
-            raise ValueError(f'{self.sequence.name} is under way')
-        self.sequence = sequence
+        if not preempts and self.is_commanded:
+            raise ValueError(f'{self._under_way()} is under way')
+        if self.flight is not None and self.flight.is_beginning:
+            self.flight = self.flight.interrupted()
+        # What is commanded is what was there when the order was given.
+        self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
 
     def send(self, messages: list[Message]) -> None:
         """Queue messages for the vehicle."""
         for message in messages:
-            is_mission = message.fields.get('mission_type', 0) == MissionType.MISSION
-            if message.name in _OVERWRITES and is_mission:
-                self.readout.mission = self.readout.mission.upload_begun()
+            if message.name in _OVERWRITES:
+                self.readout.overwritten(MissionType(message['mission_type']))
             self._outgoing.append(message)
 
     def outgoing(self) -> list[Message]:
@@ -193,6 +210,8 @@ class VehicleSession:
         self.telemetry, events = reduce(self.telemetry, message, now_s, self.separation_m)
         self.readout.rates.hear(message.name, now_s)
         self._look(message, now_s)
+        if message.name == 'HEARTBEAT':
+            self._look_at(now_s)
         if any(event.kind is EventKind.REBOOTED for event in events):
             self.readout.forget()
             self._restarted()
@@ -203,7 +222,17 @@ class VehicleSession:
             self.sequence, sent = self.sequence.on_message(message, now_s)
             self.send(sent)
         self.send(self.readout.on_message(message, now_s))
+        if message.name in REQUESTS and not self.is_commanded:
+            self._cancel(message, now_s)
         return events
+
+    def _cancel(self, request: Message, now_s: float) -> None:
+        """End an upload of ours, or of a bridge before us, that the autopilot still waits for."""
+        fields = request.fields
+        named = (fields.get('target_system', 0), fields.get('target_component', 0))
+        if named == self.us:
+            self.readout.wait(now_s)
+            self.send([cancelled(request)])
 
     def _look(self, message: Message, now_s: float) -> None:
         """Note who has the vehicle."""
@@ -215,6 +244,17 @@ class VehicleSession:
             begun = [one.expected_modes for one in (flight, self.sequence) if one is not None]
             expected = frozenset[int]().union(*begun)
             self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
+
+    def _look_at(self, now_s: float) -> None:
+        """Withdraw what is under way if somebody took the vehicle over."""
+        if self.flight is not None:
+            self.flight = self.flight.looked_at(self.telemetry, now_s)
+        if self.sequence is not None:
+            self.sequence = self.sequence.looked_at(self.telemetry, now_s)
+
+    def _under_way(self) -> str:
+        ordered = self.sequence if self._is_ordered else None
+        return 'the start of a flight' if ordered is None else ordered.name
 
     def _restarted(self) -> None:
         """Withdraw what was under way when the autopilot was started again."""

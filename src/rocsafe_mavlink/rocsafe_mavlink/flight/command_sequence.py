@@ -96,8 +96,12 @@ class CommandStep:
         """Take a message of the vehicle."""
         return replace(self, call=self.call.on_message(message, now_s)), []
 
-    def on_tick(self, now_s: float) -> tuple['CommandStep', list[Message]]:
-        """Let time pass; repeat the command if its answer is late."""
+    def on_tick(
+        self, vehicle: VehicleTelemetry, now_s: float
+    ) -> tuple['CommandStep', list[Message]]:
+        """Let time pass; repeat the command if its answer is late and the mode is another."""
+        if self.call.is_due(now_s) and self._shows(vehicle) and vehicle.custom_mode in self.modes:
+            return replace(self, call=replace(self.call, stage=CallStage.UNANSWERED)), []
         call, sent = self.call.on_tick(now_s)
         is_new = call.stage is CallStage.ACCEPTED and self.accepted_s < 0.0
         return replace(self, call=call, accepted_s=now_s if is_new else self.accepted_s), sent
@@ -116,8 +120,9 @@ class CommandStep:
         """Whether the command was accepted and shows, or shows although its answer was lost."""
         if self.call.stage is CallStage.ACCEPTED:
             return self.is_shown is None or self.is_shown(vehicle)
-        if self.call.stage is not CallStage.UNANSWERED:
-            return False
+        return self.call.stage is CallStage.UNANSWERED and self._shows(vehicle)
+
+    def _shows(self, vehicle: VehicleTelemetry) -> bool:
         is_shown = self.is_shown_unanswered or self.is_shown
         return is_shown is not None and is_shown(vehicle)
 
@@ -171,7 +176,9 @@ class TransferStep:
         """Take a message of the vehicle."""
         return self._moved(self.moving.on_message(message, now_s))
 
-    def on_tick(self, now_s: float) -> tuple['TransferStep', list[Message]]:
+    def on_tick(
+        self, _vehicle: VehicleTelemetry, now_s: float
+    ) -> tuple['TransferStep', list[Message]]:
         """Let time pass."""
         return self._moved(self.moving.on_tick(now_s))
 
@@ -264,7 +271,7 @@ class CommandSequence:
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
-        going, sent = self._looked_at(vehicle, now_s), list[Message]()
+        going, sent = self.looked_at(vehicle, now_s), list[Message]()
         while going._may_go_on(vehicle, now_s):
             step, more, is_new = going.steps[0], list[Message](), not going.is_begun
             is_sending = is_new or step.sends_command(now_s)
@@ -275,7 +282,7 @@ class CommandSequence:
             going = going._obstructed(obstacle, now_s)
             if obstacle:
                 return going, sent
-            step, more = step.begin(now_s) if is_new else step.on_tick(now_s)
+            step, more = step.begin(now_s) if is_new else step.on_tick(vehicle, now_s)
             sent += more
             look_after_s = now_s if is_sending else going.look_after_s
             steps = (step, *going.steps[1:])
@@ -312,8 +319,12 @@ class CommandSequence:
             return vehicle.heartbeat_s > self.look_after_s
         return True
 
-    def _looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
-        """Return the sequence after a look at the vehicle, withdrawn if somebody took it over."""
+    def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
+        """Return the sequence after a look at the vehicle, withdrawn if somebody took it over.
+
+        Called when the sequence is given, at each heartbeat and at each tick: not even a request
+        of the autopilot is answered between a heartbeat that shows a takeover and the next tick.
+        """
         if self.is_over:
             return self
         looked = self

@@ -108,6 +108,27 @@ class Custody:
             return ''
         return f'it is not ours to command: it is in {mode}'
 
+    def holder(self, vehicle: VehicleTelemetry, autopilot: Autopilot) -> str:
+        """Return who has an armed vehicle instead of this bridge; empty: nobody.
+
+        ``'pilot'`` is whoever switched it to a mode of its own: a remote control, or another
+        station.
+        """
+        if not vehicle.is_armed:
+            return ''
+        if self.failsafe is not None or vehicle.is_in_failsafe:
+            return 'failsafe'
+        is_ours = vehicle.custom_mode == self.own_mode or is_commanded(vehicle, autopilot)
+        return '' if is_ours else 'pilot'
+
+    def new_master(self, vehicle: VehicleTelemetry, autopilot: Autopilot) -> str:
+        """Return words on a pilot or another station that has taken the vehicle; empty: none.
+
+        A failsafe is none, nor is a vehicle that returns or lands: autopilots do so by themselves.
+        """
+        by_itself = any(autopilot.is_in(vehicle, verb) for verb in (Verb.RETURN, Verb.LAND))
+        return '' if by_itself or self.failsafe is not None else self.takeover
+
     def _with_failsafe(self, failsafe: FlightOutcome | None, now_s: float) -> 'Custody':
         if failsafe is None:
             return self

@@ -174,6 +174,11 @@ def rally_items(points: Sequence[GeoPosition], height_m: float) -> tuple[Mission
     )
 
 
+def rally_of(items: Sequence[MissionItem]) -> tuple[GeoPosition, ...]:
+    """Return the places of rally points; items that are none are left out."""
+    return tuple(_place(item) for item in items if item.command == RALLY_POINT)
+
+
 def _kind(item: MissionItem) -> tuple[int, float]:
     return item.command, item.parameters[0]
 

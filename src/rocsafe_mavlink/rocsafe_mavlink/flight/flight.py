@@ -43,8 +43,10 @@ class MissionFlight:
     ----------
     commands
         Commands for the vehicle.
-    mission
+    plan
         What it shall fly.
+    mission
+        The items that lie on it.
     stage
         How far the flight is.
     sequence
@@ -60,6 +62,7 @@ class MissionFlight:
     """
 
     commands: VehicleCommands
+    plan: FlightPlan
     mission: Mission
     stage: FlightStage = FlightStage.STARTING
     sequence: CommandSequence | None = None
@@ -108,9 +111,25 @@ class MissionFlight:
             return after, sent + more
         return going._after_success() if sequence.is_over else going, sent
 
-    def stopped(self) -> 'MissionFlight':
-        """Return the flight after an operator's accepted command to return or land."""
-        return replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
+    def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'MissionFlight':
+        """Return the flight after a look at the vehicle: its commands may be withdrawn."""
+        if self.sequence is None:
+            return self
+        return replace(self, sequence=self.sequence.looked_at(vehicle, now_s))
+
+    def interrupted(self) -> 'MissionFlight':
+        """Return the flight once an operator commands it in the air: it is only watched now."""
+        return replace(self, stage=FlightStage.FLYING, sequence=None)
+
+    def stopped(self, homeward: tuple[MissionItem, ...] | None = None) -> 'MissionFlight':
+        """Return the flight after an operator's accepted command to return or land.
+
+        `homeward` is the mission by which it returns, if it returns by one.
+        """
+        stopped = replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
+        if homeward is None:
+            return stopped
+        return replace(stopped, mission=Mission(items=homeward, first_item=0, waypoint_items=()))
 
     def restarted(self) -> 'MissionFlight':
         """Return the flight after its autopilot restarted; one that begins is withdrawn."""
@@ -125,7 +144,8 @@ class MissionFlight:
 
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
-        return replace(self, mission=mission_of(plan, self.autopilot), visited=0)
+        mission = mission_of(plan, self.autopilot)
+        return replace(self, plan=plan, mission=mission, visited=0)
 
     def _after_success(self) -> 'MissionFlight':
         if self.stage is FlightStage.DISARMING:
@@ -181,7 +201,7 @@ class MissionFlight:
     def _landed(self, vehicle: VehicleTelemetry) -> 'MissionFlight':
         # Waypoints whose report was lost count if the mission is complete.
         is_complete = vehicle.mission.phase is MissionPhase.COMPLETE and self.cause is None
-        count = len(self.mission.waypoint_items)
+        count = len(self.plan.stops)
         if is_complete or self.visited == count:
             return replace(self, visited=count)._end(FlightOutcome.COMPLETED, '')
         cause = self.cause or FlightOutcome.ABORTED_BY_OPERATOR
@@ -225,7 +245,7 @@ def fly(
         raise ValueError('the vehicle has not told its home')
     mission = mission_of(plan, commands.autopilot)
     sequence = commands.start_flight(mission, vehicle.home, may_not_arm)
-    flight = MissionFlight(commands=commands, mission=mission, sequence=sequence)
+    flight = MissionFlight(commands=commands, plan=plan, mission=mission, sequence=sequence)
     return flight.on_tick(vehicle, now_s)
 
 
@@ -246,7 +266,7 @@ def adopted(
         return None
     if stored is not None and compare(mission.items, stored, first):
         return None
-    return MissionFlight(commands=commands, mission=mission, stage=FlightStage.FLYING)
+    return MissionFlight(commands=commands, plan=plan, mission=mission, stage=FlightStage.FLYING)
 
 
 def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:

@@ -123,8 +123,17 @@ def _assignment(record: dict[str, Any]) -> Assignment:
         for waypoint in plan.pop('waypoints')
     )
     home = plan.pop('home')
+    # A bridge before 0.3 noted none.
+    exclusions = tuple(
+        tuple(GeoPosition(**corner) for corner in ring) for ring in plan.pop('exclusions', ())
+    )
     return Assignment(
         plan_id=record['plan_id'],
-        plan=FlightPlan(waypoints=waypoints, home=home and GeoPosition(**home), **plan),
+        plan=FlightPlan(
+            waypoints=waypoints,
+            home=home and GeoPosition(**home),
+            exclusions=exclusions,
+            **plan,
+        ),
         viewpoint_ids=tuple(record['viewpoint_ids']),
     )

@@ -38,6 +38,8 @@ class FlightWaypoint:
         Time to stay there.
     heading_deg
         Heading there, clockwise from north.
+    height_agl_m
+        Height above the ground there; None: not known, taken to be that above home.
     is_bend
         Whether the way only bends there: nothing is photographed or counted.
     """
@@ -46,12 +48,20 @@ class FlightWaypoint:
     height_m: float
     hold_s: float = 0.0
     heading_deg: float = 0.0
+    height_agl_m: float | None = None
     is_bend: bool = False
 
     def __post_init__(self) -> None:
         require_positive('height_m', self.height_m)
         require_between('hold_s', self.hold_s, 0.0, LARGEST_HOLD_S)
         require_between('heading_deg', self.heading_deg, 0.0, 360.0)
+        if self.height_agl_m is not None:
+            require_positive('height_agl_m', self.height_agl_m, 'm')
+
+    @property
+    def height_above_ground_m(self) -> float:
+        """Height above the ground as far as it is known, else above home."""
+        return self.height_m if self.height_agl_m is None else self.height_agl_m
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +71,7 @@ class FlightPlan:
     Attributes
     ----------
     waypoints
-        At least one that is no bend.
+        At least one; only bends where the vehicle is called home.
     speed_mps
         Speed over ground.
     takes_photographs
@@ -72,6 +82,10 @@ class FlightPlan:
         Distance between camera triggers along straight lanes, instead of one at each waypoint.
         There is none between lanes, and one at each waypoint that lies on no lane. 0: no such
         triggers.
+    exclusions
+        Outlines that the vehicle does not fly over, on its way home neither.
+    clearance_m
+        Distance to keep from them.
     """
 
     waypoints: tuple[FlightWaypoint, ...]
@@ -79,12 +93,15 @@ class FlightPlan:
     takes_photographs: bool = False
     home: GeoPosition | None = None
     trigger_distance_m: float = 0.0
+    exclusions: tuple[tuple[GeoPosition, ...], ...] = ()
+    clearance_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.stops:
+        if not self.waypoints:
             raise ValueError('a flight plan must have at least one waypoint')
         require_positive('speed_mps', self.speed_mps, 'm/s')
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
+        require_not_negative('clearance_m', self.clearance_m, 'm')
 
     @property
     def stops(self) -> tuple[FlightWaypoint, ...]:

@@ -20,9 +20,9 @@ from rocsafe_mavlink.flight.command_sequence import (
     TransferStep,
 )
 from rocsafe_mavlink.flight.fence import Fence, fence_items
+from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_plan import Mission
 from rocsafe_mavlink.flight.flight_signs import home_moved
-from rocsafe_mavlink.flight.preflight import FlightLimits
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.protocols import command_call as calls
 from rocsafe_mavlink.protocols.command_call import CommandCall
@@ -113,6 +113,10 @@ class VehicleCommands:
     def return_home(self) -> CommandSequence:
         """Return the sequence that flies home and lands there."""
         return self._urgent('return home', self._mode(Verb.RETURN))
+
+    def fly_home(self, mission: Mission) -> CommandSequence:
+        """Return the sequence that flies home by a mission, where the straight way is not free."""
+        return replace(self.replace_mission(mission), name='return home', is_always_taken=True)
 
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
@@ -254,7 +258,7 @@ def require_reachable(
     """
     if home is None:
         raise ValueError('the vehicle has not told its home')
-    require_between('height_m', height_m, limits.lowest_m, limits.highest_m, 'm')
+    require_between('height_m', height_m, limits.lowest_m, limits.max_height_agl_m, 'm')
     away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
     require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
     return home

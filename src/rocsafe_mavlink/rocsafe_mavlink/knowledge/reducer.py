@@ -24,6 +24,7 @@ from rocsafe_mavlink.knowledge.telemetry import (
     SystemStatus,
     VehicleTelemetry,
 )
+from rocsafe_mavlink.knowledge.traffic import with_aircraft
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import (
     UNKNOWN_16,
@@ -217,6 +218,14 @@ def _fence(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> Vehicl
     return replace(vehicle, is_fence_breached=bool(message['breach_status']))
 
 
+def _wind(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleTelemetry:
+    if message.name == 'WIND':
+        speed_mps = message['speed']
+    else:
+        speed_mps = math.hypot(message['wind_x'], message['wind_y'])
+    return replace(vehicle, wind=vehicle.wind.after(float(speed_mps), now_s))
+
+
 def _time(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     if not message['time_unix_usec']:
         return vehicle
@@ -225,6 +234,7 @@ def _time(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> Vehicle
 
 
 _REDUCERS: Mapping[str, Reducer] = {
+    'ADSB_VEHICLE': with_aircraft,
     'ATTITUDE': _attitude,
     'EKF_STATUS_REPORT': _ekf,
     'ESTIMATOR_STATUS': _ekf,
@@ -238,4 +248,6 @@ _REDUCERS: Mapping[str, Reducer] = {
     'MISSION_ITEM_REACHED': _reached,
     'SYSTEM_TIME': _time,
     'SYS_STATUS': _sys_status,
+    'WIND': _wind,
+    'WIND_COV': _wind,
 }

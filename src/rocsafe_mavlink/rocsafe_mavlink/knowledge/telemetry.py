@@ -12,6 +12,8 @@ NEVER = -math.inf
 # Age of the last heartbeat from which a vehicle counts as stale, as lost.
 STALE_AFTER_S = 3.0
 LOST_AFTER_S = 10.0
+# Estimates of the wind are kept so long: the mean and the gust are of the last minute.
+WIND_KEPT_S = 60.0
 FIX_3D = 3
 FIX_NONE = 0
 
@@ -145,6 +147,11 @@ class Home:
     longitude_deg: float
     altitude_msl_m: float
 
+    @property
+    def place(self) -> GeoPosition:
+        """Latitude and longitude."""
+        return GeoPosition(self.latitude_deg, self.longitude_deg)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Battery:
@@ -175,6 +182,70 @@ class MissionStatus:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Aircraft:
+    """Another aircraft, as its own transponder tells.
+
+    Attributes
+    ----------
+    icao
+        24-bit address.
+    callsign
+        Its name; empty if it does not tell.
+    position
+        Latitude and longitude; the altitude is not used.
+    altitude_msl_m
+        Altitude; NaN if it does not tell.
+    is_pressure
+        Whether that is a pressure altitude.
+    velocity_enu_mps
+        Velocity east, north, up; None if it does not tell.
+    heard_s
+        Steady time of its last word.
+    """
+
+    icao: int
+    callsign: str
+    position: GeoPosition
+    altitude_msl_m: float
+    is_pressure: bool
+    velocity_enu_mps: tuple[float, float, float] | None
+    heard_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wind:
+    """Speed of the air as the autopilot estimates it, metres a second.
+
+    Attributes
+    ----------
+    heard
+        Steady time and level speed of each estimate of the last minute.
+    """
+
+    heard: tuple[tuple[float, float], ...] = ()
+
+    def after(self, speed_mps: float, now_s: float) -> 'Wind':
+        """Return the wind after another estimate; one a second is kept."""
+        kept = tuple(one for one in self.heard if now_s - one[0] < WIND_KEPT_S)
+        if kept and now_s - kept[-1][0] < 1.0:
+            kept = (*kept[:-1], (kept[-1][0], max(kept[-1][1], speed_mps)))
+            return Wind(heard=kept)
+        return Wind(heard=(*kept, (now_s, speed_mps)))
+
+    def mean_mps(self, now_s: float) -> float:
+        """Return the mean of the last minute; NaN if nothing was heard."""
+        speeds = self._speeds(now_s)
+        return sum(speeds) / len(speeds) if speeds else math.nan
+
+    def gust_mps(self, now_s: float) -> float:
+        """Return the largest of the last minute; NaN if nothing was heard."""
+        return max(self._speeds(now_s), default=math.nan)
+
+    def _speeds(self, now_s: float) -> list[float]:
+        return [speed for at_s, speed in self.heard if now_s - at_s < WIND_KEPT_S]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleTelemetry:
     """All that one autopilot, (system, component), said of itself.
 
@@ -198,6 +269,10 @@ class VehicleTelemetry:
         Time of day at its start; NaN if not known.
     is_fence_breached
         Whether it reports a breach of its fence.
+    traffic
+        Other aircraft that its receiver hears.
+    wind
+        The wind that it estimates.
     """
 
     system: int
@@ -222,6 +297,8 @@ class VehicleTelemetry:
     jumped_s: float = NEVER
     boot_unix_s: float = math.nan
     is_fence_breached: bool = False
+    traffic: tuple[Aircraft, ...] = ()
+    wind: Wind = Wind()
 
     def contact(self, now_s: float) -> Contact:
         """Return how recent its last heartbeat is at `now_s`."""

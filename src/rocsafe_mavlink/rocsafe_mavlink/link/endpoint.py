@@ -56,9 +56,14 @@ class Endpoint:
         return self.kind in (EndpointKind.TCP, EndpointKind.SERIAL)
 
     @property
-    def is_loopback(self) -> bool:
-        """Whether it cannot be reached from another machine."""
-        return self.kind is not EndpointKind.UDP or is_loopback(self.host)
+    def is_listening(self) -> bool:
+        """Whether it waits for vehicles."""
+        return self.kind is EndpointKind.UDP
+
+    @property
+    def is_local(self) -> bool:
+        """Whether no network is in it: a serial port, or both ends on this machine."""
+        return self.kind is EndpointKind.SERIAL or is_loopback(self.host)
 
 
 def is_loopback(host: str) -> bool:
@@ -69,15 +74,8 @@ def is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-def parse_endpoint(text: str, *, allow_network: bool = False) -> Endpoint:
-    """Return the endpoint that `text` names.
-
-    Parameters
-    ----------
-    text
-        See the module.
-    allow_network
-        Whether it may wait for senders on other machines.
+def parse_endpoint(text: str) -> Endpoint:
+    """Return the endpoint that `text` names; see the module.
 
     Raises
     ------
@@ -85,14 +83,9 @@ def parse_endpoint(text: str, *, allow_network: bool = False) -> Endpoint:
         Naming the text and what is wrong with it.
     """
     try:
-        endpoint = _parsed(text)
+        return _parsed(text)
     except ValueError as error:
         raise EndpointError(f'link {text!r}: {error}') from error
-    if not endpoint.is_loopback and not allow_network:
-        raise EndpointError(
-            f'link {text!r}: listens beyond this machine, which has to be allowed explicitly'
-        )
-    return endpoint
 
 
 def _parsed(text: str) -> Endpoint:

@@ -15,7 +15,11 @@ from rocsafe_mavlink.wire.framing import pack_frame
 from rocsafe_mavlink.wire.signing import SignatureGate, Signer
 
 Address = Hashable
+# Addresses that are remembered beside those of the vehicles, which are never forgotten.
 LARGEST_PEER_COUNT = 32
+# Holders of the key whose clock is behind, and for how long one is greeted.
+LARGEST_LATE_COUNT = 8
+LATE_FOR_S = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,7 +46,7 @@ class LinkRules:
     called
         Those of them that get heartbeats before they were heard: we call, they answer.
     is_discovering
-        Whether any other address may become a peer; for loopback only.
+        Whether any other address may become a peer without a signature.
     is_stream
         Whether the bytes come without message borders.
     """
@@ -57,7 +61,9 @@ class Link:
     """Reads and writes MAVLink for any number of peers.
 
     An address that is not allowed becomes a peer by a message with a good signature, or while
-    discovering by any plausible one.
+    discovering by any plausible one. Being a peer gives no right to speak for a vehicle, see
+    `may_take_over`. Of too many peers the one that was heard longest ago is forgotten, never one
+    in `held`: strangers cannot use up the table.
 
     Parameters
     ----------
@@ -67,6 +73,11 @@ class Link:
         Our own MAVLink numbers.
     gate, signer
         Check and make signatures; both or none.
+
+    Attributes
+    ----------
+    held
+        Addresses from which vehicles speak.
     """
 
     def __init__(
@@ -79,6 +90,7 @@ class Link:
         if (gate is None) != (signer is None):
             raise ValueError('a link reads and writes signatures, or neither')
         self.counters = Counters()
+        self.held: frozenset[Address] = frozenset()
         self._rules = rules
         self._identity = LinkIdentity() if identity is None else identity
         self._gate = gate
@@ -87,11 +99,35 @@ class Link:
         self._peers: dict[Address, Peer] = {}
         self._stranger = self._new_peer(is_stream=False)
         self._sequence = 0
+        self._late: dict[Address, float] = {}
 
     @property
     def peers(self) -> tuple[Address, ...]:
-        """Addresses that were heard with a good message, and those that we call."""
-        return tuple(dict.fromkeys((*self._peers, *self._rules.called)))
+        """Addresses that were heard with a good message, the last heard at the end."""
+        return tuple(self._peers)
+
+    @property
+    def stations(self) -> tuple[Address, ...]:
+        """Addresses that get our heartbeats: of vehicles, and those that we call.
+
+        No other address gets them: a foreign vehicle would take them for those of its own station.
+        A holder of the key whose clock is behind gets them, too, until it follows ours: a vehicle
+        without GPS time sets its clock by the first signed message that it gets.
+        """
+        return tuple(dict.fromkeys((*self._rules.called, *self.held, *self._late)))
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether only holders of the key are heard."""
+        return self._gate is not None
+
+    def may_take_over(self, present: Address, other: Address) -> bool:
+        """Return whether `other` may speak for a vehicle that spoke from `present` before.
+
+        By its signature, since it is allowed by name, or as another port of the same host: a
+        vehicle behind a router or one whose simulator was started again.
+        """
+        return self.is_signed or other in self._rules.allowed or _host(present) == _host(other)
 
     def receive(self, address: Address, data: bytes, now_s: float, time_s: float) -> list[Message]:
         """Return the plausible messages in `data` from `address`.
@@ -104,11 +140,15 @@ class Link:
             Time of day, seconds since 1970.
         """
         peer = self._peers.get(address)
-        if peer is None and address in self._rules.allowed:
-            peer = self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
-        if peer is not None:
-            return peer.receive(data, now_s, time_s)
-        return self._hear_stranger(address, data, now_s, time_s)
+        if peer is None and address not in self._rules.allowed:
+            return self._hear_stranger(address, data, now_s, time_s)
+        if peer is None:
+            peer = self._join(address)
+        messages = peer.receive(data, now_s, time_s)
+        self._note_late(address, now_s, is_late=peer.is_late)
+        if messages:
+            self._peers[address] = self._peers.pop(address)
+        return messages
 
     def pack(self, message: Message, now_s: float, time_s: float) -> bytes:
         """Return the frame of `message`, signed if the link has a key.
@@ -134,15 +174,37 @@ class Link:
         self, address: Address, data: bytes, now_s: float, time_s: float
     ) -> list[Message]:
         may_join = self._gate is not None or self._rules.is_discovering
-        if not may_join or len(self._peers) >= LARGEST_PEER_COUNT:
+        if not may_join:
             self.counters.drop(Reason.UNKNOWN_PEER)
             return []
         messages = self._stranger.receive(data, now_s, time_s)
+        self._note_late(address, now_s, is_late=self._stranger.is_late)
         # A radio modem sends its own unsigned status; it does not make its address a peer.
         heard = [message for message in messages if message.name != 'RADIO_STATUS']
         if heard:
-            self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
+            self._join(address)
         return heard
+
+    def _note_late(self, address: Address, now_s: float, *, is_late: bool) -> None:
+        """Note who holds the key and is behind in time, for some seconds."""
+        if is_late and (address in self._late or len(self._late) < LARGEST_LATE_COUNT):
+            self._late[address] = now_s
+        if self._late:
+            kept = {one: s for one, s in self._late.items() if now_s - s < LATE_FOR_S}
+            self._late = kept
+
+    def _join(self, address: Address) -> Peer:
+        """Return a new peer; of too many the one that was heard longest ago is forgotten."""
+        others = [known for known in self._peers if known not in self.held]
+        if len(others) >= LARGEST_PEER_COUNT:
+            del self._peers[others[0]]
+        peer = self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
+        return peer
 
     def _new_peer(self, *, is_stream: bool) -> Peer:
         return Peer(self.counters, self._gate, is_stream=is_stream)
+
+
+def _host(address: Address) -> Hashable:
+    """Return the host of an IP address; a device is its own."""
+    return address[0] if isinstance(address, tuple) else address

@@ -22,7 +22,7 @@ UNSIGNED_ALLOWED = frozenset({109})
 _REASONS = {
     SignatureVerdict.FORGED: Reason.FORGED,
     SignatureVerdict.REPLAYED: Reason.REPLAYED,
-    SignatureVerdict.TOO_OLD: Reason.REPLAYED,
+    SignatureVerdict.TOO_OLD: Reason.TOO_OLD,
     SignatureVerdict.TOO_MANY_STREAMS: Reason.TOO_MANY_STREAMS,
 }
 
@@ -38,6 +38,11 @@ class Peer:
         Checks signatures; None reads everything, signed or not.
     is_stream
         Whether the bytes come without message borders (TCP, serial), not in datagrams.
+
+    Attributes
+    ----------
+    is_late
+        Whether the last bytes held a message with a right signature by a clock that is behind.
     """
 
     def __init__(
@@ -49,6 +54,7 @@ class Peer:
         self._rest = b''
         self._rate = RateLimit(LARGEST_RATE_PER_S)
         self._sequences: dict[tuple[int, int], int] = {}
+        self.is_late = False
 
     @property
     def buffered(self) -> int:
@@ -68,6 +74,7 @@ class Peer:
             Time of day, seconds since 1970, for signatures.
         """
         messages = []
+        self.is_late = False
         for frame in self._frames(data):
             if not self._is_genuine(frame, time_s):
                 continue
@@ -106,6 +113,7 @@ class Peer:
         verdict = self._gate.judge(frame, time_s)
         if verdict is not SignatureVerdict.GOOD:
             self._counters.drop(_REASONS[verdict])
+        self.is_late |= verdict in (SignatureVerdict.TOO_OLD, SignatureVerdict.REPLAYED)
         return verdict is SignatureVerdict.GOOD
 
     def _count_lost(self, frame: MavlinkFrame) -> None:

@@ -6,6 +6,7 @@ why it refused in a text of its own, from half a second before to a second and a
 refusal; these texts belong to the answer.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -66,6 +67,8 @@ class CommandCall:
         Progress of the command.
     wait_until_s
         Steady time until which nothing is done.
+    until_s
+        Steady time at which it is given up, whatever is answered.
     sends
         How often it was sent.
     result
@@ -80,6 +83,7 @@ class CommandCall:
     us: Target
     stage: CallStage = CallStage.WAITING
     wait_until_s: float = 0.0
+    until_s: float = math.inf
     sends: int = 0
     result: int = -1
     heard: tuple[HeardText, ...] = ()
@@ -109,7 +113,8 @@ class CommandCall:
         self, now_s: float, heard: Sequence[HeardText] = ()
     ) -> tuple['CommandCall', list[Message]]:
         """Send it; `heard` are the latest texts."""
-        return replace(self, heard=self._recent(heard, now_s))._send(now_s)
+        until_s = now_s + self.timing.longest_s
+        return replace(self, heard=self._recent(heard, now_s), until_s=until_s)._send(now_s)
 
     def on_message(self, message: Message, now_s: float) -> 'CommandCall':
         """Take a message of the autopilot; those of others change nothing."""
@@ -127,7 +132,7 @@ class CommandCall:
             return self, []
         if self.stage is CallStage.EXPLAINING:
             return replace(self, stage=CallStage.REFUSED), []
-        if self.sends >= self.timing.largest_send_count:
+        if self.sends >= self.timing.largest_send_count or now_s >= self.until_s:
             return replace(self, stage=CallStage.UNANSWERED), []
         return self._send(now_s)
 
@@ -158,7 +163,8 @@ class CommandCall:
         if result == ACCEPTED:
             return replace(self, stage=CallStage.ACCEPTED, result=result)
         if result == IN_PROGRESS:
-            return replace(self, wait_until_s=now_s + self.timing.progress_s)
+            wait_until_s = min(now_s + self.timing.progress_s, self.until_s)
+            return replace(self, wait_until_s=wait_until_s)
         stage = CallStage.EXPLAINING
         until_s = now_s + self.timing.text_after_s
         heard = self._recent(self.heard, now_s)

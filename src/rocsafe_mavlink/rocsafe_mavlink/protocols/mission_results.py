@@ -18,7 +18,7 @@ class MissionType(IntEnum):
         return self.name.lower()
 
 
-ACCEPTED, INVALID_SEQUENCE = 0, 13
+ACCEPTED, REFUSED, INVALID_SEQUENCE, CANCELLED = 0, 1, 13, 15
 RESULTS: Mapping[int, str] = {
     1: 'refused (generic error)',
     2: 'coordinate frame not supported',

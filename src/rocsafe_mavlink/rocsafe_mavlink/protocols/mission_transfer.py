@@ -6,6 +6,7 @@ after an upload the mission is read back and compared. If it differs it is sent 
 does not help it is cleared, so that no partial mission can be flown.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -13,7 +14,7 @@ from enum import Enum
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
 from rocsafe_mavlink.protocols.mission_item import MissionItem, difference
 from rocsafe_mavlink.protocols.mission_results import ACCEPTED, MissionType, result_text
-from rocsafe_mavlink.protocols.mission_upload import Upload, UploadStage
+from rocsafe_mavlink.protocols.mission_upload import REQUESTS, Upload, UploadStage, cancelled
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 
@@ -22,6 +23,7 @@ class TransferStage(Enum):
 
     UPLOADING = 'uploading'
     READING_BACK = 'reading back'
+    RELEASING = 'releasing'
     CLEARING = 'clearing'
     VERIFIED = 'verified'
     FAILED = 'failed'
@@ -41,14 +43,14 @@ class Transfer:
         Progress of the transfer.
     tries
         Uploads begun.
+    until_s
+        Steady time at which it is given up, whatever the autopilot asks for.
     error
         Why it failed, or why the try before this one did.
     asked_s, clears
         Steady time of the last request to clear, and number of requests.
     is_cleared
         Whether the autopilot confirmed, after a failure, that its mission is empty.
-    begins_again
-        Whether it is offered again once an autopilot that was stuck is cleared.
     clears_after_failure
         Whether a partial mission is cleared; not while it may be flown.
     """
@@ -58,11 +60,11 @@ class Transfer:
     first_compared: int
     stage: TransferStage = TransferStage.UPLOADING
     tries: int = 0
+    until_s: float = math.inf
     error: str = ''
     asked_s: float = 0.0
     clears: int = 0
     is_cleared: bool = False
-    begins_again: bool = True
     clears_after_failure: bool = True
 
     @property
@@ -87,8 +89,16 @@ class Transfer:
             heard_s=now_s,
         )
         upload, sent = fresh.begin(now_s)
-        stage = TransferStage.UPLOADING
-        return replace(self, stage=stage, upload=upload, tries=self.tries + 1), sent
+        timing = self.upload.timing
+        longest_s = timing.longest_s + timing.longest_item_s * len(self.upload.items)
+        begun = replace(
+            self,
+            stage=TransferStage.UPLOADING,
+            upload=upload,
+            tries=self.tries + 1,
+            until_s=min(self.until_s, now_s + longest_s),
+        )
+        return begun, sent
 
     def on_message(self, message: Message, now_s: float) -> tuple['Transfer', list[Message]]:
         """Take a message of the autopilot; those of others change nothing."""
@@ -100,18 +110,27 @@ class Transfer:
         if self.stage is TransferStage.READING_BACK:
             download, sent = self.download.on_message(message, now_s)
             return replace(self, download=download)._after_download(now_s, sent)
+        if self.stage is TransferStage.RELEASING and message.name in REQUESTS:
+            return self, [cancelled(message)]
         if self.stage is TransferStage.CLEARING and message.name == 'MISSION_ACK':
-            return self._on_cleared(int(message['type']), now_s)
+            return self._on_cleared(int(message['type']))
         return self, []
 
     def on_tick(self, now_s: float) -> tuple['Transfer', list[Message]]:
         """Let time pass."""
+        is_ending = self.stage is TransferStage.CLEARING or self.is_over
+        if not is_ending and now_s >= self.until_s:
+            error = self.error or 'it took too long'
+            return self._try_again(now_s, error, is_passing=False)
         if self.stage is TransferStage.UPLOADING:
             upload, sent = self.upload.on_tick(now_s)
             return replace(self, upload=upload)._after_upload(now_s, sent)
         if self.stage is TransferStage.READING_BACK:
             download, sent = self.download.on_tick(now_s)
             return replace(self, download=download)._after_download(now_s, sent)
+        if self.stage is TransferStage.RELEASING:
+            is_released = now_s - self.asked_s >= self.upload.timing.release_s
+            return self.begin(now_s) if is_released else (self, [])
         if self.stage is TransferStage.CLEARING and now_s - self.asked_s >= self._clear_again_s:
             return self._clear(now_s)
         return self, []
@@ -148,10 +167,16 @@ class Transfer:
     ) -> tuple['Transfer', list[Message]]:
         noted = replace(self, error=error)
         if is_passing and self.tries < self.upload.timing.largest_try_count:
-            return noted.begin(now_s)
+            return noted._release(now_s) if self.upload.is_stuck else noted.begin(now_s)
         if not self.clears_after_failure:
             return replace(noted, stage=TransferStage.FAILED), []
         return replace(noted, stage=TransferStage.CLEARING)._clear(now_s)
+
+    def _release(self, now_s: float) -> tuple['Transfer', list[Message]]:
+        """Begin a reading that is left to time out, which ends all transfers of a PX4."""
+        upload = self.upload
+        ask = addressed('MISSION_REQUEST_LIST', upload.target, mission_type=upload.mission_type)
+        return replace(self, stage=TransferStage.RELEASING, asked_s=now_s), [ask]
 
     def _clear(self, now_s: float) -> tuple['Transfer', list[Message]]:
         if self.clears >= self.upload.timing.largest_clear_count:
@@ -160,9 +185,7 @@ class Transfer:
         clear = addressed('MISSION_CLEAR_ALL', upload.target, mission_type=upload.mission_type)
         return asked, [clear]
 
-    def _on_cleared(self, result: int, now_s: float) -> tuple['Transfer', list[Message]]:
-        if result == ACCEPTED and self.begins_again and self.upload.is_stuck:
-            return replace(self, begins_again=False, clears=0).begin(now_s)
+    def _on_cleared(self, result: int) -> tuple['Transfer', list[Message]]:
         if result == ACCEPTED:
             return replace(self, stage=TransferStage.FAILED, is_cleared=True), []
         error = f'{self.error}; clearing it: {result_text(result)}'

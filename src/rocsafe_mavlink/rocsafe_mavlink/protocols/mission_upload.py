@@ -12,8 +12,10 @@ from enum import Enum
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_results import (
     ACCEPTED,
+    CANCELLED,
     INVALID_SEQUENCE,
     PASSING,
+    REFUSED,
     result_text,
 )
 from rocsafe_mavlink.protocols.timing import TRANSFER_TIMING, TransferTiming
@@ -56,7 +58,7 @@ class Upload:
     is_passing
         Whether another try may succeed.
     is_stuck
-        Whether offers are refused because of a transfer of another type.
+        Whether offers are refused because of an earlier transfer.
     timing
         Deadlines and repetitions.
     """
@@ -85,6 +87,9 @@ class Upload:
         if message.fields.get('mission_type', 0) != self.mission_type:
             return self._on_other(message), []
         if message.name in REQUESTS:
+            if self.stage is UploadStage.OFFERED and message['seq'] > 0:
+                # It still waits for an earlier upload: nothing of this list belongs there.
+                return self, [cancelled(message)]
             return self._on_request(int(message['seq']), now_s)
         if message.name == 'MISSION_ACK':
             return self._on_ack(int(message['type'])), []
@@ -136,7 +141,9 @@ class Upload:
             # An item arrived twice; the autopilot goes on.
             return self
         where = f' at item {self.highest}' if self.stage is UploadStage.SENDING else ''
-        return self._failed(f'{result_text(result)}{where}', is_passing=result in PASSING)
+        failed = self._failed(f'{result_text(result)}{where}', is_passing=result in PASSING)
+        is_stuck = result == REFUSED and self.stage is UploadStage.OFFERED
+        return replace(failed, is_stuck=is_stuck)
 
     def _on_other(self, message: Message) -> 'Upload':
         """Take a message about a transfer of another type."""
@@ -146,7 +153,7 @@ class Upload:
         )
         if not is_refusal or not is_answer:
             return self
-        failed = self._failed(result_text(int(message['type'])), is_passing=False)
+        failed = self._failed(result_text(int(message['type'])), is_passing=True)
         return replace(failed, is_stuck=True)
 
     def _failed(self, error: str, *, is_passing: bool) -> 'Upload':
@@ -154,3 +161,13 @@ class Upload:
 
     def _message(self, name: str, **fields: int) -> Message:
         return addressed(name, self.target, mission_type=self.mission_type, **fields)
+
+
+def cancelled(request: Message) -> Message:
+    """Return the answer to a request for an item of an upload that nobody makes any more.
+
+    A PX4 ends its transfer then; an ArduPilot ignores it, and ends its own after 8 s.
+    """
+    sender = (request.system, request.component)
+    kind = request.fields.get('mission_type', 0)
+    return addressed('MISSION_ACK', sender, type=CANCELLED, mission_type=kind)

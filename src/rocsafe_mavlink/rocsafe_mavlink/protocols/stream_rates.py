@@ -21,10 +21,16 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'EXTENDED_SYS_STATE': (245, 2.0),
     'SYSTEM_TIME': (2, 1.0),
     'HOME_POSITION': (242, 1.0),
+    'ADSB_VEHICLE': (246, 2.0),
+    'WIND': (168, 1.0),
+    'WIND_COV': (231, 1.0),
 }
+# Messages that come only where there is something to tell.
+OCCASIONAL = frozenset({'ADSB_VEHICLE', 'WIND', 'WIND_COV'})
 MISSING_PERIODS = 3.0
 # An answer takes time; messages that a vehicle does not have are asked for rarely.
 ASK_AGAIN_S = 5.0
+ASK_OCCASIONAL_AGAIN_S = 60.0
 # Between two questions to one vehicle, so that its commands find room.
 PACE_S = 0.3
 
@@ -62,7 +68,8 @@ class StreamRates:
             if name in unsent:
                 continue
             silent_s = now_s - self._heard_s.get(name, -math.inf)
-            is_asked = now_s - self._asked_s.get(name, -math.inf) < ASK_AGAIN_S
+            again_s = ASK_OCCASIONAL_AGAIN_S if name in OCCASIONAL else ASK_AGAIN_S
+            is_asked = now_s - self._asked_s.get(name, -math.inf) < again_s
             if silent_s > MISSING_PERIODS / rate_hz and not is_asked:
                 self._asked_s[name] = self._last_ask_s = now_s
                 return number, rate_hz

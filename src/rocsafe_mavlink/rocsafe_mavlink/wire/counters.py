@@ -9,12 +9,14 @@ class Reason(Enum):
     """Why something was dropped."""
 
     UNKNOWN_PEER = 'from an address that is not allowed'
+    IMPOSTOR = 'in the name of a vehicle, from another address than its own'
     OVERSIZE = 'datagram too large'
     NO_FRAME = 'no message in it'
     FALSE_START = 'damaged, or of an unknown kind'
     UNSIGNED = 'not signed'
     FORGED = 'bad signature'
     REPLAYED = 'signature with an old time stamp'
+    TOO_OLD = 'signed by a clock that is behind'
     TOO_MANY_STREAMS = 'too many signed streams'
     RATE = 'more than can be read'
     UNUSED = 'of a kind that nobody reads'

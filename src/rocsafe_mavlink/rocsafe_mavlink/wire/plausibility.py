@@ -15,6 +15,8 @@ LATITUDE: Limits = (-90e7, 90e7)
 LONGITUDE: Limits = (-180e7, 180e7)
 ALTITUDE_M: Limits = (-500.0, 20_000.0)
 ALTITUDE_MM: Limits = (-500e3, 20_000e3)
+ALTITUDE_AIRCRAFT_MM: Limits = (-1e6, 30_000e3)
+WIND_MPS: Limits = (-100.0, 100.0)
 HEIGHT_M: Limits = (-20_500.0, 20_500.0)
 HEIGHT_MM: Limits = (-20_500e3, 20_500e3)
 ANGLE_RAD: Limits = (-2.0 * math.pi, 2.0 * math.pi)
@@ -27,6 +29,13 @@ FINITE: Limits = (-3.5e38, 3.5e38)
 
 _PLACE_MM = {'lat': LATITUDE, 'lon': LONGITUDE, 'alt': ALTITUDE_MM}
 LIMITS: Mapping[str, Mapping[str, Limits]] = {
+    'ADSB_VEHICLE': {
+        'lat': LATITUDE,
+        'lon': LONGITUDE,
+        'altitude': ALTITUDE_AIRCRAFT_MM,
+        'heading': (0, 36_000),
+    },
+    'TUNNEL': {},
     'ATTITUDE': {
         **dict.fromkeys(('roll', 'pitch', 'yaw'), ANGLE_RAD),
         **dict.fromkeys(('rollspeed', 'pitchspeed', 'yawspeed'), TURN_RADPS),
@@ -69,6 +78,8 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'STATUSTEXT': {'severity': (0, 7)},
     'SYSTEM_TIME': {},
     'SYS_STATUS': {'battery_remaining': PERCENT},
+    'WIND': {'speed': (0.0, 100.0)},
+    'WIND_COV': {'wind_x': WIND_MPS, 'wind_y': WIND_MPS},
 }
 
 

@@ -13,8 +13,8 @@ import struct
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from stat import S_IMODE
 
+from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 from rocsafe_mavlink.errors import KeyFileError
 from rocsafe_mavlink.wire.framing import SIGNATURE_SIZE, MavlinkFrame
 from rocsafe_mavlink.wire.timestamp_store import StreamKey, TimestampStore
@@ -63,12 +63,9 @@ def read_key(path: Path) -> SigningKey:
         Naming the file and what is wrong with it, never its content.
     """
     try:
-        mode = S_IMODE(path.stat().st_mode)
-        content = path.read_bytes()
-    except OSError as error:
-        raise KeyFileError(f'signing key {path}: {error.strerror}') from error
-    if mode & 0o077:
-        raise KeyFileError(f'signing key {path} has mode {mode:04o}: must be 0600')
+        content = read_secret(path)
+    except SecretFileError as error:
+        raise KeyFileError(f'signing key {error}') from None
     if len(content) != KEY_SIZE:
         content = _from_hexadecimal(path, content)
     return SigningKey(content)

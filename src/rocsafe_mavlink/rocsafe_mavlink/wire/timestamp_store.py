@@ -43,6 +43,19 @@ class TimestampStore:
         """Whether no further stream can be stored."""
         return len(self._used.keys() - {_SENT}) >= LARGEST_STREAM_COUNT
 
+    @property
+    def limits(self) -> dict[str, int]:
+        """Time stamps up to which everything counts as used, by name of the stream."""
+        return dict(self._limits)
+
+    def take_back(self, now: int) -> list[str]:
+        """Set those that are ahead of `now` to `now`, and return their names."""
+        ahead = sorted(name for name, ticks in self._limits.items() if ticks > now)
+        for name in ahead:
+            self._limits[name] = self._used[name] = now
+        self._write()
+        return ahead
+
     def last_of(self, stream: StreamKey) -> int | None:
         """Return the highest accepted time stamp of `stream`, None if it is new."""
         return self._used.get(_name(stream))

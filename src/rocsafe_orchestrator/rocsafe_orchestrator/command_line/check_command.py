@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe check`: whether a scenario is valid, and what would fly."""
+"""`rocsafe check`: whether a scenario is valid and can be planned, and what would fly."""
 
 from pathlib import Path
 
@@ -7,6 +7,8 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.position import distance_m
+from rocsafe_orchestrator.command_line.plan_command import planned
+from rocsafe_orchestrator.command_line.plan_tables import quality_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
@@ -19,16 +21,24 @@ def check(path: Path, console: Console) -> int:
 
     Raises
     ------
-    ScenarioError: if it is not valid.
+    ScenarioError
+        If it is not valid.
+    OrchestratorError
+        If there is no plan, with the reason of the planner.
     """
     scenario = read_scenario(path)
-    console.print(f'{path}: valid', style='bold green', highlight=False)
     for line in flight_mistakes(scenario):
         console.print(line, style='yellow', highlight=False, soft_wrap=True)
     console.print(_survey_table(scenario))
     console.print(_vehicle_table(scenario))
     if scenario.radiation.sources:
         console.print(_source_table(scenario))
+    if all(vehicle.has_home for vehicle in scenario.vehicles):
+        # Only the planner knows whether there is a plan: exclusions, endurance, wind, separation.
+        console.print(quality_table(path, planned(path, scenario)))
+    else:
+        console.print('not planned: a home is told by its vehicle', style='yellow')
+    console.print(f'{path}: valid', style='bold green', highlight=False)
     return EXIT_COMPLETE
 
 

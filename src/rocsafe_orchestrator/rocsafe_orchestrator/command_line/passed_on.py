@@ -31,6 +31,7 @@ class PassedOn:
 
 PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
+    PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
     PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
     PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),
     PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),
@@ -59,7 +60,7 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
     SetupError
         If it is not installed.
     """
-    from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
+    from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
 
     command = [str(find_executable(row.package, row.word)), *arguments]
     done = subprocess.run(command, env={**ONE_THREAD, **os.environ}, check=False)

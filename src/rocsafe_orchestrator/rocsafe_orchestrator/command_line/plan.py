@@ -35,7 +35,8 @@ def add_to(commands: Commands) -> None:
     group = parser.add_argument_group('survey', 'override the values of the scenario')
     add_options(
         group, 'objective', 'grid', 'overlap', 'front-overlap', 'spacing-rule', 'clearance',
-        'wind', 'separation', 'separation-by', 'terrain', 'terrain-clearance', 'seed',
+        'wind', 'separation', 'separation-by', 'terrain', 'terrain-clearance',
+        'max-height', 'seed',
     )  # fmt: skip
     group = parser.add_argument_group('vehicles', 'values for all vehicles')
     add_options(group, 'speed', 'hover', 'endurance', 'swap', 'open')
@@ -65,6 +66,7 @@ def _plan(arguments: argparse.Namespace) -> int:
         airspace=_given(
             clearance_m=arguments.clearance,
             terrain_clearance_m=arguments.terrain_clearance,
+            max_height_agl_m=arguments.max_height,
             wind_mps=arguments.wind and tuple(arguments.wind),
         ),
         separation=_given(distance_m=arguments.separation, by=arguments.separation_by),

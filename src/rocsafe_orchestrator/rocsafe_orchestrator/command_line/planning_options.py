@@ -95,6 +95,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         'metavar': 'M',
         'help': 'least distance of the routes to exclusion zones, metres',
     },
+    'max-height': {
+        'type': metres,
+        'metavar': 'M',
+        'help': 'greatest height above the ground of anything that is flown, metres',
+    },
     'wind': {
         'type': wind,
         'nargs': 2,
@@ -104,11 +109,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     'separation': {
         'type': metres,
         'metavar': 'M',
-        'help': 'least distance between two vehicles in the air, metres',
+        'help': 'least distance between two vehicles in the air, metres; 0: none is kept',
     },
     'separation-by': {
         'choices': SEPARATIONS,
-        'help': 'means of separation: delayed take-offs, or different heights',
+        'help': 'means of separation: waits alone, or different heights, too',
     },
     'terrain-clearance': {
         'type': metres,

@@ -9,12 +9,13 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.command_line.plan_command import planned
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, OrchestratorError
 from rocsafe_orchestrator.processes.answers import answer_of
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.node_parameters import bridge_parameters
-from rocsafe_planner.plan.viewpoint import Viewpoint
+from rocsafe_planner.plan.plan import Route
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -109,16 +110,35 @@ def planned_routes(path: Path, scenario: Scenario) -> dict[str, Any]:
     return {
         route.vehicle.name: {
             'home': list(homes[route.vehicle.name]),
-            'waypoints': [_waypoint(viewpoint, ground_m) for viewpoint in route.viewpoints],
+            'waypoints': _waypoints(route, ground_m),
+            'exclusions': [
+                [[corner.latitude_deg, corner.longitude_deg] for corner in zone.boundary]
+                for zone in plan.request.exclusions
+            ],
+            'clearance_m': plan.request.airspace.clearance_m,
         }
         for route in plan.routes
         if route.vehicle.name in homes and route.viewpoints
     }
 
 
-def _waypoint(viewpoint: Viewpoint, ground_m: float) -> list[float]:
-    place = viewpoint.position
-    return [place.latitude_deg, place.longitude_deg, place.altitude_m - ground_m]
+def _waypoints(route: Route, ground_m: float) -> list[list[float | bool]]:
+    """Return viewpoints and the bends before them: latitude, longitude, height, is a bend."""
+    found: list[list[float | bool]] = []
+    for sortie in route.sorties:
+        height_m = 0.0
+        for viewpoint, bends in zip(sortie.viewpoints, sortie.bends, strict=False):
+            place = viewpoint.position
+            height_m = place.altitude_m - ground_m
+            found += [_waypoint(bend, height_m, is_bend=True) for bend in bends]
+            found.append(_waypoint(place, height_m, is_bend=False))
+        for bends in sortie.bends[len(sortie.viewpoints) :]:
+            found += [_waypoint(bend, height_m, is_bend=True) for bend in bends]
+    return found
+
+
+def _waypoint(place: GeoPosition, height_m: float, *, is_bend: bool) -> list[float | bool]:
+    return [place.latitude_deg, place.longitude_deg, height_m, is_bend]
 
 
 def _table(answer: dict[str, Any]) -> Table:

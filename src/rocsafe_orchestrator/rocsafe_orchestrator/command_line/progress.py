@@ -2,6 +2,7 @@
 """Progress of a mission on the console: a live table on a terminal, plain lines elsewhere."""
 
 import math
+from collections.abc import Callable
 from types import TracebackType
 from typing import Protocol
 
@@ -63,6 +64,48 @@ def make_display(console: Console, title: str, *, is_quiet: bool) -> Display:
     if console.is_terminal:
         return LiveDisplay(console, title)
     return PlainDisplay(console)
+
+
+class SteadyDisplay:
+    """Shows what `display` shows, and goes on when there is no terminal any more.
+
+    Parameters
+    ----------
+    display
+        Where to show it.
+    on_lost
+        Called when the terminal refuses output.
+    """
+
+    def __init__(self, display: Display, on_lost: Callable[[], None]) -> None:
+        self._display = display
+        self._on_lost = on_lost
+
+    def __enter__(self) -> 'SteadyDisplay':
+        self._try(self._display.__enter__)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._try(lambda: self._display.__exit__(kind, error, traceback))
+
+    def show(self, status: RunStatus) -> None:
+        """Show `status`."""
+        self._try(lambda: self._display.show(status))
+
+    def say(self, text: str) -> None:
+        """Print one line."""
+        self._try(lambda: self._display.say(text))
+
+    def _try(self, act: Callable[[], object]) -> None:
+        try:
+            act()
+        except OSError:
+            self._on_lost()
 
 
 class QuietDisplay:
@@ -140,8 +183,8 @@ def plain_line(status: RunStatus) -> str:
     """Return `status` in one line."""
     parts = [f'{clock_text(status.wall_time_s)} {status.phase.name.lower()}']
     if status.images_expected:
-        waypoints = sum(vehicle.viewpoints_visited for vehicle in status.vehicles)
-        parts.append(f'waypoint {waypoints} of {status.viewpoints_planned}')
+        seen, planned = status.viewpoints_visited, status.viewpoints_planned
+        parts.append(f'waypoint {seen} of {planned}')
         parts.append(f'{status.images_stored} images stored')
     if status.peak is not None:
         parts.append(peak_text(status.peak))
@@ -186,7 +229,8 @@ def _figures(status: RunStatus) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_column(style='dim')
     table.add_column()
-    table.add_row('images stored', f'{status.images_stored} of {status.images_expected or "?"}')
+    expected = status.images_expected or '?'
+    table.add_row('images stored', f'{status.images_stored} for {expected} viewpoints')
     table.add_row('highest reading', '-' if status.peak is None else peak_text(status.peak))
     times = f'{clock_text(status.flight_time_s)} flown, {clock_text(status.wall_time_s)} passed'
     table.add_row('time', times + _factor_text(status))

@@ -40,6 +40,14 @@ def add_to(commands: Commands) -> None:
         help='ROS parameter file with defaults of the nodes, like config/rocsafe.yaml; '
         'values of the scenario take precedence',
     )
+    parser.add_argument(
+        '--confirm',
+        action='append',
+        default=[],
+        metavar='HASH',
+        help='let real vehicles take off by the plan with this hash, as a terminal asks for it; '
+        'may be given several times',
+    )
     parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
     parser.set_defaults(command=_run)
 
@@ -58,5 +66,6 @@ def _run(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         config=arguments.config,
         is_quiet=arguments.quiet,
+        confirmed=frozenset(arguments.confirm),
     )
     return run_scenario(request, Console())

@@ -7,20 +7,34 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
 
+from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
 from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
 from rocsafe_orchestrator.command_line.preflight_command import cleared
-from rocsafe_orchestrator.command_line.progress import Display, clock_text, make_display, peak_text
+from rocsafe_orchestrator.command_line.progress import (
+    Display,
+    SteadyDisplay,
+    clock_text,
+    make_display,
+    peak_text,
+)
+from rocsafe_orchestrator.command_line.terminal import Terminal
+from rocsafe_orchestrator.company_node import Claim, claimed
+from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.processes.company import needed_names
+from rocsafe_orchestrator.processes.config_file import require_parameter_file
+from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.launches import (
@@ -29,24 +43,20 @@ from rocsafe_orchestrator.processes.launches import (
     require_executables,
 )
 from rocsafe_orchestrator.processes.node_parameters import world_parameters
-from rocsafe_orchestrator.processes.process_start import begin_as_fork
+from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
+from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
-from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
+from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
+from rocsafe_ros.control_lease import MISSION_VARIABLE
+from rocsafe_ros.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
 
-# Variables that limit how far ROS searches for participants; one that is set is respected.
-REACH_VARIABLES = (
-    'ROS_AUTOMATIC_DISCOVERY_RANGE',
-    'ROS_STATIC_PEERS',
-    'ROS_DISCOVERY_SERVER',
-    'ROS_LOCALHOST_ONLY',
-)
 # Real vehicles must be heard and ready within this time.
 PREFLIGHT_S = 60.0
 # Simulated seconds between two reports of the vehicles, with a margin.
@@ -63,6 +73,7 @@ class RunRequest:
     seed: int | None = None
     config: Path | None = None
     is_quiet: bool = False
+    confirmed: frozenset[str] = frozenset()
 
 
 def run_scenario(request: RunRequest, console: Console) -> int:
@@ -77,39 +88,51 @@ def run_scenario(request: RunRequest, console: Console) -> int:
     lines = flight_mistakes(scenario)
     if lines:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
-    if request.config is not None and not request.config.is_file():
-        raise ScenarioError(f'{request.config}: no such file')
-    _stay_on_this_machine()
-    require_executables(process_table(scenario, RunDirectory(request.parent)))
-    with domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0'):
+    if request.config is not None:
+        require_parameter_file(request.config)
+    stay_on_this_machine()
+    require_space(request.parent, scenario)
+    table = process_table(scenario, RunDirectory(request.parent))
+    executables = require_executables(table)
+    started = datetime.now().astimezone()
+    mission = new_identity(run_name(scenario.name, started))
+    holder = f'{mission.mission}, process {os.getpid()}'
+    with (
+        domain_lock(os.environ.get('ROS_DOMAIN_ID') or '0', holder),
+        claimed(mission, needed_names(scenario, table), request.config) as claim,
+    ):
+        # The modules load while the claim looks.
+        for executable in executables:
+            import_for(executable)
+        claim.require_alone()
         if scenario.linked:
-            scenario = cleared(scenario, PREFLIGHT_S, datetime.now().astimezone())
-        return _run(request, scenario, console)
+            require_clean(request.parent, tuple(vehicle.name for vehicle in scenario.linked))
+            scenario = cleared(scenario, PREFLIGHT_S, started)
+        return _run(request, scenario, console, claim)
 
 
-def _stay_on_this_machine() -> None:
-    """Limit ROS discovery to this machine unless the user has set a range."""
-    if not any(os.environ.get(name) for name in REACH_VARIABLES):
-        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-
-
-def _run(request: RunRequest, scenario: Scenario, console: Console) -> int:
+def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim) -> int:
     interrupt = Interrupt()
     started = datetime.now().astimezone()
-    directory = create_run_directory(request.parent, scenario.name, started)
+    directory = create_run_directory(request.parent, claim.mission.mission)
     source = f'# As flown: {request.scenario}, with every default written out.\n'
     directory.scenario.write_text(source + scenario.to_yaml(), encoding='utf-8')
     run_info = provenance(sys.argv, started)
     write_json(directory.run_info, run_info)
     _log_to(directory)
+    terminal = Terminal(directory.log_of('terminal'))
+    interrupt.on_hangup = terminal.close
     export_scenes(scenario, directory)
-    display = make_display(console, directory.name, is_quiet=request.is_quiet)
+    plain = make_display(console, directory.name, is_quiet=request.is_quiet)
+    display = SteadyDisplay(plain, terminal.close)
     flight = _Run(
         request=request,
         scenario=scenario,
         directory=directory,
         interrupt=interrupt,
+        terminal=terminal,
         run_info=run_info,
+        claim=claim,
     )
     display.say(f'run directory: {directory.path}')
     with flight.processes(), display:
@@ -132,15 +155,21 @@ class _Run:
     scenario: Scenario
     directory: RunDirectory
     interrupt: Interrupt
+    terminal: Terminal
     run_info: dict[str, object]
+    claim: Claim
     text: str = ''
 
     def __post_init__(self) -> None:
+        self.identity = replace(self.claim.mission, mission=self.directory.name)
+        # Vehicles and orchestrator of a mission know each other by it.
+        os.environ[MISSION_VARIABLE] = self.identity.token
         self.started_s = time.monotonic()
-        self.monitor = Monitor(self.scenario.vehicle_names)
+        levels = self.scenario.radiation.levels
+        self.monitor = Monitor(self.scenario.vehicle_names, levels.contamination_usvh)
         self.table = process_table(self.scenario, self.directory)
         self.supervisor = Supervisor(
-            launches(self.table, self.directory, self.request.config),
+            launches(self.table, self.directory, self.identity, self.request.config),
             child_environment(self.directory),
         )
 
@@ -159,8 +188,9 @@ class _Run:
         # Imported late: `rocsafe check` works without ROS.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
-        with ros_session(self.request.config):
-            node = OrchestratorNode(self.scenario, self.monitor, self.directory.name)
+        with ros_session(self.identity, self.request.config):
+            node = OrchestratorNode(self.scenario, self.monitor, self.identity)
+            self.claim.close()
             speed = self.scenario.clock.speed
             mission = Mission(
                 crew_of(self.scenario, self.table),
@@ -180,8 +210,13 @@ class _Run:
                 spinner=Spinner(node),
                 display=display,
                 interrupt=self.interrupt,
+                terminal=self.terminal,
+                operator=self._operator_watch(),
+                confirmed=self.request.confirmed,
                 directory=self.directory,
                 run_info=self.run_info,
+                crew_watch=CrewWatch(self.scenario, self.monitor),
+                real=frozenset(vehicle.name for vehicle in self.scenario.linked),
             )
             try:
                 run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)
@@ -189,6 +224,10 @@ class _Run:
             finally:
                 self.text = mission.text
                 parts.spinner.close()
+
+    def _operator_watch(self) -> OperatorWatch | None:
+        policy = OnOperatorLost(self.scenario.on_operator_lost)
+        return OperatorWatch(policy) if self.scenario.linked else None
 
 
 def _log_to(directory: RunDirectory) -> None:
@@ -199,6 +238,8 @@ def _log_to(directory: RunDirectory) -> None:
     package.setLevel(logging.INFO)
     package.handlers = [handler]
     package.propagate = False
+    # A full disk is told once, by the mission, and not at each line of a log.
+    logging.raiseExceptions = False
 
 
 def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase) -> Text:
@@ -207,7 +248,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     lines = Text.assemble((f'mission {phase.name.lower()}', style))
     if text:
         lines.append(f': {text}')
-    images = f'{monitor.images_stored} of {monitor.images_expected} images stored'
+    images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
     lines.append(f'\n{images}, {clock_text(monitor.flight_time_s)} flown')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')

@@ -6,7 +6,7 @@
 still made from what was recorded.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
@@ -15,6 +15,7 @@ from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.standstill import Standstill
+from rocsafe_orchestrator.mission.time_watch import TimeWatch
 
 MOSAIC, REPORT = 'mosaic', 'report'
 LOCALIZER = 'localizer'
@@ -52,25 +53,36 @@ class Mission:
         self.phase = Phase.STARTING
         self.faults: list[str] = []
         self.remarks: list[str] = []
-        self.stalled_s = 0.0
         self._crew = crew
         self._deadlines = deadlines
         self._plan_timeout_s = deadlines.plan_s + planning_budget_s
         self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
         self._outcome = Phase.COMPLETE
         self._requests = RequestBook(deadlines.repeat_s)
-        self._losses = Losses(crew, self._requests, is_replaced=replans)
+        self._losses = Losses(
+            crew,
+            self._requests,
+            deadlines.lease(slowest_beat_s),
+            is_replaced=replans,
+        )
+        self._down_by_s: float | None = None
         self._rounds_left = extra_rounds
         self._is_extra = False
         self._entered_s: float | None = None
-        self._progress = Standstill()
+        self._time = TimeWatch(self._requests)
+        self._collected = Standstill()
         self._shots = self._shots_before = 0
-        self._is_cancelled = False
+        self._is_cancelled = self._has_images = False
 
     @property
     def text(self) -> str:
         """Why the mission failed or was cancelled; empty if all is well."""
         return '; '.join(self.faults)
+
+    @property
+    def stalled_s(self) -> float:
+        """Wall time for which simulated time has stood still, seconds."""
+        return self._time.stalled_s
 
     @property
     def outcome(self) -> Phase:
@@ -80,6 +92,7 @@ class Mission:
     def advance(self, now_s: float, situation: Situation) -> list[Order]:
         """Enter the next phase if this one is over, and return the orders to send now."""
         self._phase_s(now_s)
+        self._has_images = situation.images_stored > 0
         step: Callable[[float, Situation], None] | None = {
             Phase.STARTING: self._start,
             Phase.PLANNING: self._plan,
@@ -110,8 +123,12 @@ class Mission:
         if request is None or request.status is Status.DONE:
             return
         request.finish()
-        if order.kind is OrderKind.HOLD:
+        if order.kind in (OrderKind.HOLD, OrderKind.RETURN):
             return  # it is on the ground or landing
+        if order.kind is OrderKind.RETREAT:
+            self.remarks.append(f'{text}: it is told to return home')
+            self._requests.renew(OrderKind.RETURN, request.server, order.vehicle)
+            return
         if self._losses.is_gathering and order.kind is OrderKind.PLAN:
             self._fault(f'no plan for the rest: {text}')
             self._losses.go_on()
@@ -158,20 +175,59 @@ class Mission:
         self._losses.go_on()
         self._enter(Phase.FLYING)
 
-    def flown(self, vehicle: str, shots: int, fault: str = '') -> None:
-        """Note that `vehicle` has landed with `shots` photographs; `fault` if not as planned."""
+    def flown(
+        self, vehicle: str, shots: int, fault: str = '', *, is_refused: bool = False
+    ) -> None:
+        """Note that `vehicle` has ended its flight with `shots` photographs.
+
+        `fault` says why if not as planned. A vehicle that refused its route in the air is told
+        to return home.
+        """
         request = self._requests.get(OrderKind.FLY, vehicle)
         if request is None or request.status is Status.DONE:
             return
         request.finish()
         self._shots += shots
-        if fault and not self._replaced([vehicle], fault):
+        if not fault:
+            return
+        if not self._replaced([vehicle], fault):
             self._fault(f'{vehicle}: {fault}')
+        if is_refused:
+            self._losses.withdraw(vehicle, fault)
+
+    def turn_back(self, vehicle: str, why: str) -> None:
+        """Let a vehicle return by the way of least dose; others take over its work."""
+        is_aloft = self.phase is Phase.FLYING or self._losses.is_gathering
+        if not is_aloft or not self._losses.member(vehicle).takes_orders:
+            return
+        request = self._requests.get(OrderKind.FLY, vehicle)
+        if request is not None:
+            request.finish()
+        if not self._replaced([vehicle], why):
+            self._fault(f'{vehicle}: {why}')
+        self._losses.withdraw(vehicle, why, OrderKind.RETREAT)
+
+    def sent_home(self, vehicle: str) -> None:
+        """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
+        if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
+            request.finish()
+        self._losses.withdraw(vehicle, 'nothing is left for it')
 
     @property
     def is_gathering(self) -> bool:
         """Whether the rest of the survey is being planned because a vehicle is lost."""
         return self._losses.is_gathering
+
+    def silences_s(
+        self, waiting_for: Container[str], heard_ago_s: Callable[[str], float]
+    ) -> dict[str, float]:
+        """Return for how long each vehicle has been silent, see `Losses.silences_s`."""
+        return self._losses.silences_s(self.stalled_s, waiting_for, heard_ago_s)
+
+    @property
+    def able(self) -> frozenset[str]:
+        """Vehicles that can be given a route."""
+        return frozenset(self._losses.others)
 
     @property
     def losses(self) -> dict[str, str]:
@@ -185,13 +241,15 @@ class Mission:
             return False
         if not self._losses.note(vehicles, why, is_gone=is_gone):
             return False
+        self._time.begin()
         self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
         self._enter(Phase.PLANNING)
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
         """Repeat the requests to `process`, which has lost them by its restart."""
-        self._progress.restart(now_s)
+        self._time.rest(now_s)
+        self._collected.restart(now_s)
         for request in self._requests:
             if request.server == process:
                 request.reset()
@@ -217,16 +275,24 @@ class Mission:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
     def cancel(self, text: str) -> None:
-        """Cancel the mission: processes end, products are made within a short time."""
+        """Cancel the mission: time stops, map and products are made within a short time."""
         if self.phase.is_over or self._is_cancelled:
             return
         self._is_cancelled = True
         self._outcome = Phase.CANCELLED
         self.faults.append(text)
-        if self.phase < Phase.REPORTING:
-            self._enter(Phase.REPORTING)
-        else:
+        if self.phase >= Phase.MAPPING:
             self._entered_s = None
+        elif self._has_images:
+            self._enter(Phase.MAPPING)
+            self._requests.add(OrderKind.PAUSE_CLOCK, WORLD)
+        else:
+            self._enter(Phase.REPORTING)
+
+    def break_off(self, text: str) -> None:
+        """End the flight for a reason outside of it; map and products are made."""
+        if self.phase < Phase.MAPPING:
+            self._fail(text)
 
     def abandon(self) -> None:
         """End at once, without products."""
@@ -257,27 +323,80 @@ class Mission:
 
     def _gather(self, now_s: float, situation: Situation) -> None:
         """Let the vehicles that are not lost hold, and plan the rest for them."""
-        self._losses.advance(situation)
-        if self._phase_s(now_s) > self._plan_timeout_s:
+        if self._watch_fleet(situation):
+            return
+        self._losses.advance(now_s, situation)
+        if self._losses.is_paused:
+            self._time.rest(now_s)
+        else:
+            self._watch_time(now_s, situation)
+        if self._losses.is_gathering and self._phase_s(now_s) > self._plan_timeout_s:
             self._fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
             self._losses.go_on()
             self._enter(Phase.FLYING)
 
     def _fly(self, now_s: float, situation: Situation) -> None:
+        if self._watch_fleet(situation):
+            return
         routes = self._requests.of_kind(OrderKind.FLY)
-        if self._requests.all_done(OrderKind.FLY):
+        is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
+        if is_flying and all(request.status is not Status.WAITING for request in routes):
+            self._requests.add(OrderKind.RUN_CLOCK, WORLD)
+        if self._requests.all_done(OrderKind.FLY) and self._are_down(now_s, situation):
             self._go_on_or_collect()
             return
-        if all(request.status is not Status.WAITING for request in routes):
-            self._requests.add(OrderKind.RUN_CLOCK, WORLD)
-        limit = self._deadlines.accept_s
-        late = [r for r in self._requests if r.waited_s(now_s) > limit]
-        if late:
-            names = ', '.join(dict.fromkeys(request.server for request in late))
-            what = late[0].order.kind.value
-            self._fail(f'{names}: did not accept to {what} within {limit:g} s')
-        elif self._requests.all_done(OrderKind.RUN_CLOCK):
+        is_running = self._time.is_begun or self._requests.all_done(OrderKind.RUN_CLOCK)
+        if not self._are_late(now_s) and is_running:
             self._watch_time(now_s, situation)
+
+    def _watch_fleet(self, situation: Situation) -> bool:
+        """Look for vehicles that are lost or come back; return whether others take over now."""
+        lost, remarks = self._losses.look(situation.sightings)
+        self.remarks += remarks
+        is_replaced = False
+        for vehicle, why in lost.items():
+            is_gone = not situation.sightings[vehicle].ending
+            if self._replaced([vehicle], why, is_gone=is_gone):
+                is_replaced = True
+            elif is_gone and self._losses.others:
+                self._give_up_on(vehicle, why)
+        back = self._losses.regain()
+        if back:
+            self._enter(Phase.PLANNING)
+        return is_replaced or bool(back)
+
+    def _give_up_on(self, vehicle: str, why: str) -> None:
+        """Wait no more for a vehicle that nobody replaces; the others fly on."""
+        self._fault(f'{vehicle}: {why}')
+        self._losses.dismiss_again()
+        if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
+            request.finish()
+
+    def _are_down(self, now_s: float, situation: Situation) -> bool:
+        """Return whether every vehicle that is heard has landed, or had time enough for it."""
+        if self._down_by_s is None:
+            self._down_by_s = now_s + self._deadlines.homecoming_s
+        if situation.aloft and now_s < self._down_by_s:
+            return False
+        if situation.aloft:
+            self._fault(f'{", ".join(sorted(situation.aloft))}: still in the air')
+        self._down_by_s = None
+        return True
+
+    def _are_late(self, now_s: float) -> bool:
+        """Return whether a node did not accept a request in time; a vehicle is lost then."""
+        limit = self._deadlines.accept_s
+        homeward = (OrderKind.RETURN, OrderKind.RETREAT)
+        orders = (r for r in self._requests if r.order.kind not in homeward)
+        late = [request for request in orders if request.waited_s(now_s) > limit]
+        if not late:
+            return False
+        what = f'did not accept to {late[0].order.kind.value} within {limit:g} s'
+        vehicles = [r.order.vehicle for r in late if r.order.kind is OrderKind.FLY]
+        if not self._replaced(vehicles, what, is_gone=True):
+            names = ', '.join(dict.fromkeys(request.server for request in late))
+            self._fail(f'{names}: {what}')
+        return True
 
     def _go_on_or_collect(self) -> None:
         """All have landed: ask where to measure next while rounds are left, else collect."""
@@ -285,6 +404,7 @@ class Mission:
             self._collect_next()
             return
         self._rounds_left -= 1
+        self._time.begin()
         self._is_extra = True
         self._requests.forget()
         self._enter(Phase.PLANNING)
@@ -294,10 +414,12 @@ class Mission:
         if remark:
             self.remarks.append(remark)
         self._enter(Phase.COLLECTING)
-        self._progress = Standstill()
+        self._collected = Standstill()
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
-        self.stalled_s = self._progress.standing_s(situation.simulated_s, now_s)
+        self._time.look(now_s, situation.simulated_s)
+        if self._losses.lets_time_run or not self._losses.is_gathering:
+            self._time.run_again(now_s, is_answered=self._losses.is_gathering)
         if self.stalled_s > self._stall_timeout_s:
             names = ', '.join(situation.waiting_for) or 'an unknown node'
             text = f'simulated time stands still for {self.stalled_s:.0f} s'
@@ -305,7 +427,7 @@ class Mission:
 
     def _collect(self, now_s: float, situation: Situation) -> None:
         settled = situation.images_stored + situation.images_rejected
-        standing_s = self._progress.standing_s(settled, now_s)
+        standing_s = self._collected.standing_s(settled, now_s)
         if settled < self._shots and standing_s <= self._deadlines.collect_s:
             return
         if situation.images_stored < self._shots:
@@ -314,7 +436,8 @@ class Mission:
 
     def _map(self, now_s: float, _situation: Situation) -> None:
         self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
-        limit = self._deadlines.map_timeout_s
+        deadlines = self._deadlines
+        limit = deadlines.cancel_s if self._is_cancelled else deadlines.map_timeout_s
         if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
             if self._phase_s(now_s) <= limit:
                 return
@@ -348,6 +471,7 @@ class Mission:
 
     def _enter(self, phase: Phase) -> None:
         self.phase = phase
+        self._time.stalled_s = 0.0
         self._entered_s = None
         if phase >= Phase.MAPPING:
             self._requests.forget()

@@ -12,6 +12,8 @@ class OrderKind(Enum):
     FLY = 'fly the route'
     ADVISE = 'say where to measure next'
     HOLD = 'hold'
+    RETURN = 'return home'
+    RETREAT = 'return by the way of least dose'
     DISMISS = 'wait for it no more'
     PAUSE_CLOCK = 'pause simulated time'
     RUN_CLOCK = 'start simulated time'

@@ -2,7 +2,9 @@
 """Participants of a mission, and the present state of processes, clock and image store."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from rocsafe_orchestrator.mission.presence import Sighting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,6 +25,12 @@ class Situation:
         Number of photographs that the store refuses.
     still
         Vehicles that do not move, in the air or on the ground.
+    aloft
+        Vehicles that are heard and in the air.
+    unsettled
+        Vehicles with photographs that are not stored yet.
+    sightings
+        What is known of each vehicle.
     """
 
     ready: frozenset[str]
@@ -31,11 +39,25 @@ class Situation:
     images_stored: int = 0
     images_rejected: int = 0
     still: frozenset[str] = frozenset()
+    aloft: frozenset[str] = frozenset()
+    unsettled: frozenset[str] = frozenset()
+    sightings: Mapping[str, Sighting] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crew:
-    """Participants: the process of each vehicle, and all processes that must be ready."""
+    """Participants of a mission.
+
+    Attributes
+    ----------
+    vehicle_processes
+        Process of each vehicle.
+    processes
+        Processes that must be ready.
+    in_lockstep
+        Vehicles that simulated time waits for.
+    """
 
     vehicle_processes: Mapping[str, str]
     processes: frozenset[str]
+    in_lockstep: frozenset[str] = frozenset()

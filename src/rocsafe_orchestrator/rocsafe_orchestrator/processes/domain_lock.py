@@ -9,12 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rocsafe_orchestrator.errors import SetupError
-
-COMPANY_TEXT = (
-    'another mission is running in this ROS domain: wait for its end, or choose another domain, '
-    'for instance ROS_DOMAIN_ID=1'
-)
-
+from rocsafe_orchestrator.processes.company import company_text
 
 # Descriptors of the locks that are held. A forked process must not keep them open.
 _held: set[int] = set()
@@ -30,13 +25,15 @@ os.register_at_fork(after_in_child=_let_go)
 
 
 @contextmanager
-def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
+def domain_lock(domain: str, holder: str, folder: Path | None = None) -> Iterator[None]:
     """Lock the domain; the kernel releases the lock when this process ends, in any way.
 
     Parameters
     ----------
     domain
         Value of ``ROS_DOMAIN_ID``.
+    holder
+        Who holds it, for those who are refused.
     folder
         Where the lock file lies, by default the system's folder for temporary files.
 
@@ -54,8 +51,11 @@ def domain_lock(domain: str, folder: Path | None = None) -> Iterator[None]:
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
+        who = os.pread(descriptor, 200, 0).decode('utf-8', errors='replace')
         os.close(descriptor)
-        raise SetupError(COMPANY_TEXT) from error
+        raise SetupError(company_text(who)) from error
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, holder.encode(), 0)
     _held.add(descriptor)
     try:
         yield

@@ -6,58 +6,41 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_ros.mission_identity import MissionIdentity
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
-# Threads of the linear algebra cost more than they save on matrices this small.
-ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1'}
 
-
-def find_executable(package: str, executable: str) -> Path:
-    """Return the path of a package's executable in the sourced workspace.
-
-    Raises
-    ------
-    SetupError
-        If it is not installed, saying what to do.
-    """
-    prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
-    for prefix in filter(None, prefixes):
-        path = Path(prefix) / 'lib' / package / executable
-        if os.access(path, os.X_OK) and path.is_file():
-            return path
-    raise SetupError(
-        f'executable {executable} of package {package} is not installed: run `make setup`, '
-        'or `colcon build` and `. install/setup.bash`'
-    )
-
-
-def require_executables(table: Iterable[ProcessSpec]) -> None:
-    """Make sure that every process of `table` can be started.
+def require_executables(table: Iterable[ProcessSpec]) -> list[Path]:
+    """Return the executable of every process of `table`.
 
     Raises
     ------
     SetupError
         If an executable is missing.
     """
-    for spec in table:
-        find_executable(spec.package, spec.executable)
+    return [find_executable(spec.package, spec.executable) for spec in table]
 
 
 def launches(
-    table: Iterable[ProcessSpec], run: RunDirectory, config: Path | None = None
+    table: Iterable[ProcessSpec],
+    run: RunDirectory,
+    identity: MissionIdentity,
+    config: Path | None = None,
 ) -> tuple[Launch, ...]:
     """Write the parameter file of every process and return how to start each, and the report.
 
     Parameters
     ----------
+    identity
+        The mission that every process tells that it belongs to.
     config
         A parameter file for all nodes; the scenario's values take precedence.
 
@@ -66,7 +49,7 @@ def launches(
     SetupError
         If an executable is missing.
     """
-    return (*(_launch(spec, run, config) for spec in table), _report_launch(run))
+    return (*(_launch(spec, run, identity, config) for spec in table), _report_launch(run))
 
 
 def child_environment(run: RunDirectory) -> Mapping[str, str]:
@@ -82,13 +65,16 @@ def child_environment(run: RunDirectory) -> Mapping[str, str]:
     }
 
 
-def _launch(spec: ProcessSpec, run: RunDirectory, config: Path | None) -> Launch:
+def _launch(
+    spec: ProcessSpec, run: RunDirectory, identity: MissionIdentity, config: Path | None
+) -> Launch:
     executable = find_executable(spec.package, spec.executable)
     parameters = run.parameters_of(spec.name)
     write_parameters(parameters, spec.node, spec.parameters)
     files = [str(path) for path in (config, parameters) if path is not None]
     # Every process uses simulated time.
     arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
+    arguments += identity.ros_arguments
     for file in files:
         arguments += ['--params-file', file]
     return Launch(

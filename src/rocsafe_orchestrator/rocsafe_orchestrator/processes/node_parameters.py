@@ -16,7 +16,7 @@ from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBl
 Parameters = dict[str, Any]
 
 FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
-LOCALIZER = 'localizer'
+LOCALIZER, AIR = 'localizer', 'air'
 LOCK_STEP = {'lock_step': True}
 
 
@@ -42,9 +42,10 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'step_s': scenario.clock.step_s,
         'speed': 1.0 if is_real else scenario.clock.speed,
         'start_time_s': scenario.clock.start.timestamp(),
-        'participants': [*_vehicle_participants(scenario), FIELD, RECORDER],
+        'participants': [*_vehicle_participants(scenario), FIELD, *_air(scenario), RECORDER],
         'autostart': is_real,
         'pause_when_idle': not is_real,
+        'pause_on_news': not is_real and scenario.replan == 'on_loss',
         'scene': scenario.scene,
     }
 
@@ -90,6 +91,7 @@ def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
         },
         'state_directory': state_directory,
         'needs_supervisor': True,
+        'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
         'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **_origin(scenario),
     }
@@ -99,7 +101,10 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the localizer, which is not told of the sources."""
     radiation = scenario.radiation
     search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
-    levels = {key: list(value) for key, value in radiation.levels.model_dump().items()}
+    levels = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in radiation.levels.model_dump(exclude={'contamination_usvh'}).items()
+    }
     return {
         'vehicles': list(scenario.vehicle_names),
         'model': radiation.estimator_model,
@@ -125,12 +130,18 @@ def mosaic_parameters(run: RunDirectory) -> Parameters:
     return {'store_directory': str(run.images), 'output_path': str(run.mosaic)}
 
 
+def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the node that commands all vehicles at once."""
+    return {'vehicles': list(scenario.vehicle_names), 'mission': run.name}
+
+
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the recorder."""
     return {
         'output_directory': str(run.path),
         'vehicles': list(scenario.vehicle_names),
         'other_cameras': [camera.name for camera in scenario.other_cameras],
+        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
         **LOCK_STEP,
     }
 
@@ -157,6 +168,10 @@ def _write_value_file(parameter_file: Path, key: str, values: Mapping[str, Any])
     path = parameter_file.with_name(f'{parameter_file.stem}-{key.removesuffix("_file")}.yaml')
     path.write_text(yaml.safe_dump(dict(values), sort_keys=False), encoding='utf-8')
     return str(path)
+
+
+def _air(scenario: Scenario) -> list[str]:
+    return [AIR] if scenario.air.is_used else []
 
 
 def _vehicle_participants(scenario: Scenario) -> list[str]:

@@ -94,7 +94,7 @@ def begin_as_fork(start: Start) -> Process:
     script = Path(start.command[0])
     if not _is_of_this_interpreter(script) or threading.active_count() > 1:
         return begin_anew(start)
-    _import_for(script)
+    import_for(script)
     # Garbage collection of the objects made so far would copy the shared memory.
     gc.freeze()
     return _Fork(start)
@@ -140,14 +140,16 @@ def _is_of_this_interpreter(script: Path) -> bool:
     return first.rstrip() == b'#!' + os.fsencode(sys.executable)
 
 
-def _import_for(script: Path) -> None:
+def import_for(script: Path) -> None:
     """Import the console entry point that a package's script, `lib/PACKAGE/NAME`, runs."""
+    if not _is_of_this_interpreter(script):
+        return
     try:
         distribution = importlib.metadata.distribution(script.parent.name)
         points = distribution.entry_points.select(group='console_scripts', name=script.name)
         for point in points:
             point.load()
-    except (ImportError, AttributeError) as error:
+    except Exception as error:  # noqa: BLE001 - whatever a module raises while it is imported
         # The fork fails likewise and writes the reason to its log.
         log.info('%s: nothing imported for it: %s', script, error)
 

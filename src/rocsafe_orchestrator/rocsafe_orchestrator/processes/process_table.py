@@ -7,12 +7,13 @@ from typing import Any
 
 from rocsafe_orchestrator.mission.situation import Crew
 from rocsafe_orchestrator.processes import node_parameters as parameters
+from rocsafe_orchestrator.processes.air_parameters import air_parameters
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.node_parameters import BRIDGE, FLEET
+from rocsafe_orchestrator.processes.node_parameters import AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import VehicleBlock
+from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
 Spec = topics.TopicSpec | topics.CallSpec
 VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
@@ -84,6 +85,9 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.collector_parameters(scenario, run), *_shared(topics.RECEIPTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+        _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
+                 parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
+        *_air_processes(scenario),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
 
@@ -97,7 +101,14 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
             **{vehicle.name: BRIDGE for vehicle in scenario.linked},
         },
         processes=frozenset(spec.name for spec in table),
+        in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
     )
+
+
+def _air_processes(scenario: Scenario) -> Iterator[ProcessSpec]:
+    if scenario.air.is_used:
+        sensors = _of_each(scenario.with_simulated_detector, topics.ANEMOMETER)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
 
 
 def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
@@ -116,6 +127,13 @@ def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Proces
     if linked:
         values = parameters.bridge_parameters(scenario, str(run.spool))
         yield _process(BRIDGE, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS))
+    for vehicle in linked:
+        if isinstance(vehicle.drone.detector, DetectorBlock):
+            yield _process(
+                f'detector_{vehicle.name}', 'rocsafe_radiation/detector',
+                vehicle.drone.detector.model_dump(), *_of_each((vehicle,), topics.RADIATION),
+                node=f'/{vehicle.name}/detector',
+            )  # fmt: skip
 
 
 def _shared(*specs: Spec) -> Iterator[Endpoint]:

@@ -7,7 +7,7 @@ The radiation nodes read these files; no node needs to know how a scene is made.
 import subprocess
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.launches import find_executable
+from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.scenario import Scenario
 

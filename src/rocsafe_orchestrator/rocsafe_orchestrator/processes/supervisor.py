@@ -110,12 +110,18 @@ class Supervisor:
                 if ended is not None:
                     events.append(self._on_end(child, ended))
             elif child.start_at_s is not None and self._clock() >= child.start_at_s:
-                child.start_at_s = None
-                child.restarts += 1
-                self._spawn(child)
-                text = f'started again ({child.restarts} of {child.launch.restart.limit})'
-                events.append(self._event(child, ProcessEventKind.RESTARTED, text))
+                events.append(self._restart(child))
         return events
+
+    def _restart(self, child: _Child) -> ProcessEvent:
+        child.start_at_s = None
+        child.restarts += 1
+        try:
+            self._spawn(child)
+        except SetupError as error:
+            return self._event(child, ProcessEventKind.GAVE_UP, f'is not started again: {error}')
+        text = f'started again ({child.restarts} of {child.launch.restart.limit})'
+        return self._event(child, ProcessEventKind.RESTARTED, text)
 
     def stop(
         self,

@@ -13,8 +13,10 @@ from mcap_ros2.decoder import DecoderFactory
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
+    Alarm,
     FlightLog,
     MissionSample,
+    Notice,
     Reading,
     RecordingFacts,
     Track,
@@ -25,6 +27,9 @@ _READING = 'rocsafe_interfaces/msg/RadiationReading'
 _FIX = 'sensor_msgs/msg/NavSatFix'
 _STATE = 'rocsafe_interfaces/msg/VehicleState'
 _MISSION = 'rocsafe_interfaces/msg/MissionState'
+_ALARM = 'rocsafe_interfaces/msg/DoseAlarm'
+_EVENT = 'rocsafe_interfaces/msg/VehicleEvent'
+_DECISION = 'rocsafe_interfaces/msg/Decision'
 _TRUTH_SUFFIX = '/ground_truth/fix'
 
 
@@ -56,6 +61,8 @@ class _Log:
         self._fixes: dict[str, dict[int, tuple[float, float, float]]] = {}
         self._samples: dict[str, list[VehicleSample]] = {}
         self._mission: list[MissionSample] = []
+        self._alarms: list[Alarm] = []
+        self._notices: list[Notice] = []
 
     def read(self) -> FlightLog:
         """Read all messages of interest."""
@@ -64,6 +71,9 @@ class _Log:
             _FIX: self._on_fix,
             _STATE: self._on_state,
             _MISSION: self._on_mission,
+            _ALARM: self._on_alarm,
+            _EVENT: self._on_event,
+            _DECISION: self._on_decision,
         }
         for kind, topic, message in self._messages(frozenset(handlers)):
             handlers[kind](topic, message)
@@ -73,6 +83,8 @@ class _Log:
             tracks=dict(self._tracks()),
             samples={name: tuple(samples) for name, samples in sorted(self._samples.items())},
             mission=tuple(self._mission),
+            alarms=tuple(self._alarms),
+            notices=tuple(self._notices),
         )
 
     def _messages(self, kinds: frozenset[str]) -> Iterator[tuple[str, str, Any]]:
@@ -133,6 +145,8 @@ class _Log:
                 battery_fraction=message.battery_fraction,
                 distance_flown_m=message.distance_flown_m,
                 text=message.text,
+                # Recordings of earlier versions lack it.
+                taken_by=getattr(message, 'taken_by', ''),
             )
         )
 
@@ -145,6 +159,48 @@ class _Log:
                 images_expected=message.images_expected,
                 mission_time_s=message.mission_time_s,
                 wall_time_s=message.wall_time_s,
+            )
+        )
+
+    def _on_alarm(self, topic: str, message: Any) -> None:
+        self._alarms.append(
+            Alarm(
+                time_ns=_stamp_ns(message),
+                vehicle=_vehicle_of(topic),
+                is_reached=message.triggered,
+                is_dose=bool(message.quantity),
+                threshold_usv=message.threshold_usv,
+                value_usv=message.value_usv,
+                name=message.name,
+                # Recordings of earlier versions lack it.
+                turns_back=getattr(message, 'turns_back', False),
+            )
+        )
+
+    def _on_event(self, topic: str, message: Any) -> None:
+        vehicle = _vehicle_of(topic)
+        self._notices.append(
+            Notice(
+                time_ns=_stamp_ns(message),
+                # Those of an event begin with one for debugging.
+                severity=max(message.severity - 1, 0),
+                kind=message.kind,
+                by=vehicle,
+                vehicles=(vehicle,),
+                text=message.text,
+            )
+        )
+
+    def _on_decision(self, _topic: str, message: Any) -> None:
+        self._notices.append(
+            Notice(
+                time_ns=_stamp_ns(message),
+                severity=message.severity,
+                kind=message.kind,
+                by=message.by,
+                vehicles=tuple(message.vehicles),
+                text=message.text,
+                reason=message.reason,
             )
         )
 

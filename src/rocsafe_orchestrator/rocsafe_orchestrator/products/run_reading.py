@@ -2,6 +2,7 @@
 """Reader of a run directory, complete or not."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -12,9 +13,11 @@ from rasterio.errors import RasterioError
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products.flight_log import read_flight_log
 from rocsafe_orchestrator.products.photographs import read_photographs
-from rocsafe_orchestrator.products.plan_file import read_plan
-from rocsafe_orchestrator.products.run_record import FlightLog, Photograph, Plan, RunRecord
+from rocsafe_orchestrator.products.run_record import FlightLog, Photograph, RunRecord
+from rocsafe_orchestrator.products.viewpoint_balance import viewpoint_balance
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -38,9 +41,11 @@ class _Reading:
         info = self._file(self._run.run_info, 'facts of the run', _json_object) or {}
         scenario: Scenario | None = self._file(self._run.scenario, 'scenario', read_scenario)
         log: FlightLog | None = self._file(self._run.recording, 'recording', read_flight_log)
-        plan: Plan | None = self._file(self._run.plan, 'plan', read_plan)
+        plan: SurveyPlan | None = self._file(self._run.plan, 'plan', _plan)
+        further = self._further(log)
         photographs = read_photographs(self._run.images)
-        self._check(plan, log, photographs)
+        plans = (plan, *further) if plan else further
+        self._check(plans, log, photographs)
         return RunRecord(
             path=self._run.path,
             info=info,
@@ -49,6 +54,7 @@ class _Reading:
             log=log,
             photographs=photographs,
             missing=tuple(self._missing),
+            further=further,
         )
 
     def _file(self, path: Path, what: str, read: Callable[[Path], T]) -> T | None:
@@ -62,20 +68,43 @@ class _Reading:
             self._missing.append(f'no {what}: {_naming(path, first)}')
             return None
 
+    def _further(self, log: FlightLog | None) -> tuple[SurveyPlan, ...]:
+        """Return the plans after the first, in the order in which they were flown."""
+        found = (
+            self._file(path, f'further plan {path.parent.name}', _plan)
+            for path in self._run.further_plans
+        )
+        begun: dict[str, int] = {}
+        for sample in sorted(
+            (sample for samples in log.samples.values() for sample in samples) if log else (),
+            key=lambda sample: sample.time_ns,
+        ):
+            begun.setdefault(sample.plan_id, sample.time_ns)
+        return tuple(
+            sorted(filter(None, found), key=lambda plan: begun.get(plan.plan_id, math.inf))
+        )
+
     def _check(
-        self, plan: Plan | None, log: FlightLog | None, photographs: tuple[Photograph, ...]
+        self,
+        plans: tuple[SurveyPlan, ...],
+        log: FlightLog | None,
+        photographs: tuple[Photograph, ...],
     ) -> None:
         """List what a complete run would have."""
         self._file(self._run.mosaic, 'map', _require_raster)
-        expected = sum(len(route.viewpoints) for route in plan.routes) if plan else 0
-        if len(photographs) < expected:
+        balance = viewpoint_balance(plans, photographs)
+        if balance.missing:
             self._missing.append(
-                f'{expected - len(photographs)} of {expected} photographs are not stored'
+                f'{balance.missing} of {balance.planned} viewpoints have no photograph'
             )
-        elif not photographs and plan is None:
+        elif not photographs and not plans:
             self._missing.append('no photographs')
         if log is not None and not log.readings:
             self._missing.append('no dose-rate readings in the recording')
+
+
+def _plan(path: Path) -> SurveyPlan:
+    return read_plan(path, needs_terrain=False)
 
 
 def _json_object(path: Path) -> dict[str, object]:

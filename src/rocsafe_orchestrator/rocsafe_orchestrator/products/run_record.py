@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A finished run: values as read from its files."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,10 +11,9 @@ from numpy.typing import NDArray
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
-from rocsafe_planner.plan.viewpoint import Viewpoint
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_scenario.scenario import Scenario
 
 IntArray = NDArray[np.int64]
@@ -25,51 +23,6 @@ STATE_NAMES = (
     'unknown', 'disarmed', 'armed', 'taking off', 'flying', 'holding', 'returning', 'landing',
     'landed', 'lost', 'crashed', 'waiting',
 )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlannedRoute:
-    """What one vehicle is to fly; `way` are the places of its flights, bends included."""
-
-    vehicle: str
-    home: GeoPosition
-    viewpoints: tuple[Viewpoint, ...]
-    length_m: float
-    duration_s: float
-    way: tuple[GeoPosition, ...] = ()
-    delay_s: float = 0.0
-    flights: int = 1
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """The plan of a run; the fields mean what those of ``SurveyPlan.msg`` do."""
-
-    plan_id: str
-    method: str
-    region: SurveyArea
-    height_agl_m: float
-    spacing_rule: str
-    overlap_fraction: float
-    spacing_m: float
-    routes: tuple[PlannedRoute, ...]
-    makespan_s: float
-    lower_bound_s: float
-    lower_bound_method: str
-    gap_fraction: float
-    region_area_m2: float
-    covered_area_m2: float
-    covered_fraction: float
-    horizontal_fov_rad: float
-    image_width_px: int
-    image_height_px: int
-    other_regions: tuple[SurveyArea, ...] = ()
-    exclusions: tuple[SurveyArea, ...] = ()
-    objective: str = 'longest_time'
-    objective_value: float = math.nan
-    largest_hole_m2: float = math.nan
-    separation_m: float = 0.0
-    minimum_separation_m: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +76,7 @@ class VehicleSample:
     battery_fraction: float
     distance_flown_m: float
     text: str
+    taken_by: str = ''
 
     @property
     def is_airborne(self) -> bool:
@@ -140,6 +94,43 @@ class MissionSample:
     images_expected: int
     mission_time_s: float
     wall_time_s: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Alarm:
+    """A level of dose rate or dose that a vehicle reached or left, as in ``DoseAlarm.msg``."""
+
+    time_ns: int
+    vehicle: str
+    is_reached: bool
+    is_dose: bool
+    threshold_usv: float
+    value_usv: float
+    name: str
+    turns_back: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notice:
+    """What a node told once: a decision, or an event of a vehicle.
+
+    Attributes
+    ----------
+    time_ns
+        Stamp; 0: before the vehicles were heard.
+    severity
+        0 for information, 1 for a warning, 2 for an error.
+    vehicles
+        Vehicles that it is about; empty: the mission.
+    """
+
+    time_ns: int
+    severity: int
+    kind: str
+    by: str
+    vehicles: tuple[str, ...]
+    text: str
+    reason: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,6 +175,8 @@ class FlightLog:
     tracks: Mapping[str, Track] = field(default_factory=dict)
     samples: Mapping[str, tuple[VehicleSample, ...]] = field(default_factory=dict)
     mission: tuple[MissionSample, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    notices: tuple[Notice, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,6 +189,8 @@ class RunRecord:
         The run directory.
     info
         Content of ``run.json``.
+    plan, further
+        The first plan, and those that followed it, in the order in which they were flown.
     missing
         One line for each part that is missing or cannot be read.
     estimates
@@ -205,11 +200,17 @@ class RunRecord:
     path: Path
     info: Mapping[str, object]
     scenario: Scenario | None
-    plan: Plan | None
+    plan: SurveyPlan | None
     log: FlightLog | None
     photographs: tuple[Photograph, ...]
     missing: tuple[str, ...]
     estimates: SourceEstimates | None = None
+    further: tuple[SurveyPlan, ...] = ()
+
+    @property
+    def plans(self) -> tuple[SurveyPlan, ...]:
+        """All plans, the first one first."""
+        return ((self.plan,) if self.plan else ()) + self.further
 
     @property
     def vehicles(self) -> tuple[str, ...]:
@@ -218,7 +219,7 @@ class RunRecord:
         if self.scenario is not None:
             names.update(dict.fromkeys(self.scenario.vehicle_names))
         if self.plan is not None:
-            names.update(dict.fromkeys(route.vehicle for route in self.plan.routes))
+            names.update(dict.fromkeys(route.vehicle.name for route in self.plan.routes))
         if self.log is not None:
             names.update(dict.fromkeys(sorted({*self.log.tracks, *self.log.samples})))
         return tuple(names)

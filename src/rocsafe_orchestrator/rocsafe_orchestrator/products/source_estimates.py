@@ -13,7 +13,7 @@ from typing import Any
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.processes.answers import reason_of
-from rocsafe_orchestrator.processes.launches import ONE_THREAD, find_executable
+from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
 
 # Thousands of readings take seconds; the machine may be busy.
 TIMEOUT_S = 120.0

@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.storage.json_values import finite
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,
     MissionSample,
-    Plan,
-    PlannedRoute,
     Reading,
     RunRecord,
     VehicleSample,
@@ -28,32 +27,23 @@ from rocsafe_orchestrator.products.separation import (
     nearest_in_the_air,
 )
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.products.viewpoint_balance import viewpoint_balance
+from rocsafe_planner.plan.plan import Route, SurveyPlan
+from rocsafe_scenario.scenario import Scenario
 
 S_PER_H = 3600.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlanFigures:
-    """How good the plan is; the fields mean what those of ``SurveyPlan.msg`` do."""
-
-    method: str
-    makespan_s: float
-    lower_bound_s: float
-    lower_bound_method: str
-    gap_fraction: float
-    region_area_m2: float
-    covered_area_m2: float
-    covered_fraction: float
-    viewpoint_count: int
-    spacing_m: float
-    height_agl_m: float
-    separation_m: float
-    minimum_separation_m: float
+_PLAN_FIGURES = (
+    'makespan_s', 'lower_bound_s', 'lower_bound_method', 'gap_fraction', 'region_area_m2',
+    'covered_area_m2', 'covered_fraction', 'viewpoint_count', 'spacing_m',
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HighestReading:
-    """The highest dose rate measured, with where and when."""
+    """The highest dose rate measured, with where and when.
+
+    `height_agl_m` is None where the height of the ground is not known.
+    """
 
     dose_rate_usvh: float
     vehicle: str
@@ -62,6 +52,7 @@ class HighestReading:
     latitude_deg: float
     longitude_deg: float
     altitude_m: float
+    height_agl_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,8 +102,12 @@ class RunSummary:
         Wall time from the start of the run to the first take-off.
     real_time_factor
         Simulated time over wall time while flying.
+    images_expected, viewpoints_photographed
+        Viewpoints of all plans, each counted once, and those of them with a photograph.
     processes_restarted
         Process to number of restarts.
+    lost_vehicles
+        Vehicles lost in flight, and why.
     estimates
         Sources estimated from the readings.
     nearest
@@ -127,10 +122,11 @@ class RunSummary:
     seed: int | None
     outcome: str
     outcome_text: str
-    plan: PlanFigures | None
+    plan: SurveyPlan | None
     vehicles: tuple[VehicleFigures, ...]
     images_stored: int
     images_expected: int | None
+    viewpoints_photographed: int
     reading_count: int
     highest_reading: HighestReading | None
     integrated_dose_usv: float | None
@@ -142,13 +138,15 @@ class RunSummary:
     message_count: int | None
     nearest: Nearest | None
     processes_restarted: Mapping[str, int]
+    lost_vehicles: Mapping[str, str]
     versions: Mapping[str, str]
     missing: tuple[str, ...]
 
     def to_plain(self) -> dict[str, Any]:
         """Return values that JSON can hold; what is not finite becomes None."""
-        plain: dict[str, Any] = finite(dataclasses.asdict(self))
-        return plain
+        figures = _plan_figures(self.plan) if self.plan else None
+        plain = {**dataclasses.asdict(dataclasses.replace(self, plan=None)), 'plan': figures}
+        return dict(finite(plain))
 
 
 def summarise(record: RunRecord) -> RunSummary:
@@ -159,6 +157,7 @@ def summarise(record: RunRecord) -> RunSummary:
     vehicles = tuple(_vehicle_figures(record, name) for name in record.vehicles)
     doses = [v.integrated_dose_usv for v in vehicles if v.integrated_dose_usv is not None]
     outcome, text = _outcome(record.info, mission)
+    balance = viewpoint_balance(record.plans, record.photographs)
     return RunSummary(
         run=record.path.name,
         scenario=record.scenario.name if record.scenario else record.path.name,
@@ -166,12 +165,13 @@ def summarise(record: RunRecord) -> RunSummary:
         seed=record.scenario.seed if record.scenario else None,
         outcome=outcome,
         outcome_text=text,
-        plan=_plan_figures(record.plan) if record.plan else None,
+        plan=record.plan,
         vehicles=vehicles,
         images_stored=len(record.photographs),
-        images_expected=_viewpoint_count(record.plan) if record.plan else None,
+        images_expected=balance.planned if record.plan else None,
+        viewpoints_photographed=balance.photographed,
         reading_count=len(readings),
-        highest_reading=highest_reading(readings),
+        highest_reading=_over_ground(highest_reading(readings), record.scenario),
         integrated_dose_usv=math.fsum(doses) if doses else None,
         estimates=record.estimates,
         mission_duration_s=_mission_duration_s(record),
@@ -181,6 +181,7 @@ def summarise(record: RunRecord) -> RunSummary:
         message_count=log.facts.message_count if log else None,
         nearest=nearest_in_the_air(log) if log else None,
         processes_restarted=_restarts(record.info),
+        lost_vehicles=_lost(record.info),
         versions=_versions(record.info),
         missing=record.missing,
     )
@@ -221,7 +222,7 @@ def flight_ns(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
 
 
 def viewpoints_of(
-    samples: Sequence[VehicleSample], route: PlannedRoute | None
+    samples: Sequence[VehicleSample], route: Route | None
 ) -> tuple[int | None, int | None]:
     """Return the number of viewpoints visited and planned; None if unknown.
 
@@ -252,26 +253,15 @@ def _outcome(info: Mapping[str, object], mission: Sequence[MissionSample]) -> tu
     return 'unknown', last
 
 
-def _plan_figures(plan: Plan) -> PlanFigures:
-    return PlanFigures(
-        method=plan.method,
-        makespan_s=plan.makespan_s,
-        lower_bound_s=plan.lower_bound_s,
-        lower_bound_method=plan.lower_bound_method,
-        gap_fraction=plan.gap_fraction,
-        region_area_m2=plan.region_area_m2,
-        covered_area_m2=plan.covered_area_m2,
-        covered_fraction=plan.covered_fraction,
-        viewpoint_count=_viewpoint_count(plan),
-        spacing_m=plan.spacing_m,
-        height_agl_m=plan.height_agl_m,
-        separation_m=plan.separation_m,
-        minimum_separation_m=plan.minimum_separation_m,
-    )
-
-
-def _viewpoint_count(plan: Plan) -> int:
-    return sum(len(route.viewpoints) for route in plan.routes)
+def _plan_figures(plan: SurveyPlan) -> dict[str, object]:
+    """Return how good the plan is; the keys mean what the fields of ``SurveyPlan.msg`` do."""
+    return {
+        'method': plan.request.effort.method,
+        **{name: getattr(plan, name) for name in _PLAN_FIGURES},
+        'height_agl_m': plan.request.coverage.height_agl_m,
+        'separation_m': plan.request.separation.distance_m,
+        'minimum_separation_m': plan.minimum_separation_m,
+    }
 
 
 def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
@@ -299,9 +289,9 @@ def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     )
 
 
-def _route_of(plan: Plan | None, vehicle: str) -> PlannedRoute | None:
+def _route_of(plan: SurveyPlan | None, vehicle: str) -> Route | None:
     routes = plan.routes if plan else ()
-    return next((route for route in routes if route.vehicle == vehicle), None)
+    return next((route for route in routes if route.vehicle.name == vehicle), None)
 
 
 def _mission_duration_s(record: RunRecord) -> float | None:
@@ -337,6 +327,22 @@ def _wall_time_s(info: Mapping[str, object], mission: Sequence[MissionSample]) -
 def _restarts(info: Mapping[str, object]) -> dict[str, int]:
     counts = info.get('restarts')
     return {str(k): int(v) for k, v in counts.items()} if isinstance(counts, Mapping) else {}
+
+
+def _lost(info: Mapping[str, object]) -> dict[str, str]:
+    lost = info.get('lost_vehicles')
+    return {str(k): str(v) for k, v in lost.items()} if isinstance(lost, Mapping) else {}
+
+
+def _over_ground(top: HighestReading | None, scenario: Scenario | None) -> HighestReading | None:
+    """Return `top` with its height above the ground where that is level and known."""
+    if top is None or scenario is None or scenario.survey.terrain_file:
+        return top
+    enu = LocalFrame(scenario.origin_position()).to_enu(
+        top.latitude_deg, top.longitude_deg, top.altitude_m
+    )
+    height_m = float(enu[0, 2])
+    return dataclasses.replace(top, height_agl_m=height_m) if math.isfinite(height_m) else top
 
 
 def _versions(info: Mapping[str, object]) -> dict[str, str]:

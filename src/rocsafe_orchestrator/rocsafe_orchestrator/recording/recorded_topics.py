@@ -1,72 +1,64 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which topics a run records, as channels of its recording.
-
-Left out: ``camera/image_raw`` (its JPEG is recorded), ``camera/shot`` (its photographs are stored
-one by one), ``path`` (the fixes hold it), ``dose_rate`` (the readings hold it), ``/clock`` and the
-lock-step (log times hold them).
-"""
+"""Which topics a run records, as channels of its recording: all but those of `LEFT_OUT`."""
 
 from collections.abc import Iterable, Iterator
 
 from rocsafe_orchestrator.recording.segments import Channel
 from rocsafe_ros import topics
-from rocsafe_ros.topics import TopicSpec
+from rocsafe_ros.topics import Scope, TopicSpec
 
-VEHICLE_TOPICS: tuple[TopicSpec, ...] = (
-    topics.FIX,
-    topics.GROUND_TRUTH_FIX,
-    topics.VELOCITY,
-    topics.ODOM,
-    topics.BATTERY_STATE,
-    topics.STATE,
-    topics.RADIATION,
-    topics.ACCUMULATED_DOSE,
-    topics.DOSE_ALARM,
-    topics.CAMERA_IMAGE_COMPRESSED,
-    topics.CAMERA_INFO,
-    topics.ROUTE_MARKERS,
-)
-FLEET_TOPICS: tuple[TopicSpec, ...] = (
-    topics.REGION,
-    topics.PLAN,
-    topics.MISSION_STATE,
-    topics.RECEIPTS,
-    topics.HAZARD_SOURCES,
-    topics.DOSE_MAP,
-    topics.CORDONS,
-    topics.BELIEF_MAP,
-    topics.MOSAIC,
-    topics.SCENE_MARKERS,
-    topics.DIAGNOSTICS,
+LEFT_OUT: dict[str, str] = {
+    topics.CAMERA_IMAGE.name: 'its JPEG is recorded; taken only while somebody looks',
+    topics.CAMERA_DEPTH.name: 'drawn only while somebody looks',
+    topics.CAMERA_LABELS.name: 'drawn only while somebody looks',
+    topics.SHOT.name: 'the image store has each photograph with its record',
+    topics.DOSE_RATE.name: 'the same readings in another unit',
+    topics.STEP_DONE.name: 'the clock tells when a step was done',
+}
+"""Topics that are not recorded, each with its reason."""
+
+REAL_ONLY = frozenset(
+    spec.name for spec in (topics.REL_ALT, topics.HEADING, topics.PREDICTED_FIX, topics.EVENTS)
 )
 # Every vehicle publishes these from its start, so a recorder may wait until it hears them.
 AWAITED_TOPICS: tuple[TopicSpec, ...] = (topics.FIX, topics.STATE, topics.RADIATION)
-
-
-# Of every camera; gimbals are among them where there are any.
+# Of every camera but the first; gimbals are among them where there are any.
 CAMERA_TOPICS: tuple[TopicSpec, ...] = (
     topics.CAMERA_IMAGE_COMPRESSED,
     topics.CAMERA_INFO,
+    topics.CAMERA_POSE,
+    topics.GIMBAL_COMMAND,
     topics.GIMBAL_STATE,
 )
 
 
 def recorded_topics(
-    vehicles: Iterable[str], other_cameras: Iterable[str] = ()
+    vehicles: Iterable[str], other_cameras: Iterable[str] = (), real_vehicles: Iterable[str] = ()
 ) -> Iterator[tuple[TopicSpec, str]]:
     """Yield each topic to record with the vehicle it belongs to, empty for the fleet's.
 
-    `other_cameras` are the names of the vehicles' cameras besides the first.
+    Parameters
+    ----------
+    vehicles
+        Names of all vehicles.
+    other_cameras
+        Names of the vehicles' cameras besides the first.
+    real_vehicles
+        Those of `vehicles` that are no simulation: they have topics that others lack.
     """
-    cameras = tuple(other_cameras)
+    cameras, real = tuple(other_cameras), frozenset(real_vehicles)
+    kept = [spec for spec in topics.TOPICS if spec.name not in LEFT_OUT]
     for vehicle in vehicles:
-        for spec in VEHICLE_TOPICS:
-            yield spec, vehicle
+        for spec in kept:
+            is_here = spec.name not in REAL_ONLY or vehicle in real
+            if spec.scope is Scope.VEHICLE and is_here:
+                yield spec, vehicle
         for camera in cameras:
             for spec in CAMERA_TOPICS:
                 yield topics.of_camera(spec, camera), vehicle
-    for spec in FLEET_TOPICS:
-        yield spec, ''
+    for spec in kept:
+        if spec.scope is Scope.FLEET:
+            yield spec, ''
 
 
 def channel_of(spec: TopicSpec, full_name: str) -> Channel:

@@ -3,11 +3,9 @@
 
 import base64
 import io
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rasterio
@@ -18,6 +16,7 @@ from rasterio.errors import RasterioError
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
+from rocsafe_orchestrator.report.cordons import SAFE, EstimatedCordon, read_cordons
 from rocsafe_orchestrator.report.map_data import estimate_points
 from rocsafe_orchestrator.report.pictures import map_xy
 from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
@@ -26,13 +25,13 @@ from rocsafe_view.map_view import Box, EstimatePoint
 from rocsafe_view.palette import DoseScale, ramp_colour, scale_of
 from rocsafe_view.svg import polygons
 
-DOSE_MAP, CORDONS = 'dose_map.tif', 'cordons.geojson'
+DOSE_MAP = 'dose_map.tif'
 MEAN_BAND, STD_BAND, UPPER_BAND = 1, 2, 3
 MOST_PX = 480
+# Share of the readings over the region that may lie below the colour scale.
+READINGS_BELOW = 0.02
 LEVELS = 128
 STAY_KEYS = ('public_year_1_msv', 'worker_year_20_msv')
-# From background to one metre beside a strong source.
-DECADES = 7.0
 
 Rows = list[list[str]]
 
@@ -76,26 +75,35 @@ class _Grid:
 
 
 def dose_view(
-    folder: Path, frame: LocalFrame | None, estimates: SourceEstimates | None
+    folder: Path,
+    frame: LocalFrame | None,
+    estimates: SourceEstimates | None,
+    readings_usvh: Sequence[float] = (),
 ) -> DoseView | None:
-    """Return what the readings say of the ground, None if there is no map of it."""
+    """Return what the readings say of the ground, None if there is no map of it.
+
+    Map and readings have one scale, so that a colour means one dose rate on the whole page.
+    """
     grid = _grid(folder / DOSE_MAP, frame) if frame and estimates else None
     if frame is None or estimates is None or grid is None:
         return None
-    cordons = _cordons(folder / CORDONS)
-    values = [*grid.mean_usvh.ravel().tolist(), float(grid.upper_usvh.max())]
-    scale = scale_of(values, decades=DECADES)
+    cordons = read_cordons(folder, frame)
+    scale = _scale(readings_usvh, grid)
     return DoseView(
         sentence=_sentence(estimates),
         maps=tuple(
             DoseMap(
                 title=title,
                 data_uri=_data_uri(usvh, scale),
-                cordons=_cordon_paths(cordons, kind, frame),
+                cordons=[
+                    (c.edge.level_usvh, polygons(c.edge.rings, ''))
+                    for c in cordons
+                    if c.confidence == kind
+                ],
             )
             for title, usvh, kind in (
                 ('Mean', grid.mean_usvh, 'mean'),
-                ('Upper 95 %', grid.upper_usvh, 'upper_95'),
+                ('Upper 95 %', grid.upper_usvh, SAFE),
             )
         ),
         box=grid.box,
@@ -106,6 +114,17 @@ def dose_view(
     )
 
 
+def _scale(readings_usvh: Sequence[float], grid: _Grid) -> DoseScale:
+    """Return a scale on which readings differ, up to a decade above them.
+
+    The map goes on for decades towards a source: it would leave one colour for all readings.
+    """
+    if not readings_usvh:
+        return scale_of(grid.mean_usvh.ravel().tolist())
+    highest = min(float(grid.upper_usvh.max()), 10.0 * max(readings_usvh))
+    return scale_of([*readings_usvh, highest], READINGS_BELOW)
+
+
 def _sentence(found: SourceEstimates) -> str:
     count = len(found.sources)
     words = (
@@ -114,7 +133,9 @@ def _sentence(found: SourceEstimates) -> str:
     background = formats.spaced(formats.dose_rate(found.background_usvh))
     chances = found.source_count_probability
     chance = chances[count] if count < len(chances) else 0.0
-    text = f'{words}, with a probability of {100.0 * chance:.3g} %; background {background}.'
+    text = (
+        f'{words}, with a probability of {formats.probability(chance)}; background {background}.'
+    )
     enough = 'enough' if found.is_enough else 'not enough yet'
     if found.verdict:
         text = f'{text} The evidence is {enough}: {found.verdict}.'
@@ -143,14 +164,6 @@ def _grid(path: Path, frame: LocalFrame) -> _Grid | None:
     )
 
 
-def _cordons(path: Path) -> list[dict[str, Any]]:
-    try:
-        features: list[dict[str, Any]] = json.loads(path.read_text(encoding='utf-8'))['features']
-    except (OSError, ValueError, KeyError):
-        return []
-    return features
-
-
 def _data_uri(values: FloatArray, scale: DoseScale) -> str:
     """Return the colours of `values` as a PNG with a palette."""
     span = np.log(scale.high_usvh / scale.low_usvh)
@@ -164,31 +177,6 @@ def _data_uri(values: FloatArray, scale: DoseScale) -> str:
     return 'data:image/png;base64,' + base64.b64encode(stream.getvalue()).decode()
 
 
-def _cordon_paths(
-    cordons: Sequence[dict[str, Any]], confidence: str, frame: LocalFrame
-) -> list[tuple[float, str]]:
-    """Return level and path data of the cordons of one kind."""
-    return [
-        (
-            cordon['properties']['level_usv_h'],
-            polygons((_xy(ring, frame) for part in _parts(cordon) for ring in part), ''),
-        )
-        for cordon in cordons
-        if cordon['properties']['confidence'] == confidence
-    ]
-
-
-def _parts(cordon: dict[str, Any]) -> list[list[list[list[float]]]]:
-    parts: list[list[list[list[float]]]] = cordon['geometry']['coordinates']
-    return parts
-
-
-def _xy(ring: list[list[float]], frame: LocalFrame) -> list[tuple[float, float]]:
-    longitudes, latitudes = np.array(ring).T
-    enu = frame.to_enu(latitudes, longitudes, np.full(len(ring), frame.origin.altitude_m))
-    return [(x, -y) for x, y in enu[:, :2].tolist()]
-
-
 def _source_rows(sources: Sequence[SourceEstimate]) -> Rows:
     return [
         [
@@ -196,40 +184,33 @@ def _source_rows(sources: Sequence[SourceEstimate]) -> Rows:
             place_of(source),
             half_axes_of(source),
             dose_rate_of(source),
-            f'{source.log_likelihood_ratio:.4g} nats',
+            formats.evidence(source.log_likelihood_ratio),
         ]
         for index, source in enumerate(sources, 1)
     ]
 
 
-def _cordon_rows(cordons: Sequence[dict[str, Any]]) -> Rows:
+def _cordon_rows(cordons: Sequence[EstimatedCordon]) -> Rows:
     """Return a row a level, the highest first."""
-    levels: dict[float, dict[str, dict[str, Any]]] = {}
+    levels: dict[float, dict[str, EstimatedCordon]] = {}
     for cordon in cordons:
-        facts = cordon['properties']
-        levels.setdefault(facts['level_usv_h'], {})[facts['confidence']] = facts
-    rows: Rows = []
-    for level, by_confidence in sorted(levels.items(), reverse=True):
-        any_one = next(iter(by_confidence.values()))
-        stays = (any_one['stay_time_h'][key] for key in STAY_KEYS)
-        rows.append(
-            [
-                formats.spaced(formats.dose_rate(level)),
-                any_one.get('name', ''),
-                *(_area(by_confidence.get(kind)) for kind in ('mean', 'upper_95')),
-                *(_hours(stay) for stay in stays),
-            ]
-        )
-    return rows
+        levels.setdefault(cordon.edge.level_usvh, {})[cordon.confidence] = cordon
+    return [
+        _cordon_row(by_confidence) for _, by_confidence in sorted(levels.items(), reverse=True)
+    ]
 
 
-def _area(facts: dict[str, Any] | None) -> str:
-    return formats.area(facts['area_m2']) if facts else 'none'
+def _cordon_row(by_confidence: Mapping[str, EstimatedCordon]) -> list[str]:
+    any_one = next(iter(by_confidence.values()))
+    safe = by_confidence.get(SAFE)
+    return [
+        formats.spaced(formats.dose_rate(any_one.edge.level_usvh)),
+        any_one.edge.name,
+        safe.edge.radius_text if safe else formats.UNKNOWN,
+        *(_area(by_confidence.get(kind)) for kind in ('mean', SAFE)),
+        *(formats.stay(any_one.stay_h[key]) for key in STAY_KEYS),
+    ]
 
 
-def _hours(hours: float) -> str:
-    if hours < 1.0:
-        return f'{formats.figures(60.0 * hours)}{formats.GAP}min'
-    if hours < 72.0:
-        return f'{formats.figures(hours)}{formats.GAP}h'
-    return f'{formats.figures(hours / 24.0)}{formats.GAP}d'
+def _area(cordon: EstimatedCordon | None) -> str:
+    return formats.area(cordon.area_m2) if cordon else 'none'

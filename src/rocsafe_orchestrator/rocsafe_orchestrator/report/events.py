@@ -2,25 +2,17 @@
 """What happened in a run, in the order in which it did."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.separation import Span, airborne_spans_ns
 from rocsafe_orchestrator.products.summary import RunSummary, flight_ns
+from rocsafe_orchestrator.report.timeline import Event, recorded_events, seconds
 from rocsafe_view import formats
 from rocsafe_view.charts import FlightBar
 
 _MOST_NAMES = 5
-
-
-@dataclass(frozen=True, slots=True, order=True)
-class Event:
-    """Something that happened `time_s` seconds after the first take-off."""
-
-    time_s: float
-    text: str
 
 
 def start_ns(record: RunRecord) -> int:
@@ -36,7 +28,7 @@ def flights(record: RunRecord, zero_ns: int) -> tuple[FlightBar, ...]:
     """Return the flight of each vehicle that took off, in the order of the vehicles."""
     samples = record.log.samples if record.log else {}
     routes = record.plan.routes if record.plan else ()
-    planned = {route.vehicle: route.duration_s for route in routes}
+    planned = {route.vehicle.name: route.duration_s for route in routes}
     found = ((name, airborne_spans_ns(samples.get(name, ()))) for name in record.vehicles)
     shots: dict[str, list[float]] = {}
     for shot in record.photographs:
@@ -70,7 +62,15 @@ def _flight(
 
 def events(record: RunRecord, summary: RunSummary, zero_ns: int) -> tuple[Event, ...]:
     """Return all events, the earliest first."""
-    return tuple(sorted((*_of_flights(record, zero_ns), *_of_mission(record, summary, zero_ns))))
+    return tuple(
+        sorted(
+            (
+                *_of_flights(record, zero_ns),
+                *_of_mission(record, summary, zero_ns),
+                *recorded_events(record, zero_ns),
+            )
+        )
+    )
 
 
 def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:
@@ -102,12 +102,14 @@ def _of_mission(record: RunRecord, summary: RunSummary, zero_ns: int) -> Iterato
     top = summary.highest_reading
     if top is not None:
         dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
-        seconds = (top.time_ns - zero_ns) / NS_PER_S
-        yield Event(seconds, f'{top.vehicle} measures the highest dose rate, {dose_rate}')
+        yield Event(
+            seconds(top.time_ns, zero_ns),
+            f'{top.vehicle} measures the highest dose rate, {dose_rate}',
+        )
     if record.photographs:
         last = record.photographs[-1]
-        seconds = (last.time_ns - zero_ns) / NS_PER_S
-        yield Event(seconds, f'{last.vehicle} takes the last photograph')
+        at_s = seconds(last.time_ns, zero_ns)
+        yield Event(at_s, f'{last.vehicle} takes the last photograph')
     for sample in record.log.mission if record.log else ():
         if sample.phase.is_over:
             reason = f': {sample.text}' if sample.text else ''

@@ -15,9 +15,11 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.report.cordons import safe_cordons
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
+    further_lines,
     planned_footprints,
     points,
     region_rings,
@@ -65,6 +67,8 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         homes=_homes(record, frame),
         sources=_sources(record, frame),
         estimates=estimate_points(record.estimates, frame),
+        cordons=safe_cordons(record.path, frame),
+        replanned=further_lines(record, frame),
         picture=ground_picture(record.path / MOSAIC, frame),
     )
 
@@ -88,12 +92,12 @@ def _xy(frame: LocalFrame, lat: FloatArray, lon: FloatArray, alt: FloatArray) ->
 
 def _viewpoints(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
     routes = record.plan.routes if record.plan else ()
-    return {r.vehicle: points(frame, (v.position for v in r.viewpoints)) for r in routes}
+    return {r.vehicle.name: points(frame, (v.position for v in r.viewpoints)) for r in routes}
 
 
 def _homes(record: RunRecord, frame: LocalFrame) -> dict[str, Point]:
     if record.plan is not None:
-        homes = {route.vehicle: route.home for route in record.plan.routes}
+        homes = {route.vehicle.name: route.vehicle.home for route in record.plan.routes}
     elif record.scenario is not None:
         scenario = record.scenario
         homes = {v.name: scenario.ground_position(v.home) for v in scenario.vehicles}

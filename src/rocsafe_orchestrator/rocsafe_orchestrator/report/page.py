@@ -11,12 +11,14 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.readings_table import COLUMNS
 from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
-from rocsafe_orchestrator.report.dose_view import dose_view
+from rocsafe_orchestrator.report.dose_view import READINGS_BELOW, dose_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
 from rocsafe_orchestrator.report.map_data import map_view
 from rocsafe_orchestrator.report.pictures import thumbnails
-from rocsafe_orchestrator.report.run_facts import fact_columns
-from rocsafe_orchestrator.report.run_texts import lead, limits
+from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
+from rocsafe_orchestrator.report.run_texts import height_of, lead, limits, verdict
+from rocsafe_orchestrator.report.source_texts import dose_rate_of, strongest
+from rocsafe_orchestrator.report.timeline import deviations
 from rocsafe_view import formats
 from rocsafe_view.charts import time_axes
 from rocsafe_view.pages import render
@@ -25,8 +27,8 @@ from rocsafe_view.palette import scale_of, vehicle_colours
 _PRODUCTS = ('scenario.yaml', 'plan.json', 'mission.mcap', 'readings.csv',
              'mosaic.tif')  # fmt: skip
 _CODE = Markup('<code{}>{}</code>')
-# Share of the readings over the region that may lie below the colour scale.
-_TAIL = 0.02
+# Deviations above the tiles; all of them are among the events.
+_MOST_DEVIATIONS = 8
 
 
 def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None) -> str:
@@ -35,9 +37,13 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
     readings = record.log.readings if record.log else ()
     chart_scale = scale_of(reading.dose_rate_usvh for reading in readings)
     view = map_view(record, frame, begin_ns) if frame else None
-    scale = scale_of(view.dose_rates_over_region(), _TAIL) if view else chart_scale
+    over_region = view.dose_rates_over_region() if view else []
+    dose = dose_view(record.path, frame, record.estimates, over_region)
+    scale = dose.scale if dose else scale_of(over_region, READINGS_BELOW)
     top = summary.highest_reading
     flown = flights(record, begin_ns)
+    told = events(record, summary, begin_ns)
+    otherwise = deviations(told, record, summary)
     return render(
         'report.html',
         __package__,
@@ -45,15 +51,22 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         summary=summary,
         begin_ns=begin_ns,
         lead=lead(summary),
+        verdict=verdict(summary),
+        deviations=otherwise[:_MOST_DEVIATIONS],
+        more_deviations=max(len(otherwise) - _MOST_DEVIATIONS, 0),
         colours=vehicle_colours(record.vehicles),
         map=view,
         scale=scale,
+        height_of=height_of,
+        strongest=strongest(record.estimates),
+        dose_rate_of=dose_rate_of,
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
-        dose=dose_view(record.path, frame, record.estimates),
+        dose=dose,
         chart_scale=chart_scale,
         flights=flown,
         axes=time_axes(flown) if flown else {},
-        events=events(record, summary, begin_ns),
+        events=told,
+        plans=plan_rows(record),
         phases_s=phases_s(record.log.mission if record.log else ()),
         thumbnails=thumbnails(record.photographs),
         facts=fact_columns(record, summary),

@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the map shows of the plan: regions, exclusions, routes and what photographs will show."""
 
-import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_orchestrator.products.run_record import Plan, RunRecord
-from rocsafe_planner.plan.viewpoint import Viewpoint
-
-Point = tuple[float, float]
-Rings = tuple[tuple[Point, ...], ...]
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_planner.plan.flight_path import flight_path
+from rocsafe_planner.plan.plan import Route
+from rocsafe_view.svg import Point, Rings
 
 
 def points(frame: LocalFrame, positions: Iterable[GeoPosition]) -> tuple[Point, ...]:
@@ -33,7 +30,7 @@ def points(frame: LocalFrame, positions: Iterable[GeoPosition]) -> tuple[Point, 
 def region_rings(record: RunRecord, frame: LocalFrame) -> Rings:
     """Return the rings of all regions, holes included."""
     if record.plan is not None:
-        return _rings((record.plan.region, *record.plan.other_regions), frame)
+        return _rings((region.area for region in record.plan.request.regions), frame)
     if record.scenario is not None:
         return _rings((record.scenario.area(), *record.scenario.other_areas()), frame)
     return ()
@@ -41,40 +38,41 @@ def region_rings(record: RunRecord, frame: LocalFrame) -> Rings:
 
 def exclusion_rings(record: RunRecord, frame: LocalFrame) -> Rings:
     """Return the rings of all exclusions, holes included."""
-    return _rings(record.plan.exclusions, frame) if record.plan is not None else ()
+    return _rings(record.plan.request.exclusions, frame) if record.plan is not None else ()
 
 
 def route_lines(record: RunRecord, frame: LocalFrame) -> dict[str, tuple[Point, ...]]:
     """Return the planned routes, with their bends, of the vehicles that have viewpoints."""
     routes = record.plan.routes if record.plan else ()
-    return {route.vehicle: points(frame, route.way) for route in routes if route.viewpoints}
+    return {
+        route.vehicle.name: points(frame, _path(route)) for route in routes if route.viewpoints
+    }
+
+
+def further_lines(record: RunRecord, frame: LocalFrame) -> dict[str, Rings]:
+    """Return the routes of each vehicle in the plans that followed the first."""
+    lines: dict[str, Rings] = {}
+    for plan in record.further:
+        for route in plan.routes:
+            if route.sorties:
+                name = route.vehicle.name
+                lines[name] = (*lines.get(name, ()), points(frame, _path(route)))
+    return lines
+
+
+def _path(route: Route) -> Iterator[GeoPosition]:
+    for number in range(len(route.sorties)):
+        for stop in flight_path(route, number):
+            yield stop.position
 
 
 def planned_footprints(record: RunRecord, frame: LocalFrame) -> dict[str, Rings]:
     """Return the corners of the ground that each vehicle's photographs are to show."""
-    plan = record.plan
-    if plan is None:
-        return {}
-    footprints = {}
-    for route in plan.routes:
-        places = points(frame, (viewpoint.position for viewpoint in route.viewpoints))
-        views = zip(route.viewpoints, places, strict=True)
-        footprints[route.vehicle] = tuple(_footprint(plan, view, place) for view, place in views)
-    return footprints
-
-
-def _footprint(plan: Plan, viewpoint: Viewpoint, place: Point) -> tuple[Point, ...]:
-    camera = PinholeCamera(plan.horizontal_fov_rad, plan.image_width_px, plan.image_height_px)
-    across, along = camera.footprint_m(viewpoint.height_agl_m)
-    ahead = (math.cos(viewpoint.yaw_rad), math.sin(viewpoint.yaw_rad))
-    corners = [(-across, -along), (across, -along), (across, along), (-across, along)]
-    return tuple(
-        (
-            place[0] + 0.5 * (right * ahead[1] + forward * ahead[0]),
-            place[1] - 0.5 * (forward * ahead[1] - right * ahead[0]),
-        )
-        for right, forward in corners
-    )
+    routes = record.plan.routes if record.plan else ()
+    return {
+        route.vehicle.name: tuple(points(frame, view.footprint) for view in route.viewpoints)
+        for route in routes
+    }
 
 
 def _rings(areas: Iterable[SurveyArea], frame: LocalFrame) -> Rings:

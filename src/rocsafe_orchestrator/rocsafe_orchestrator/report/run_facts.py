@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from rocsafe_orchestrator.products.run_record import Plan, RunRecord
+from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
+from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_scenario.radiation_blocks import SourceBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
@@ -32,58 +33,58 @@ def fact_columns(record: RunRecord, summary: RunSummary) -> dict[str, Facts]:
     }
 
 
-def survey_facts(plan: Plan, summary: RunSummary) -> Facts:
+def survey_facts(plan: SurveyPlan, summary: RunSummary) -> Facts:
     """Return how the survey was planned."""
-    fov = f'{math.degrees(plan.horizontal_fov_rad):.1f}°'
-    image = f'{plan.image_width_px} × {plan.image_height_px} px, {fov} across'
+    camera, coverage, effort = plan.request.camera, plan.request.coverage, plan.request.effort
+    fov = f'{math.degrees(camera.horizontal_fov_rad):.1f}°'
+    image = f'{camera.image_width_px} × {camera.image_height_px} px, {fov} across'
+    exclusions = plan.request.exclusions
     bound = f'{formats.duration(plan.lower_bound_s)} ({plan.lower_bound_method})'
-    overlap = f'{formats.percent(plan.overlap_fraction, 0)} ({plan.spacing_rule})'
+    overlap = f'{formats.percent(coverage.overlap_fraction, 0)} ({coverage.spacing_rule})'
     return [
-        ('Method', plan.method),
-        ('Viewpoints', formats.whole(sum(len(route.viewpoints) for route in plan.routes))),
-        ('Height above ground', formats.length(plan.height_agl_m)),
+        ('Method', effort.method),
+        ('Viewpoints', formats.whole(plan.viewpoint_count)),
+        ('Height above ground', formats.length(coverage.height_agl_m)),
         ('Camera', image),
         ('Overlap', overlap),
         ('Spacing', f'{plan.spacing_m:.2f}{formats.GAP}m'),
         ('Makespan', formats.duration(plan.makespan_s)),
         ('Lower bound', bound),
         ('Gap', f'at most {formats.upper_percent(plan.gap_fraction)} above optimal'),
-        ('Objective', plan.objective.replace('_', ' ')),
+        ('Objective', effort.objective.replace('_', ' ')),
         ('Nearest two vehicles', _nearest(plan, summary)),
         *_flight_facts(plan),
         ('Largest hole', _hole(plan)),
-        *([('Exclusions', str(len(plan.exclusions)))] if plan.exclusions else []),
+        *([('Exclusions', str(len(exclusions)))] if exclusions else []),
         ('Plan', _CODE.format(plan.plan_id)),
     ]
 
 
-def _flight_facts(plan: Plan) -> Iterator[tuple[str, str]]:
+def _flight_facts(plan: SurveyPlan) -> Iterator[tuple[str, str]]:
     """Yield what is special of the flights: late take-offs, battery changes."""
-    late = [f'{r.vehicle} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
+    late = [f'{r.vehicle.name} by {formats.clock(r.delay_s)}' for r in plan.routes if r.delay_s]
     if late:
         yield 'Take-off delayed', ', '.join(late)
-    swaps = [f'{r.vehicle} {r.flights - 1} ×' for r in plan.routes if r.flights > 1]
+    swaps = [f'{r.vehicle.name} {len(r.sorties) - 1} ×' for r in plan.routes if len(r.sorties) > 1]
     if swaps:
         yield 'Battery changes', ', '.join(swaps)
 
 
-def _nearest(plan: Plan, summary: RunSummary) -> str:
+def _nearest(plan: SurveyPlan, summary: RunSummary) -> str:
     """Return the least distance of two vehicles in the air: planned, asked for and flown."""
     words = []
-    if not math.isnan(plan.minimum_separation_m):
+    if math.isfinite(plan.minimum_separation_m):
         words.append(f'{formats.length(plan.minimum_separation_m)} by plan')
-    if plan.separation_m:
-        words.append(f'{formats.length(plan.separation_m)} asked for')
+    if plan.request.separation.distance_m:
+        words.append(f'{formats.length(plan.request.separation.distance_m)} asked for')
     if summary.nearest is not None:
         a, b = summary.nearest.vehicles
         words.append(f'{formats.length(summary.nearest.distance_m)} flown ({a} and {b})')
     return ', '.join(words) or 'never two in the air'
 
 
-def _hole(plan: Plan) -> str:
+def _hole(plan: SurveyPlan) -> str:
     """Return the area of the largest part of the regions that no photograph is to show."""
-    if math.isnan(plan.largest_hole_m2):
-        return formats.UNKNOWN
     return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
 
 
@@ -104,7 +105,7 @@ def field_facts(scenario: Scenario) -> Facts:
 def estimate_facts(found: SourceEstimates) -> Facts:
     """Return the sources that the readings tell of."""
     chances = ', '.join(
-        f'{k}: {100.0 * p:.0f} %' for k, p in enumerate(found.source_count_probability)
+        f'{k}: {formats.probability(p)}' for k, p in enumerate(found.source_count_probability)
     )
     rows: Facts = [('Probability of 0, 1, ... sources', chances)]
     for number, source in enumerate(found.sources, 1):
@@ -118,6 +119,22 @@ def _strength(source: SourceBlock) -> str:
         return source.strength_text
     at_one_metre = formats.spaced(formats.dose_rate(source.sigma_usvps * _S_PER_H))
     return f'{at_one_metre} at 1{formats.GAP}m'
+
+
+def plan_rows(record: RunRecord) -> list[list[str]]:
+    """Return a row for each plan of a mission that had more than one, the first one first."""
+    if not record.further:
+        return []
+    return [
+        [
+            plan.plan_id[:8],
+            formats.whole(plan.viewpoint_count),
+            formats.sentence_list([r.vehicle.name for r in plan.routes if r.viewpoints]),
+            formats.duration(plan.makespan_s),
+            formats.length(plan.total_length_m),
+        ]
+        for plan in record.plans
+    ]
 
 
 def run_facts(record: RunRecord, summary: RunSummary) -> Facts:

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sentences of the report: what a run was, and what its figures do not say."""
 
+from dataclasses import dataclass
+
 from rocsafe_orchestrator.products.run_record import RunRecord
-from rocsafe_orchestrator.products.summary import RunSummary
+from rocsafe_orchestrator.products.summary import HighestReading, RunSummary
+from rocsafe_orchestrator.report.source_texts import strongest
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
 from rocsafe_view.map_view import MapView
@@ -30,8 +33,40 @@ LIMITS = (
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """How a run ended in a word or two; `kind` chooses colour and sign."""
+
+    kind: str
+    sign: str
+    words: str
+
+
+def verdict(summary: RunSummary) -> Verdict:
+    """Return how a run ended: complete only if nothing is missing and the evidence is enough."""
+    if summary.outcome == 'failed':
+        return Verdict(kind='failed', sign='✕', words='Failed')
+    if summary.outcome == 'cancelled':
+        return Verdict(kind='cancelled', sign='◼', words='Cancelled')
+    if summary.outcome != 'complete':
+        return Verdict(kind='unknown', sign='?', words='Not finished')
+    if lacks := _lacks(summary):
+        return Verdict(kind='partial', sign='!', words=f'Flown, {lacks}')
+    return Verdict(kind='complete', sign='✓', words='Complete')
+
+
+def _lacks(summary: RunSummary) -> str:
+    """Return what a mission that was flown to its end still lacks; empty if nothing."""
+    found, expected = summary.estimates, summary.images_expected
+    if expected is not None and summary.viewpoints_photographed < expected:
+        return 'photographs missing'
+    if found is not None and found.verdict and not found.is_enough:
+        return 'evidence not enough yet'
+    return ''
+
+
 def lead(summary: RunSummary) -> str:
-    """Return the run in one or two sentences, as far as it is known."""
+    """Return the run in a few sentences, as far as it is known."""
     count = len(summary.vehicles)
     text = f'{count} vehicle{"s" if count != 1 else ""}'
     if summary.mission_duration_s is not None:
@@ -39,15 +74,36 @@ def lead(summary: RunSummary) -> str:
     if summary.plan:
         text += f' over a region of {formats.area(summary.plan.region_area_m2)}'
     stored = formats.whole(summary.images_stored)
+    text += f'{" and" if summary.mission_duration_s else ""} stored {stored} photographs'
     if summary.images_expected is not None:
-        stored += f' of {formats.whole(summary.images_expected)}'
-    text += f'{" and" if summary.mission_duration_s else ""} stored {stored} photographs.'
+        seen, expected = summary.viewpoints_photographed, summary.images_expected
+        part = 'all' if seen == expected else f'{formats.whole(seen)} of'
+        text += f' of {part} {formats.whole(expected)} viewpoints'
+    return f'{text}.{_highest(summary)}{_at_one_metre(summary)}'
+
+
+def _highest(summary: RunSummary) -> str:
     top = summary.highest_reading
-    if top is not None:
-        place = formats.latitude_longitude(top.latitude_deg, top.longitude_deg)
-        dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
-        text += f' The highest dose rate in flight was {dose_rate}, at {place}.'
-    return text
+    if top is None:
+        return ''
+    place = formats.latitude_longitude(top.latitude_deg, top.longitude_deg)
+    dose_rate = formats.spaced(formats.dose_rate(top.dose_rate_usvh))
+    return f' The highest dose rate was {dose_rate}, measured {height_of(top)} at {place}.'
+
+
+def _at_one_metre(summary: RunSummary) -> str:
+    source = strongest(summary.estimates)
+    if source is None:
+        return ''
+    dose_rate = formats.spaced(formats.dose_rate(source.dose_rate_at_1m_usvh))
+    return f' At 1{formats.GAP}m from the strongest source it is about {dose_rate}, as estimated.'
+
+
+def height_of(top: HighestReading) -> str:
+    """Return how high above the ground, or else the ellipsoid, a reading was measured."""
+    if top.height_agl_m is not None:
+        return f'{formats.length(top.height_agl_m)} above the ground'
+    return f'at an altitude of {formats.length(top.altitude_m)}'
 
 
 def limits(record: RunRecord, view: MapView | None) -> list[str]:

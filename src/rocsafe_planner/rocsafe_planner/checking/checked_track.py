@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The track of a flight as the checker sees it, from the plan's places alone."""
+"""The track of a flight for the checker, from the places of the plan only."""
 
 import math
 from itertools import pairwise
@@ -51,7 +51,7 @@ def ups_m(plan: SurveyPlan, route: Route, number: int) -> FloatArray:
 
 
 def _levels_m(plan: SurveyPlan, route: Route) -> list[float]:
-    """Return the altitude of a route's flights as photographs of the plan tell it."""
+    """Return the altitude of a route's flights from the photographs of the plan."""
     return [
         view.position.altitude_m - view.height_agl_m + route.flight_height_m
         for other in plan.routes
@@ -68,7 +68,7 @@ def _ground_m(plan: SurveyPlan, place: GeoPosition) -> float:
 
 
 def terrain_shift_m(plan: SurveyPlan) -> float:
-    """Return by how much the homes lie higher than the terrain says, on average."""
+    """Return the mean height of the homes above the terrain."""
     request, terrain = plan.request, plan.request.terrain
     homes = request.continuation.ground_reference or tuple(v.home for v in request.vehicles)
     known = [home for home in homes if not math.isnan(home.altitude_m)]
@@ -79,7 +79,7 @@ def terrain_shift_m(plan: SurveyPlan) -> float:
 
 
 def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> RouteMotion:
-    """Return how a flight moves, by the kinematics of its drawn track alone."""
+    """Return the motion of a flight, from the kinematics of its track only."""
     vehicle, sortie = route.vehicle, route.sorties[number]
     performance = vehicle.performance(plan.request.airspace.wind_mps)
     track = corners_of(plan, route, number, frame)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The checker's look at each flight: what it visits, how long it takes, how high it is."""
+"""Checks of each flight: visits, duration, height."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -17,7 +17,6 @@ from rocsafe_planner.checking.checked_track import (
     way,
 )
 from rocsafe_planner.plan.plan import Route, SurveyPlan
-from rocsafe_planner.plan.vehicle import Vehicle
 
 Fault = str
 
@@ -30,7 +29,7 @@ _EARTH_RADIUS_M = 6_371_009.0
 
 
 def route_faults(plan: SurveyPlan, route: Route) -> Iterator[Fault]:
-    """Yield what is wrong with a route."""
+    """Yield the faults of a route."""
     vehicle = route.vehicle
     for view in route.viewpoints:
         if not set(view.sensors) <= set(vehicle.sensors):
@@ -39,13 +38,15 @@ def route_faults(plan: SurveyPlan, route: Route) -> Iterator[Fault]:
         yield f'{len(route.sorties)} flights without a battery swap'
     for number, sortie in enumerate(route.sorties):
         yield from (f'flight {number + 1} {fault}' for fault in _sortie(plan, route, number))
-        used = _used_before_s(vehicle) if number == 0 else 0.0
+        used = _used_before_s(route) if number == 0 else 0.0
         if used + sortie.duration_s > vehicle.endurance_s * (1.0 + 1e-9):
             yield f'flight {number + 1} takes {sortie.duration_s} s: too long for its battery'
 
 
-def _used_before_s(vehicle: Vehicle) -> float:
-    return vehicle.used_s if vehicle.aloft is None else vehicle.aloft.used_s
+def _used_before_s(route: Route) -> float:
+    """Return what a battery was used for before the first flight, a wait in the air included."""
+    vehicle = route.vehicle
+    return vehicle.used_s if vehicle.aloft is None else vehicle.aloft.used_s + route.delay_s
 
 
 def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
@@ -78,6 +79,9 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     layer = route.flight_height_m - height_m
     if layer < -1e-9 or (layer > 1e-9 and plan.request.separation.by != 'layers'):
         yield f'flies {route.flight_height_m} m high: height_agl_m is {height_m}'
+    highest_m = plan.request.airspace.max_height_agl_m
+    if route.flight_height_m > highest_m + 1e-9:
+        yield f'flies {route.flight_height_m} m high: max_height_agl_m is {highest_m}'
     for view in route.sorties[number].viewpoints:
         if abs(view.height_agl_m - route.flight_height_m) > 1e-6:
             yield f'photographs viewpoint {view.id} from {view.height_agl_m} m'

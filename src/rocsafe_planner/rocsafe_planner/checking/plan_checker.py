@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An independent look at a plan: it is what was asked for, and says the truth of itself.
+"""An independent check of a plan: it fits the request, and its figures are right.
 
-Nothing here comes from the modules that make plans. Distances are geodesics, times follow from
-the kinematics of each leg, exclusions are tested on the drawn legs, and vehicles are watched
-flying at the same time.
+The checks use none of the modules that make plans. Distances are geodesics, times follow from
+the kinematics of each leg, exclusions are tested on the legs, and the distances of vehicles that
+fly at the same time are sampled.
 """
 
 from collections import Counter
@@ -20,7 +20,7 @@ from rocsafe_planner.plan.plan import Route, SurveyPlan, Viewpoint
 
 
 def check_plan(plan: SurveyPlan) -> list[Fault]:
-    """Return all that is wrong with a plan, one line each; empty if nothing is."""
+    """Return the faults of a plan, one line each."""
     faults = [*_visits(plan), *_figures(plan), *_coverage(plan), *_exclusions(plan)]
     for route in plan.routes:
         faults.extend(f'{route.vehicle.name}: {fault}' for fault in route_faults(plan, route))
@@ -85,7 +85,7 @@ def _coverage(plan: SurveyPlan) -> Iterator[Fault]:
         shapely.polygons([plane_of(frame, view.footprint) for view in views]), grid_size=1e-4
     )
     covered = region.intersection(seen).area
-    # A strip of 2 mm along every footprint is what planes and rounding may differ by.
+    # Planes and rounding may differ by a strip of 2 mm along every footprint.
     slack = 1e-4 * region.area + 0.002 * sum(_perimeter_m(view) for view in views)
     if abs(plan.region_area_m2 - region.area) > 1e-4 * region.area:
         yield f'region_area_m2 is {plan.region_area_m2}: the regions have {region.area}'
@@ -132,7 +132,7 @@ def _leaves(
 
 
 def _closed(plan: SurveyPlan, zones: shapely.Geometry) -> shapely.Geometry:
-    """Return where nobody may be: nearer than the clearance, and beyond corners up to a point."""
+    """Return the exclusions widened by the clearance, with mitred corners up to a limit."""
     return shapely.buffer(zones, plan.request.airspace.clearance_m, join_style='mitre')
 
 

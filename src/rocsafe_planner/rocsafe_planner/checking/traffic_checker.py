@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The checker's look at vehicles that are in the air at the same time."""
+"""Checks of the distances of vehicles that are in the air at the same time."""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ _SAMPLE_S = 0.2
 
 
 def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
-    """Yield vehicles too near to each other, watched at every fifth of a second."""
+    """Yield pairs of vehicles that are too near to each other, sampled five times a second."""
     frame = frame_of(plan)
     tracks = [_Watched(plan, route, frame) for route in plan.routes if route.sorties]
     times = _SAMPLE_S * np.arange(int(plan.makespan_s / _SAMPLE_S) + 1, dtype=np.float64)
@@ -27,7 +27,7 @@ def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
         apart = np.sqrt(((a - b) ** 2).sum(axis=1))
         seen = min(seen, float(apart[np.isfinite(apart)].min(initial=math.inf)))
     stated = plan.minimum_separation_m
-    # Who is in the air cannot wait: two such vehicles may meet, and the plan is to say so.
+    # Vehicles in the air cannot wait: two of them may meet, and the plan must state it.
     may_wait = sum(vehicle.aloft is not None for vehicle in plan.request.vehicles) < 2
     wanted = plan.request.separation.distance_m
     if may_wait and stated < wanted - ABSOLUTE_M:
@@ -44,9 +44,13 @@ class _Watched:
         self._plan, self._route, self._frame = plan, route, frame
 
     def places(self, times: FloatArray) -> FloatArray:
-        """Return (east, north, up), NaN on the ground."""
+        """Return (east, north, up), NaN on the ground; who begins in the air waits there."""
         places = np.full((len(times), 3), np.nan)
         now = self._route.delay_s
+        if self._spec.aloft is not None:
+            first = motion_of(self._plan, self._route, 0, self._frame)
+            waits = times < now
+            places[waits] = first.positions(np.zeros(int(waits.sum())))
         for number in range(len(self._route.sorties)):
             motion = motion_of(self._plan, self._route, number, self._frame)
             end = now + motion.duration_s

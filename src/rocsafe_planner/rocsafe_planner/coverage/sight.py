@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of regions photographs show."""
+"""The part of regions that photographs show."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ import shapely
 
 from rocsafe_geo.arrays import FloatArray
 
-# An unseen part of this area is none: 3 cm by 3 cm.
+# Smaller unseen parts are ignored: 3 cm by 3 cm.
 _HAIR_M2 = 1e-3
 # Corners of footprints are rounded to this before they are united.
 _UNION_GRID_M = 1e-6
-# Footprints this far from lying in one row lie in one.
+# Tolerance within which footprints lie in one row.
 _RUN_M = 1e-7
 
 
@@ -27,7 +27,7 @@ class Sight:
 
 
 def sight(polygons: Sequence[shapely.Polygon], footprints: FloatArray) -> Sight:
-    """Return how much of polygons the footprints (n, 4, 2) show."""
+    """Return the part of polygons that the footprints (n, 4, 2) show."""
     region = shapely.union_all(polygons)
     hole = _unseen(region, footprints)
     return Sight(
@@ -42,7 +42,7 @@ def _unseen(region: shapely.Geometry, footprints: FloatArray) -> shapely.Geometr
     # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
     seen = shapely.union_all(shapely.polygons(_runs(footprints)), grid_size=_UNION_GRID_M)
     unseen = shapely.get_parts(shapely.difference(region, seen))
-    # Rounding leaves hair along edges where footprints meet.
+    # Rounding leaves thin slivers along common edges of footprints.
     return shapely.multipolygons(unseen[shapely.area(unseen) > _HAIR_M2])
 
 
@@ -50,7 +50,8 @@ def _runs(footprints: FloatArray) -> FloatArray:
     """Return footprints (n, 4, 2) with those joined that follow each other along their width.
 
     Two are joined where the second is the first, moved along its own base by less than its length:
-    together they are one rectangle. A grid's rows are joined so, which are far fewer to unite.
+    together they are one rectangle. Rows of a grid become few rectangles, which are quick to
+    unite.
     """
     if len(footprints) < 2:
         return footprints

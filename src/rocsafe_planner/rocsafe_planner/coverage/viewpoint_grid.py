@@ -30,7 +30,7 @@ _SEARCHED_EDGES = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoverageSpec:
-    """What the grid depends on besides the area.
+    """Measures of the grid.
 
     `footprint_m` and `spacing_m` are (across, along): across is the direction of the image's
     width, along that of its height, in which the vehicle's nose points.
@@ -44,7 +44,7 @@ class CoverageSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Coverage:
-    """Viewpoints in the plane of a local frame, and what their photographs see.
+    """Viewpoints in the plane of a local frame, and the ground that their photographs show.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Coverage:
     polygon
         Number of the polygon that each viewpoint was made for, shape (n,).
     sight
-        What all photographs together show.
+        The part of the regions that all photographs show.
     """
 
     centres: FloatArray
@@ -95,7 +95,7 @@ def cover(
     Raises
     ------
     TooManyViewpointsError
-        If more than ``spec.max_viewpoints`` are needed; found out without making them.
+        If more than ``spec.max_viewpoints`` are needed; they are counted, not made.
     NoWayError
         If no viewpoint is left.
     """
@@ -160,7 +160,7 @@ def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
     for angle in [*np.unique(np.round(angles % math.pi, 9)).tolist(), rotated_rad]:
         with contextlib.suppress(TooManyViewpointsError):
             counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
-    # Where no angle will do, the grid that is not turned says why.
+    # Where no angle is possible, the grid that is not rotated names the reason.
     return _axes(min(counts, default=(0, 0.0))[1])
 
 

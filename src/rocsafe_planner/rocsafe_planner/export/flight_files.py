@@ -3,7 +3,7 @@
 
 Heights are metres above the place of take-off, in GPX metres above the ellipsoid. A flight goes to
 above where it lands on its planned way and at its planned height, and lands there: what an
-autopilot does by itself on the way home (climb, fly straight) is left no room.
+autopilot would do by itself on the way home (climb, fly straight) does not happen.
 """
 
 import math

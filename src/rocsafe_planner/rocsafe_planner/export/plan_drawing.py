@@ -63,7 +63,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawing:
-    """What to paint, in order, on a white canvas."""
+    """Shapes in drawing order, on a white canvas."""
 
     width_px: int
     height_px: int
@@ -199,7 +199,7 @@ def _legend(plan: SurveyPlan, sheet: _Sheet, facts: list[str]) -> Iterator[Shape
 
 
 def _work(route: Route) -> str:
-    """Return what a vehicle does."""
+    """Return a line about the work of a vehicle."""
     if not route.sorties:
         return f'{route.vehicle.name}: stays on the ground'
     flights = f' in {len(route.sorties)} flights' if len(route.sorties) > 1 else ''
@@ -213,7 +213,7 @@ def _work(route: Route) -> str:
 
 
 def _promises(plan: SurveyPlan) -> str:
-    """Return what was to be small, how near vehicles come, and what is not seen."""
+    """Return lines about the objective, the least separation and the unseen ground."""
     unit = OBJECTIVE_UNITS[plan.request.effort.objective]
     value = OBJECTIVE_VALUES[plan.request.effort.objective](plan)
     gap = objective_gap(plan)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writing the plan's files, so that a reader never sees half of one."""
+"""Writing of the plan's files; each is replaced as a whole."""
 
 import json
 from pathlib import Path
@@ -25,9 +25,8 @@ def write_plan(plan: SurveyPlan, directory: str | Path) -> list[Path]:
     For maps: `plan.kml`, `plan.geojson`, `plan.gpx`; pictures: `plan.svg`, `plan.png`; when each
     flight begins: `plan.csv`. Flights: `plan-<vehicle>.plan` for QGroundControl, `.waypoints` for
     MAVLink, `.kmz` for DJI, with `-2` and so on before the extension after a battery swap. The
-    folder is made if need be. Each file is replaced as a whole. A vehicle without viewpoints gets
-    a QGroundControl plan without items, and flights from before are removed, so that none is flown
-    by mistake.
+    folder is made if it does not exist. A vehicle without viewpoints gets a QGroundControl plan
+    without items, and files of former flights are removed, so that none is flown by mistake.
 
     Raises
     ------

@@ -25,7 +25,7 @@ _DECIMALS = 9  # of a degree: a tenth of a millimetre
 
 
 def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
-    """Return a FeatureCollection of region, routes, homes, viewpoints and, asked, footprints."""
+    """Return regions, routes, homes, viewpoints and, on request, footprints."""
     features = [*_regions(plan), *(_exclusion(zone) for zone in plan.request.exclusions)]
     for index, route in enumerate(plan.routes):
         color = route_color(index)
@@ -39,7 +39,7 @@ def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
 
 
 def _regions(plan: SurveyPlan) -> list[Document]:
-    """Return the regions; the first one tells of the whole plan."""
+    """Return the regions; the first one has the figures of the whole plan."""
     features = []
     for number, region in enumerate(plan.request.regions):
         properties = {
@@ -89,7 +89,7 @@ def _flight(route: Route, number: int, color: str) -> Document:
 
 
 def _stands(route: Route, color: str) -> Iterator[Document]:
-    """Yield where a vehicle takes off, and where it lands if that is a place of its own."""
+    """Yield the place of take-off, and the place of landing if that is another."""
     for kind, place in (('home', route.vehicle.home), ('end', route.vehicle.end)):
         properties = {
             'kind': kind,

@@ -3,12 +3,12 @@
 
 Take-off, then at each viewpoint a waypoint with the vehicle's hover time as hold and one
 photograph, waypoints without one where legs bend and above where it lands, then return to launch,
-or land elsewhere. When to take off it cannot say: see `flight_summary`. Exclusions are a
+or land elsewhere. The format has no time of take-off: see `flight_summary`. Exclusions are a
 geo-fence. A waypoint's heading is the planned one. Altitudes are relative to home
 (MAV_FRAME_GLOBAL_RELATIVE_ALT). QGroundControl wants the home's altitude above mean sea level,
-which a plan about the ellipsoid does not know: it is written as 0, and nothing is relative to it.
-Cruise speed is what QGroundControl estimates times with; set the vehicle's own parameter to the
-same value.
+which a plan above the ellipsoid does not hold: it is written as 0, and nothing is relative to it.
+QGroundControl estimates times with the cruise speed; set the vehicle's own parameter to the same
+value.
 """
 
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colours that tell routes apart on a map, for colour-blind eyes too."""
+"""Colours of routes on a map, distinguishable for colour-blind readers."""
 
 # Okabe and Ito (2008), without black and the yellow that is lost on bright ground.
 _HEX = ('#0072B2', '#E69F00', '#009E73', '#CC79A7', '#56B4E9', '#D55E00')

@@ -18,7 +18,9 @@ class FlightTrack:
     windows
         (begin, end) of the times in the air, shape (flights, 2), seconds since first take-off.
     is_aloft
-        Whether it begins in the air.
+        Whether it begins in the air. It waits there, on its battery.
+    longest_wait_s
+        Time that it can wait before it flies, seconds.
     top_speed_mps
         That it never exceeds, climb and descent included.
     low, high
@@ -37,6 +39,8 @@ class FlightTrack:
         ends = np.cumsum(durations + swap_s) - swap_s
         self.windows: FloatArray = np.column_stack([ends - durations, ends]).reshape(-1, 2)
         self.is_aloft = spec.aloft is not None
+        left_s = spec.first_endurance_s - float(durations[0])
+        self.longest_wait_s = max(0.0, left_s) if self.is_aloft else np.inf
         places = [place for motion in self._motions for place in motion.places_enu]
         self.low, self.high = np.min(places, axis=0), np.max(places, axis=0)
         flight = problem.flight(vehicle)
@@ -50,12 +54,21 @@ class FlightTrack:
         """Time from the first take-off to the last touch-down."""
         return float(self.windows[-1, 1])
 
+    def windows_after(self, wait_s: float) -> FloatArray:
+        """Return the times in the air of a vehicle that waits before its first flight."""
+        if not self.is_aloft:
+            return self.windows
+        windows = self.windows.copy()
+        windows[0, 0] -= wait_s
+        return windows
+
     def places(self, times_s: FloatArray) -> FloatArray:
-        """Return (east, north, up) at times in the air, shape (n, 3)."""
+        """Return (east, north, up) at times in the air, shape (n, 3); before 0 it stands."""
         begins = self.windows[:, 0]
         flight = np.clip(np.searchsorted(begins, times_s, side='right') - 1, 0, None)
         places = np.empty((len(times_s), 3))
         for number in np.unique(flight).tolist():
             chosen = flight == number
-            places[chosen] = self._motions[number].positions(times_s[chosen] - begins[number])
+            since_s = np.maximum(times_s[chosen] - begins[number], 0.0)
+            places[chosen] = self._motions[number].positions(since_s)
         return places

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Routes of vehicles that keep apart: they wait on the ground, or fly in layers of height."""
+"""Routes of vehicles that keep apart: they wait, or fly in layers of height."""
 
 import dataclasses
 import math
@@ -39,9 +39,16 @@ class KeptApart:
 def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     """Return the routes of these orders, apart as the site's request wants it.
 
-    Where batteries are changed, flights may take their turns in another order.
+    Where batteries are changed, flights may take their turns in another order. Vehicles in the air
+    that meet are given their places in another order.
     """
     apart = _kept_apart(site, orders)
+    aloft = sum(vehicle.aloft is not None for vehicle in site.problem.vehicles)
+    for turn in range(1, aloft if aloft > 1 else 0):
+        if apart.separation_m >= site.request.separation.distance_m:
+            break
+        other = _kept_apart(site, orders, turn)
+        apart = max(apart, other, key=lambda one: one.separation_m)
     turned = _turned(site, apart.routes) if any(r.delay_s for r in apart.routes) else orders
     if turned == orders:
         return apart
@@ -49,20 +56,20 @@ def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     return min(apart, other, key=lambda one: max(route.finish_s for route in one.routes))
 
 
-def _kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
+def _kept_apart(site: SurveySite, orders: Orders, turn: int = 0) -> KeptApart:
     request = site.request
     is_wanted = request.separation.distance_m > 0.0
     layers = (0.0,) * len(orders)
     routes = routes_of(site, orders)
     if is_wanted and request.separation.by == 'layers':
-        layers = _layers(site, orders, routes)
+        layers = _layers(site, orders, routes, turn)
         site = in_layers(site, layers)
         routes = routes_of(site, orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = [_track(site, k, routes[k]) for k in flying]
-    delays = (
-        delays_apart(tracks, request.separation.distance_m) if is_wanted else [0.0] * len(tracks)
-    )
+    delays = [0.0] * len(tracks)
+    if is_wanted:
+        delays = delays_apart(tracks, request.separation.distance_m, turn)
     late = dict(zip(flying, delays, strict=True))
     delayed = tuple(
         dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
@@ -112,7 +119,9 @@ def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
     return dataclasses.replace(site, problem=problem)
 
 
-def _layers(site: SurveySite, orders: Orders, routes: tuple[Route, ...]) -> tuple[float, ...]:
+def _layers(
+    site: SurveySite, orders: Orders, routes: tuple[Route, ...], turn: int
+) -> tuple[float, ...]:
     """Return the height above the others at which each vehicle lands earliest.
 
     In the order in which places are given each vehicle takes the layer in which it lands first,
@@ -120,13 +129,17 @@ def _layers(site: SurveySite, orders: Orders, routes: tuple[Route, ...]) -> tupl
     """
     step = site.request.separation.distance_m
     placed = Placed(step)
+    airspace, coverage = site.request.airspace, site.request.coverage
+    highest_m = airspace.max_height_agl_m - coverage.height_agl_m
     layers = [0.0] * len(orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = [_track(site, k, routes[k]) for k in flying]
-    for k in (flying[i] for i in flying_order(tracks)):
+    for k in (flying[i] for i in flying_order(tracks, turn)):
         best = (math.inf, 0.0, 0.0, tracks[flying.index(k)])
         for number in range(MAX_LAYERS):
             layer = number * step
+            if layer > highest_m:
+                break
             trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
             try:
                 track = _track(trial, k, route_of(trial, k, orders[k]))

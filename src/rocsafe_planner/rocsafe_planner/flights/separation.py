@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Own vehicles kept apart: their least distance in the air, and take-offs late enough for it.
+"""Own vehicles kept apart: their least distance in the air, and starts late enough for it.
+
+A vehicle on the ground waits for its take-off, one in the air waits where it is.
 
 Distances between two tracks change no faster than both vehicles' top speeds together. From
 samples half an interval apart that gives a lower bound in between, and the intervals that might
@@ -18,6 +20,8 @@ TOLERANCE_M = 0.01
 
 _SAMPLE_S = 1.0
 _DELAY_STEP_S = 2.0
+# Nobody hovers longer to let others pass.
+_LONGEST_HOVER_S = 300.0
 
 
 def minimum_separation_m(tracks: Sequence[FlightTrack], delays_s: Sequence[float]) -> float:
@@ -26,31 +30,38 @@ def minimum_separation_m(tracks: Sequence[FlightTrack], delays_s: Sequence[float
     for i, j in _pairs_by_distance(tracks):
         if _box_distance_m(tracks[i], tracks[j]) >= least:
             continue
-        pair = _Pair(tracks[i], tracks[j], delays_s[j] - delays_s[i])
+        pair = _Pair((tracks[i], delays_s[i]), (tracks[j], delays_s[j]))
         least = min(least, pair.least_distance_m(least))
     return float(least)
 
 
-def delays_apart(tracks: Sequence[FlightTrack], separation_m: float) -> list[float]:
+def delays_apart(tracks: Sequence[FlightTrack], separation_m: float, turn: int = 0) -> list[float]:
     """Return how long each vehicle waits so that no two come nearer than `separation_m`.
 
     The one that flies longest goes first; each next one as soon as it stays apart from those
-    before. There is always a way: to wait until they have landed. A vehicle in the air cannot
-    wait: it goes first, whoever it meets.
+    before. On the ground there is always a way: to wait until they have landed. A vehicle in the
+    air for which no wait is long enough does not wait, whoever it meets.
     """
     placed = Placed(separation_m)
     delays = [0.0] * len(tracks)
-    for k in flying_order(tracks):
-        delays[k] = placed.delay_s(tracks[k])
+    for k in flying_order(tracks, turn):
+        delay_s = placed.delay_s(tracks[k])
+        delays[k] = delay_s if np.isfinite(delay_s) else 0.0
         placed.add(tracks[k], delays[k])
     return delays
 
 
-def flying_order(tracks: Sequence[FlightTrack]) -> list[int]:
-    """Return who is given its place first: who is in the air, then who flies longest."""
-    return sorted(
+def flying_order(tracks: Sequence[FlightTrack], turn: int = 0) -> list[int]:
+    """Return who is given its place first: who is in the air, then who flies longest.
+
+    With `turn` so many of those in the air are given theirs after the others in the air.
+    """
+    order = sorted(
         range(len(tracks)), key=lambda k: (not tracks[k].is_aloft, -tracks[k].duration_s)
     )
+    count = sum(track.is_aloft for track in tracks)
+    aloft = order[:count]
+    return [*aloft[turn:], *aloft[:turn], *order[count:]]
 
 
 class Placed:
@@ -65,14 +76,19 @@ class Placed:
         self._flights.append((track, delay_s))
 
     def delay_s(self, track: FlightTrack, limit_s: float = np.inf) -> float:
-        """Return the least delay with which a track keeps away; infinite if above a limit."""
+        """Return the least delay with which a track keeps away; infinite if above a limit.
+
+        A vehicle in the air must keep away while it waits, too.
+        """
+        if track.is_aloft:
+            limit_s = min(limit_s, track.longest_wait_s, _LONGEST_HOVER_S)
         near = [
             (other, delay)
             for other, delay in self._flights
             if _box_distance_m(track, other) < self._separation
         ]
         delay = 0.0
-        while not track.is_aloft and not self._is_apart(track, delay, near):
+        while not self._is_apart(track, delay, near):
             delay += _DELAY_STEP_S
             if delay > limit_s:
                 return np.inf
@@ -82,7 +98,7 @@ class Placed:
         self, track: FlightTrack, delay_s: float, near: list[tuple[FlightTrack, float]]
     ) -> bool:
         return all(
-            _Pair(track, other, delay - delay_s).stays_apart(self._separation)
+            _Pair((track, delay_s), (other, delay)).stays_apart(self._separation)
             for other, delay in near
         )
 
@@ -103,11 +119,15 @@ def _box_distance_m(a: FlightTrack, b: FlightTrack) -> float:
 
 
 class _Pair:
-    """Two tracks, the second of which begins `lag_s` after the first."""
+    """Two tracks, each with its delay."""
 
-    def __init__(self, a: FlightTrack, b: FlightTrack, lag_s: float) -> None:
-        self._a, self._b, self._lag = a, b, lag_s
-        self._speed = a.top_speed_mps + b.top_speed_mps
+    def __init__(
+        self, first: tuple[FlightTrack, float], second: tuple[FlightTrack, float]
+    ) -> None:
+        (self._a, delay_a), (self._b, delay_b) = first, second
+        self._lag = delay_b - delay_a
+        self._windows = self._a.windows_after(delay_a), self._b.windows_after(delay_b)
+        self._speed = self._a.top_speed_mps + self._b.top_speed_mps
 
     def least_distance_m(self, known: float) -> float:
         """Return the least distance, or any value not below `known` if it is not less."""
@@ -123,8 +143,8 @@ class _Pair:
     def _samples(self) -> list[FloatArray]:
         """Return times of the first track's clock, for each while in which both are in the air."""
         samples = []
-        for begin_a, end_a in self._a.windows:
-            for begin_b, end_b in self._b.windows + self._lag:
+        for begin_a, end_a in self._windows[0]:
+            for begin_b, end_b in self._windows[1] + self._lag:
                 begin, end = max(begin_a, begin_b), min(end_a, end_b)
                 if begin < end:
                     samples.append(np.linspace(begin, end, 2 + int((end - begin) / _SAMPLE_S)))

@@ -83,7 +83,7 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
 
 
 def continuation_document(continuation: Continuation) -> Document:
-    """Return the viewpoints and places that an earlier plan hands on."""
+    """Return the viewpoints and places that are taken over from an earlier plan."""
     return {
         'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
         'visited': [viewpoint_document(view) for view in continuation.visited],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The places of a flight in order, for whoever draws, exports or checks it."""
+"""The places of a flight in flying order."""
 
 import math
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ def begins_aloft(route: Route, number: int) -> bool:
 def ground_places(route: Route) -> tuple[GeoPosition, GeoPosition | None]:
     """Return a vehicle's home and its end, if it has one, at the altitude of the ground there.
 
-    Over level ground, where that is one for all, they are as they were given.
+    Over level ground their altitudes are not changed.
     """
     home, end = route.vehicle.home, route.vehicle.end
     ground_m = route.ground_altitude_m
@@ -79,7 +79,7 @@ def flight_path(route: Route, number: int) -> tuple[Stop, ...]:
 def altitude_m(route: Route, stop: Stop) -> float:
     """Return the altitude of a stop above the ellipsoid, NaN if it is not known.
 
-    That of a home or an end is the ground's, above which the vehicle is.
+    For a home or an end it is the altitude of the ground below the vehicle.
     """
     ground_m = route.ground_altitude_m
     if stop.viewpoint is None and math.isnan(ground_m):

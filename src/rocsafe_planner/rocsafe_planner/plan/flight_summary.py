@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each flight of a plan in a few words: when it takes off, when and where it lands, what then.
+"""Summary of each flight of a plan: take-off, landing, battery change.
 
-Autopilots' files hold one flight each, and none of when it is to begin: this is what says it.
+The files for autopilots hold one flight each, without the time of take-off, which this summary
+states.
 """
 
 import csv
@@ -43,7 +44,7 @@ class FlightSummary:
 
     @property
     def text(self) -> str:
-        """All of it as one sentence without a full stop."""
+        """The summary as one sentence without a full stop."""
         begin = 'takes off' if self.begins == 'home' else 'is in the air'
         late = f' after {self.takes_off_s:.0f} s' if self.takes_off_s else ''
         where = 'home' if self.lands == 'home' else f'its {self.lands}'
@@ -54,7 +55,7 @@ class FlightSummary:
 
 
 def flight_summary(route: Route, number: int) -> FlightSummary:
-    """Return what flight `number` of a route, from 0, is about."""
+    """Return the summary of flight `number` of a route, counted from 0."""
     vehicle, count = route.vehicle, len(route.sorties)
     swap_s = vehicle.battery_swap_s or 0.0
     takes_off_s = route.delay_s + sum(s.duration_s + swap_s for s in route.sorties[:number])

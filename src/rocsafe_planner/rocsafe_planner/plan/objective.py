@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a plan is to be small in, by name: the five choices of the seed system."""
+"""Objectives of a plan by name: the five of the ROCSAFE paper."""
 
 import math
 from collections.abc import Callable
@@ -26,7 +26,7 @@ OBJECTIVE_UNITS = {
 
 
 def objective_gap(plan: SurveyPlan) -> float:
-    """Return by how much the objective may exceed the best possible value; NaN if unknown."""
+    """Return the greatest relative excess of the objective over the best value; NaN if unknown."""
     bound = plan.objective_bound
     if math.isnan(bound):
         return math.nan

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The answer of the planner, as values."""
+"""The plan: routes, times, coverage and bounds."""
 
 import math
 from dataclasses import dataclass, field
@@ -32,12 +32,12 @@ class Sortie:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Route:
-    """What one vehicle flies, in one flight or more with battery swaps at home; empty: nothing.
+    """The flights of one vehicle, with battery swaps at home between; may be empty.
 
     Attributes
     ----------
     delay_s
-        How long it waits on the ground before it takes off first.
+        Waiting time on the ground before the first take-off.
     flight_height_m
         Above the ground, of all that it flies.
     ground_altitude_m
@@ -83,18 +83,18 @@ class Route:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyPlan:
-    """Routes of all vehicles, in the order of the request, and how good they are.
+    """Routes of all vehicles, in the order of the request, with figures of quality.
 
     Attributes
     ----------
     plan_id
-        Names the request: the same request gives the same id, and the same plan.
+        Identifier of the request: equal requests have equal ids and equal plans.
     spacing_m, spacing_along_m
         Between neighbouring viewpoints in the direction of the image's width and height.
     lower_bound_s, lower_bound_method
-        No plan for these viewpoints and vehicles has a shorter makespan, and what proved it.
+        Lower bound of the makespan for these viewpoints and vehicles, and its method.
     objective_bound
-        No plan has a smaller value of the request's objective, in its unit; NaN: not known.
+        Lower bound of the request's objective, in its unit; NaN: not known.
     largest_hole_m2
         Area of the largest connected part of the regions that no photograph shows.
     minimum_separation_m
@@ -141,7 +141,7 @@ class SurveyPlan:
 
     @property
     def gap_fraction(self) -> float:
-        """By how much the makespan may exceed the best possible one."""
+        """Greatest relative excess of the makespan over the best possible one."""
         return self.makespan_s / self.lower_bound_s - 1.0 if self.lower_bound_s > 0.0 else 0.0
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plan read back from its `plan.json`, as far as going on with it needs it."""
+"""Reader of `plan.json`."""
 
 import json
 import math
@@ -46,7 +46,7 @@ def read_plan(
     Raises
     ------
     ValueError
-        In one line, if it is no plan, or one over another terrain.
+        If the file holds no plan, or a plan over another terrain; one line.
     """
     try:
         document = json.loads(Path(path).read_text(encoding='utf-8'))

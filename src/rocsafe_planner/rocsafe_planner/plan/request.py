@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What to plan: regions, a camera, a fleet, and how."""
+"""The request: regions, camera, fleet and options."""
 
 import hashlib
 import json
@@ -31,16 +31,17 @@ from rocsafe_planner.plan.vehicle import Vehicle
 MAX_VEHICLES = 1000
 MAX_REGIONS = 1000
 _IDENTITY_VERSION = 3
+_LIMIT = 'max_height_agl_m'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyRequest:
-    """A complete question to the planner; the same question has the same answer.
+    """A complete request to the planner; equal requests have equal plans.
 
     Attributes
     ----------
     regions, camera, vehicles
-        What to photograph, the nadir camera that all vehicles carry, and the fleet.
+        Areas to photograph, the nadir camera that all vehicles carry, and the fleet.
     coverage, airspace, separation, effort
         See the values of `survey_options`.
     exclusions
@@ -48,7 +49,7 @@ class SurveyRequest:
     terrain
         Ground that flights follow at the height of the camera; None: the ground is level.
     continuation
-        What is taken over from an earlier plan.
+        Data taken over from an earlier plan.
     """
 
     regions: tuple[SurveyRegion, ...]
@@ -68,6 +69,11 @@ class SurveyRequest:
         _check_vehicles(self.vehicles)
         _check_wind(self.airspace.wind_mps, self.vehicles)
         clearance, height = self.airspace.terrain_clearance_m, self.coverage.height_agl_m
+        highest = self.airspace.max_height_agl_m
+        if height > highest:
+            raise ValueError(
+                f'height_agl_m is {height:g} m: must be at most max_height_agl_m, {highest:g} m'
+            )
         if self.terrain is not None and clearance >= height:
             raise ValueError(
                 f'terrain_clearance_m is {clearance:g} m: must be below height_agl_m, {height:g} m'
@@ -85,7 +91,8 @@ class SurveyRequest:
             'separation_m': self.separation.distance_m,
             'separation_by': self.separation.by,
             **asdict(self.coverage),
-            **asdict(self.airspace),
+            # A limit that a plan keeps is no part of it.
+            **{key: value for key, value in asdict(self.airspace).items() if key != _LIMIT},
             **asdict(self.effort),
             **continuation_document(self.continuation),
         }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a survey is planned: photographs, airspace, separation, effort. Defaults are written here.
+"""Options of a survey: photographs, airspace, separation, effort. The defaults are defined here.
 
 Scenarios, messages and commands take their defaults from these values.
 """
@@ -91,7 +91,7 @@ class CoverageOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AirspaceOptions:
-    """What flights keep away from, and the wind.
+    """Clearances of flights, and the wind.
 
     Attributes
     ----------
@@ -99,12 +99,17 @@ class AirspaceOptions:
         Distance of legs and viewpoints from exclusions, metres; may be 0.
     terrain_clearance_m
         Height of legs above the terrain, metres.
+    max_height_agl_m
+        Greatest height above the ground of anything that is flown, metres. 120 m is the limit of
+        the open category in the European Union (Regulation 2019/947, UAS.OPEN.010); an operator
+        with an authorisation raises it.
     wind_mps
         (east, north) velocity of the air, m/s; every vehicle must be able to fly in it.
     """
 
     clearance_m: float = 2.0
     terrain_clearance_m: float = 10.0
+    max_height_agl_m: float = 120.0
     wind_mps: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
@@ -113,24 +118,28 @@ class AirspaceOptions:
         east, north = (require_finite('wind_mps', part, 'm/s') for part in self.wind_mps)
         object.__setattr__(self, 'clearance_m', float(self.clearance_m))
         object.__setattr__(self, 'terrain_clearance_m', clearance)
+        highest = require_positive('max_height_agl_m', self.max_height_agl_m, 'm')
+        object.__setattr__(self, 'max_height_agl_m', highest)
         object.__setattr__(self, 'wind_mps', (east, north))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeparationOptions:
-    """How far apart vehicles stay in the air.
+    """Separation of vehicles in the air.
 
     Attributes
     ----------
     distance_m
-        Least distance of any two, metres; 0: all take off at once, at one height.
+        Least distance of any two, metres; 0: all take off at once, at one height. The default is
+        twice the 95 % error of a receiver without correction signals (about 5 m, GPS Standard
+        Positioning Service, with a vehicle's own size and its deviation from its way).
     by
-        ``'delay'`` (take-offs are delayed) or ``'layers'`` (vehicles fly at different heights,
-        too, where that lets them land earlier).
+        ``'delay'`` (vehicles wait) or ``'layers'`` (they fly at different heights, too, where
+        that lets them land earlier).
     """
 
-    distance_m: float = 0.0
-    by: str = SEPARATIONS[0]
+    distance_m: float = 10.0
+    by: str = 'layers'
 
     def __post_init__(self) -> None:
         distance = require_not_negative('separation distance_m', self.distance_m, 'm')
@@ -140,7 +149,7 @@ class SeparationOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Effort:
-    """Which method plans, what it minimises, and for how long.
+    """Routing method, objective, and length of the search.
 
     Attributes
     ----------
@@ -180,7 +189,7 @@ class Effort:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Continuation:
-    """What a plan that goes on with a survey takes over from the plan before.
+    """Data that a plan takes over from the plan that it continues.
 
     Attributes
     ----------
@@ -189,7 +198,7 @@ class Continuation:
     visited
         Places photographed before, which count as seen.
     ground_reference
-        Places whose altitudes tell the height of level ground; empty: the homes.
+        Places whose altitudes define the height of level ground; empty: the homes.
     """
 
     viewpoints: tuple[Viewpoint, ...] = ()

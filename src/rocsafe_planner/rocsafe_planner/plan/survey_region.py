@@ -9,7 +9,7 @@ from rocsafe_planner.plan.vehicle import require_sensors
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyRegion:
-    """An area to photograph, and what a vehicle must carry besides its camera to do so."""
+    """An area to photograph, and the sensors that a vehicle needs for it besides its camera."""
 
     area: SurveyArea
     sensors: tuple[str, ...] = ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What planning needs to know of a vehicle."""
+"""A vehicle as the planner sees it."""
 
 import re
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aloft:
-    """Where a vehicle is in the air, and for how long its battery has been used."""
+    """Position of a vehicle in the air, and the used time of its battery."""
 
     position: GeoPosition
     used_s: float = 0.0
@@ -36,7 +36,7 @@ class Vehicle:
     home
         Where it takes off and lands; altitude is that of the ground there, NaN if unknown.
     cruise_speed_mps, acceleration_mps2
-        Of horizontal legs; braking is as hard as speeding up.
+        Speed and acceleration of horizontal legs; deceleration equals acceleration.
     climb_rate_mps, descent_rate_mps
         Constant vertical speeds, both positive.
     hover_s
@@ -48,7 +48,7 @@ class Vehicle:
     end, is_open
         Where it lands instead of home; whether it lands at its last viewpoint instead.
     sensors
-        Names of what it carries besides the camera.
+        Names of the sensors that it carries besides the camera.
     cruise_power_w, hover_power_w
         Electric power on legs, climb and descent, and at viewpoints: for the objective `energy`.
     aloft
@@ -56,7 +56,7 @@ class Vehicle:
     used_s
         Flight time used of the battery with which it takes off at home.
     autopilot
-        How it speeds up, turns, climbs and lands.
+        Limits with which it accelerates, turns, climbs and lands.
     """
 
     name: str
@@ -104,7 +104,7 @@ class Vehicle:
         Raises
         ------
         ValueError
-            If it cannot fly in so much wind.
+            If it cannot fly in this wind.
         """
         return Performance(
             cruise_speed_mps=self.cruise_speed_mps,
@@ -148,7 +148,7 @@ def _descent_s(performance: Performance, height_m: float) -> float:
 
 
 def require_sensors(owner: str, sensors: tuple[str, ...]) -> tuple[str, ...]:
-    """Return names of sensors sorted and each once; raise ValueError if one is none."""
+    """Return sorted names of sensors without duplicates; raise ValueError for a wrong name."""
     for sensor in sensors:
         if not isinstance(sensor, str) or not _NAME.fullmatch(sensor):
             raise ValueError(

@@ -6,6 +6,8 @@ each viewpoint, returns at the survey height and descends. It stops wherever a l
 exclusion or over a hill. A vehicle without viewpoints stays on the ground; one that is in the air
 already begins where it is, and lands in any case.
 
+Who begins in the air at another height than that of its legs first climbs or descends to it.
+
 Sites are numbered: the n points, then the starts of the m vehicles, their ends, their homes.
 """
 
@@ -26,6 +28,9 @@ from rocsafe_planner.problem.airspace import Air, Detours
 from rocsafe_planner.problem.flight_motion import enu, flight_motion
 from rocsafe_planner.problem.flight_time import FlightTime
 from rocsafe_planner.problem.leg_times import MOST_KEPT, LegTimes, distances_m
+
+# A vehicle that begins so near to the height of its legs does not climb to it first, metres.
+LEVEL_M = 0.5
 
 Order = list[int]
 """Indices of points in flying order."""
@@ -49,7 +54,8 @@ class FleetProblem:
         Where vehicles are that begin in an exclusion, which they leave to their start first,
         shape (m, 3), NaN: in none; with an up of NaN at the height of the legs.
     start_ups_m
-        Height of each start above the frame's origin, shape (m,), NaN: that of the legs.
+        Height of each vehicle where it begins in the air, above the frame's origin, shape (m,),
+        NaN: that of the legs.
     layers_m
         How much higher than `height_m` each vehicle flies; empty: none does.
     ground, relief
@@ -98,11 +104,17 @@ class FleetProblem:
     @cached_property
     def ups_m(self) -> FloatArray:
         """Flying height over the sites, above the frame's origin, shape (n + 3 m,)."""
-        ups = self._over(self.sites)
+        return self._ups_m(0.0)
+
+    def _ups_m(self, layer_m: float) -> FloatArray:
+        """Return the flying height over the sites in a layer."""
+        ups = self._over(self.sites) + layer_m
         if self.start_ups_m is not None:
             starts = slice(len(self.points), len(self.points) + len(self.vehicles))
-            known = np.isfinite(self.start_ups_m)
-            ups[starts] = np.where(known, self.start_ups_m, ups[starts])
+            is_level = np.abs(self.start_ups_m - ups[starts]) <= LEVEL_M
+            is_open = np.array([vehicle.is_open for vehicle in self.vehicles])
+            begins_there = is_level | (is_open & np.isfinite(self.start_ups_m))
+            ups[starts] = np.where(begins_there, self.start_ups_m, ups[starts])
         return ups
 
     def flight(self, vehicle: int) -> FlightTime:
@@ -178,12 +190,20 @@ class FleetProblem:
         return vertical_s + self._exit_s(vehicle)
 
     def inside(self, vehicle: int) -> Enu | None:
-        """Return the place of a vehicle that begins inside an exclusion; None if it does not."""
-        if self.insides is None or np.isnan(self.insides[vehicle, 0]):
-            return None
-        east, north, up = self.insides[vehicle].tolist()
-        over = float(self._air(vehicle).sites[self.start_site(vehicle), 2])
-        return east, north, over if np.isnan(up) else up
+        """Return where a vehicle is that first flies to its start; None: it is there.
+
+        It leaves an exclusion, or comes to the height of its legs.
+        """
+        start_east, start_north, over = self._air(vehicle).sites[self.start_site(vehicle)].tolist()
+        if self.is_shut_in(vehicle) and self.insides is not None:
+            east, north, up = self.insides[vehicle].tolist()
+            return east, north, over if np.isnan(up) else up
+        up = np.nan if self.start_ups_m is None else float(self.start_ups_m[vehicle])
+        return None if np.isnan(up) or up == over else (start_east, start_north, up)
+
+    def is_shut_in(self, vehicle: int) -> bool:
+        """Return whether a vehicle begins inside an exclusion."""
+        return self.insides is not None and not np.isnan(self.insides[vehicle, 0])
 
     def exit_m(self, vehicle: int) -> float:
         """Return the length of a vehicle's way out of the exclusion that it begins in."""
@@ -281,7 +301,7 @@ class FleetProblem:
             corners = np.zeros((0, 2)) if self.detours is None else self.detours.corners
             air = self._airs[key] = Air(
                 flight=key[0],
-                sites=np.column_stack([self.sites, self.ups_m + key[1]]),
+                sites=np.column_stack([self.sites, self._ups_m(key[1])]),
                 corners=np.column_stack([corners, self._over(corners) + key[1]]),
             )
             kept = 0 if self.legs_are_plain else MOST_KEPT // len(set(keys))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The site of a survey: what is asked for, and the viewpoints in it."""
+"""The site of a survey: the request in a plane, and its viewpoints."""

@@ -22,7 +22,7 @@ def given_coverage(
     polygons: Sequence[shapely.Polygon],
     may_stand: Callable[[FloatArray], BoolArray] | None,
 ) -> Coverage:
-    """Return the viewpoints that a request names, without those where nobody may stand.
+    """Return the viewpoints that a request names, without those in exclusions.
 
     `polygon` of the result is the number of the viewpoint in the request. Those visited before
     count as seen.

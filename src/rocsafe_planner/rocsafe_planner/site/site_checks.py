@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where vehicles may stand: not far from the regions, and in no exclusion."""
+"""Checks of places: near the regions, and in no exclusion."""
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def check_stands(
 def check_ups(vehicles: tuple[Vehicle, ...], heights_m: FloatArray, clearance_m: float) -> None:
     """Raise ValueError if a vehicle in the air, (m,) or NaN, is deep in the ground.
 
-    Down to the clearance it may be an error of the terrain or of the vehicle's place.
+    A depth less than the clearance may be an error of the terrain or of the position.
     """
     for vehicle, height_m in zip(vehicles, heights_m.tolist(), strict=True):
         if height_m < -clearance_m:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A request in the plane of a local frame: viewpoints, exclusions, and the routing problem."""
+"""A request in the plane of a local frame: viewpoints, exclusions, routing problem."""
 
 import dataclasses
 import math
@@ -28,7 +28,7 @@ seconds."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SurveySite:
-    """What a request means in the plane; `viewpoints` are those of the problem's points."""
+    """A request in the plane; `viewpoints` belong to the points of the problem."""
 
     request: SurveyRequest
     frame: LocalFrame
@@ -39,7 +39,7 @@ class SurveySite:
     problem: FleetProblem
 
     def viewpoint(self, vehicle: int, point: int) -> Viewpoint:
-        """Return a viewpoint as a vehicle sees it: from its own layer."""
+        """Return a viewpoint at the height of a vehicle's layer."""
         view, layer = self.viewpoints[point], self.problem.layer_m(vehicle)
         if not layer:
             return view
@@ -203,7 +203,7 @@ def _start_ups_m(request: SurveyRequest, frame: LocalFrame) -> FloatArray:
 
 
 def _may_visit(request: SurveyRequest, coverage: Coverage) -> BoolArray | None:
-    """Return which vehicle may visit which point; None if all may."""
+    """Return which vehicle may visit which point; None: each may visit all."""
     needs = needed_sensors(request)
     if not any(needs):
         return None
@@ -221,7 +221,7 @@ def _may_visit(request: SurveyRequest, coverage: Coverage) -> BoolArray | None:
 
 
 def needed_sensors(request: SurveyRequest) -> list[tuple[str, ...]]:
-    """Return what must be carried, by region, or by viewpoint if those are given."""
+    """Return the required sensors by region, or by viewpoint if viewpoints are given."""
     if request.continuation.viewpoints:
         return [view.sensors for view in request.continuation.viewpoints]
     return [region.sensors for region in request.regions]

@@ -24,6 +24,11 @@ NAMED_DOSES_USV = {
 }
 DEFAULT_DOSE_RATES_USVH = (25.0, 100.0, 1000.0, 1e5)
 DEFAULT_DOSES_USV = tuple(NAMED_DOSES_USV)
+# A vehicle turns back at the dose rate at which people do, 100 mSv/h (EPR-First Responders of the
+# IAEA), so that it can still be touched and its way home be walked; and at a dose that parts which
+# are not hardened bear, 10 Gy (1 krad: commercial parts fail from some krad on).
+DEFAULT_TURN_BACK_USVH = 1e5
+DEFAULT_VEHICLE_BUDGET_USV = 1e7
 # Readings scatter: a level is left only well below it.
 CLEARED_SHARE = 0.8
 
@@ -40,12 +45,16 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alarm:
-    """A level reached or left with `value`, both in microsievert or microsievert per hour."""
+    """A level reached or left with `value`, both in microsievert or microsievert per hour.
+
+    The vehicle is to return where it `turns_back`.
+    """
 
     quantity: str
     threshold: float
     value: float
     is_reached: bool
+    turns_back: bool = False
 
     @property
     def name(self) -> str:
@@ -57,19 +66,42 @@ class Alarm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlarmLevels:
-    """Levels of dose rate and of dose, and the longest gap between readings that is bridged."""
+    """Levels of dose rate and of dose, and the longest gap between readings that is bridged.
+
+    At `turn_back_usvh` and at `vehicle_budget_usv` the vehicle is to return; 0: never.
+    """
 
     dose_rates_usvh: tuple[float, ...] = DEFAULT_DOSE_RATES_USVH
     doses_usv: tuple[float, ...] = DEFAULT_DOSES_USV
+    turn_back_usvh: float = DEFAULT_TURN_BACK_USVH
+    vehicle_budget_usv: float = DEFAULT_VEHICLE_BUDGET_USV
     largest_gap_s: float = 5.0
 
     def __post_init__(self) -> None:
+        for name in ('turn_back_usvh', 'vehicle_budget_usv'):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ValueError(f'{name} = {getattr(self, name)} must be at least 0 and finite')
         for name in ('dose_rates_usvh', 'doses_usv'):
             for level in getattr(self, name):
                 if not 0.0 < level < math.inf:
                     raise ValueError(f'{name} = {level} must be above 0 and finite')
         if not 0.0 <= self.largest_gap_s < math.inf:
             raise ValueError(f'largest_gap_s = {self.largest_gap_s} must be at least 0')
+
+    @property
+    def all(self) -> tuple[tuple[str, float], ...]:
+        """Quantity and value of each level, those to turn back at included, ascending."""
+        rates = {*self.dose_rates_usvh, self.turn_back_usvh} - {0.0}
+        doses = {*self.doses_usv, self.vehicle_budget_usv} - {0.0}
+        return (
+            *((DOSE_RATE, level) for level in sorted(rates)),
+            *((DOSE, level) for level in sorted(doses)),
+        )
+
+    def turns_back(self, quantity: str, level: float) -> bool:
+        """Return whether a vehicle is to return at a level, or at a higher one."""
+        limit = self.turn_back_usvh if quantity == DOSE_RATE else self.vehicle_budget_usv
+        return 0.0 < limit <= level
 
 
 class Dosimeter:
@@ -123,9 +155,10 @@ class Dosimeter:
         self.measured_s += duration_s
 
     def _alarms(self, dose_rate_usvh: float) -> list[Alarm]:
-        pairs = [(DOSE_RATE, level, dose_rate_usvh) for level in self._levels.dose_rates_usvh]
-        pairs += [(DOSE, level, self.dose_usv) for level in self._levels.doses_usv]
-        found = (self._alarm(quantity, level, value) for quantity, level, value in pairs)
+        values = {DOSE_RATE: dose_rate_usvh, DOSE: self.dose_usv}
+        found = (
+            self._alarm(quantity, level, values[quantity]) for quantity, level in self._levels.all
+        )
         return [alarm for alarm in found if alarm is not None]
 
     def _alarm(self, quantity: str, level: float, value: float) -> Alarm | None:
@@ -137,5 +170,9 @@ class Dosimeter:
         else:
             return None
         return Alarm(
-            quantity=quantity, threshold=level, value=value, is_reached=key in self._reached
+            quantity=quantity,
+            threshold=level,
+            value=value,
+            is_reached=key in self._reached,
+            turns_back=self._levels.turns_back(quantity, level),
         )

@@ -63,9 +63,15 @@ class Cordon:
         parts = [LEVEL_NAMES.get(self.level_usvh, ''), f'{self.area.area:.0f} m²']
         stays = self.stay_times_h().items()
         parts += [
-            f'{STAY_MEANINGS[name]} after {hours:.3g} h at its edge' for name, hours in stays
+            f'{STAY_MEANINGS[name]} after {_stay(hours)} at its edge' for name, hours in stays
         ]
         return '; '.join(part for part in parts if part)
+
+
+def _stay(hours: float) -> str:
+    if hours < 1.0:
+        return f'{60.0 * hours:.3g} min'
+    return f'{hours:.3g} h' if hours < 72.0 else f'{hours / 24.0:.0f} d'
 
 
 def cordons(found: DoseMap, levels_usvh: Sequence[float] = DEFAULT_LEVELS_USVH) -> list[Cordon]:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The schema of scene files."""
 
-from datetime import datetime, timezone
+from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
+from rocsafe_geo.storage.utc_time import in_utc, time_of_text
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.sunlight import DEFAULT_TIME
 
@@ -13,12 +14,6 @@ Weather = Literal['clear', 'overcast', 'wet', 'fog', 'dusk']
 Point = tuple[float, float]
 Byte = Annotated[int, Field(ge=0, le=255)]
 Rgb = tuple[Byte, Byte, Byte]
-
-
-def _in_utc(time: datetime) -> datetime:
-    if time.tzinfo is None:
-        raise ValueError('must say its time zone, for instance 2025-06-01T10:00:00Z')
-    return time.astimezone(timezone.utc)
 
 
 def _known_class(name: str) -> str:
@@ -43,7 +38,7 @@ class PlaceBlock(Block):
 class LightBlock(Block):
     """Time of the sun, and the weather."""
 
-    time: Annotated[datetime, AfterValidator(_in_utc)] = DEFAULT_TIME
+    time: Annotated[datetime, BeforeValidator(time_of_text), AfterValidator(in_utc)] = DEFAULT_TIME
     weather: Weather = 'clear'
 
 

@@ -50,6 +50,9 @@ class Clockwork:
         Whether time runs from the start; otherwise `run` starts it.
     pauses_when_idle
         Whether to pause after a step in which all were idle, once one was busy.
+    pauses_on_news
+        Whether to pause after a step in which a participant has news, so that what answers to
+        them takes effect at that time in every run.
     """
 
     def __init__(
@@ -60,9 +63,11 @@ class Clockwork:
         *,
         is_running: bool = True,
         pauses_when_idle: bool = False,
+        pauses_on_news: bool = False,
     ) -> None:
         self._pace = pace
         self._names = frozenset(participants)
+        self._left: frozenset[str] = frozenset()
         self._time_ns = pace.start_ns
         self._idle: dict[str, bool] = {}
         self._begin_s = wall_s + LISTEN_S
@@ -72,6 +77,8 @@ class Clockwork:
         self._was_busy = False
         self._is_adopted = False
         self._pauses_when_idle = pauses_when_idle
+        self._pauses_on_news = pauses_on_news
+        self._had_news: set[str] = set()
         self.is_running = is_running
 
     @property
@@ -84,12 +91,16 @@ class Clockwork:
         """Whether all participants have finished the current time."""
         return self._published_s is not None and len(self._idle) == len(self._names)
 
-    def take(self, name: str, step_ns: int, *, is_idle: bool) -> None:
+    def take(self, name: str, step_ns: int, *, is_idle: bool, has_news: bool = False) -> None:
         """Take the report of a participant; unknown names and past steps are ignored.
 
-        A report of a later step was meant for a world process that has been restarted since. Its
-        time is adopted, and time runs on if the participant is busy.
+        One that had left and reports the present step takes part again. A report of a later step
+        was meant for a world process that has been restarted since. Its time is adopted, and time
+        runs on if the participant is busy.
         """
+        if name in self._left and step_ns == self._time_ns:
+            self._left -= {name}
+            self._names |= {name}
         if name not in self._names:
             return
         if step_ns > self._time_ns:
@@ -98,9 +109,13 @@ class Clockwork:
             self._idle[name] = is_idle
             self._was_busy = self._was_busy or not is_idle
             self.is_running = self.is_running or (self._is_adopted and not is_idle)
+            if has_news and self._pauses_on_news and name not in self._had_news:
+                self._had_news.add(name)
+                self.is_running = False
 
     def dismiss(self, name: str) -> None:
-        """Stop waiting for a participant that has left."""
+        """Stop waiting for a participant that has left, until it reports the present step."""
+        self._left |= self._names & {name}
         self._names -= {name}
         self._idle.pop(name, None)
 
@@ -149,6 +164,7 @@ class Clockwork:
             self._next_s = (wall_s if is_late else self._next_s) + step_s
         self._time_ns += self._pace.step_ns
         self._idle = {}
+        self._had_news.clear()
         self._is_adopted = False
         self._first_published_s = wall_s
         return self._publish(wall_s)

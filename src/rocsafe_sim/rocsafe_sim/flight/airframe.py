@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Performance of a vehicle: flight, hover time, battery."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.motion.battery import HOVER_POWER_W, PowerModel
@@ -38,6 +38,7 @@ class Airframe:
     hover_power_w: float = HOVER_POWER_W
     fails_after_s: float = 0.0
     collision_radius_m: float = 0.4
+    _power: PowerModel | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         require_not_negative('hover_s', self.hover_s)
@@ -47,9 +48,27 @@ class Airframe:
         require_between('reserve_fraction', self.reserve_fraction, 0.0, 0.9)
         _ = self.power
 
+    def at_speed(self, speed_mps: float) -> 'Airframe':
+        """Return it with another horizontal speed and the same battery; 0: its own speed.
+
+        Raises
+        ------
+        ValueError
+            If it is faster than its own.
+        """
+        if not speed_mps:
+            return self
+        own_mps = self.performance.cruise_speed_mps
+        require_positive('speed_mps', speed_mps, 'm/s')
+        require_between('speed_mps', speed_mps, 0.0, own_mps, 'm/s')
+        slower = replace(self.performance, cruise_speed_mps=speed_mps)
+        return replace(self, performance=slower, _power=self.power)
+
     @property
     def power(self) -> PowerModel:
         """Power in flight."""
+        if self._power is not None:
+            return self._power
         return PowerModel(
             hover_power_w=self.hover_power_w,
             endurance_s=self.endurance_s,

@@ -49,6 +49,8 @@ def low_battery_s(
     charge_fraction: float,
     route: FlightRoute,
     number: int = 0,
+    *,
+    climbs: bool = False,
 ) -> float:
     """Return the time at which the charge is just enough to land at the refuge with the reserve.
 
@@ -64,6 +66,8 @@ def low_battery_s(
         Route, with its landing places and exclusions.
     number
         Number of the flight of the route.
+    climbs
+        Whether it may climb on its way.
 
     Returns
     -------
@@ -76,7 +80,7 @@ def low_battery_s(
     end_s = timeline.duration_s
     if math.isfinite(end_s) and timeline.used_j(end_s) <= spare_s * watt_s_per_s:
         return math.inf
-    level_from_s = _level_from_s(timeline, route)
+    level_from_s = math.inf if climbs else _level_from_s(timeline, route)
     homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
     elapsed_s = 0.0
     while elapsed_s < homeward_s:

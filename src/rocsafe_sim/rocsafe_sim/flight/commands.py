@@ -4,11 +4,18 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.fall import Fall
 from rocsafe_sim.flight.route import FlightRoute
 from rocsafe_sim.flight.segment import FlightPose
-from rocsafe_sim.flight.tasks import fly_timeline, hold_timeline, land_timeline, return_timeline
+from rocsafe_sim.flight.tasks import (
+    fly_timeline,
+    go_to_timeline,
+    hold_timeline,
+    land_timeline,
+    return_timeline,
+)
 from rocsafe_sim.flight.timeline import Timeline
 
 
@@ -17,6 +24,7 @@ class CommandKind(Enum):
 
     FLY = 'fly'
     HOLD = 'hold'
+    GO_TO = 'go to'
     RETURN = 'return'
     DIVERT = 'divert'
     LAND = 'land'
@@ -35,6 +43,8 @@ class Command:
         Simulated time at which it takes effect, nanoseconds.
     wait_ns
         Time on the ground before that, nanoseconds.
+    hover_s
+        Time to stand in the air after that before it is carried out, seconds.
     start
         Pose at that time.
     first_index
@@ -47,6 +57,10 @@ class Command:
         Number of the flight of the route, from 0.
     ground_up_m
         Height of the ground to land or fall on, metres; None: as the route has it.
+    goal_enu
+        Place in the air to fly to, or on the ground to return to instead of home, metres.
+    speed_mps
+        Speed over ground; 0: that of the vehicle.
     """
 
     kind: CommandKind
@@ -57,17 +71,24 @@ class Command:
     distance_m: float
     number: int = 0
     wait_ns: int = 0
+    hover_s: float = 0.0
     ground_up_m: float | None = None
+    goal_enu: Enu | None = None
+    speed_mps: float = 0.0
 
 
 def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:
     """Return the motion that follows from a command."""
     if command.kind is CommandKind.FLY:
-        return fly_timeline(airframe, command.start, route, (command.number, command.first_index))
+        from_here = (command.number, command.first_index)
+        return fly_timeline(airframe, command.start, route, from_here, command.hover_s)
     if command.kind is CommandKind.HOLD:
         return hold_timeline(airframe, command.start)
+    if command.kind is CommandKind.GO_TO and command.goal_enu is not None:
+        return go_to_timeline(airframe, command.start, route, command.goal_enu)
     if command.kind is CommandKind.RETURN:
-        return return_timeline(airframe, command.start, route, route.home_enu)
+        place = command.goal_enu or route.home_enu
+        return return_timeline(airframe, command.start, route, place)
     if command.kind is CommandKind.DIVERT:
         place = route.refuge(command.start.position_enu, command.number)
         return return_timeline(airframe, command.start, route, place)

@@ -33,10 +33,16 @@ class Course:
     def __init__(self, command: Command, route: FlightRoute, airframe: Airframe) -> None:
         self.command = command
         self.route = route
+        airframe = airframe.at_speed(command.speed_mps)
         self.timeline = timeline_of(command, route, airframe)
         self._capacity_j = airframe.power.capacity_j
         low_s = low_battery_s(
-            airframe, self.timeline, command.charge_fraction, route, command.number
+            airframe,
+            self.timeline,
+            command.charge_fraction,
+            route,
+            command.number,
+            climbs=command.kind is CommandKind.GO_TO,
         )
         self.low_ns = self._after_start_ns(low_s)
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)

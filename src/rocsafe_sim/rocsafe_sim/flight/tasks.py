@@ -14,18 +14,28 @@ from rocsafe_sim.flight.timeline import Task, Timeline
 
 # Heights nearer than this count as equal; a conversion to degrees and back changes about 1 nm.
 LEVEL_TOLERANCE_M = 1e-3
+# A bend whose height differs by less is flown level.
+LAYER_TOLERANCE_M = 0.4
 
 
 def fly_timeline(
-    airframe: Airframe, start: FlightPose, route: FlightRoute, from_here: tuple[int, int]
+    airframe: Airframe,
+    start: FlightPose,
+    route: FlightRoute,
+    from_here: tuple[int, int],
+    hover_s: float = 0.0,
 ) -> Timeline:
     """Return the rest of a flight: over its viewpoints, to its landing place, and down.
 
     `from_here` holds the number of the flight and the index of the first viewpoint left.
-    `start` may be on the ground or in the air, standing or moving.
+    `start` may be on the ground or in the air, standing or moving. In the air it stands for
+    `hover_s` first.
     """
     stop, at = stopped(airframe, start)
     tasks = list(_route_tasks(airframe, at, route, *from_here))
+    if hover_s > 0.0:
+        way = airframe.performance.way(at.position_enu, at.position_enu, hover_s)
+        tasks.insert(0, _task(way, Mode.FLYING, at))
     return Timeline(airframe, start, stop, tasks)
 
 
@@ -60,6 +70,26 @@ def hold_timeline(airframe: Airframe, start: FlightPose) -> Timeline:
     stop, at = stopped(airframe, start)
     way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
     return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
+
+
+def go_to_timeline(
+    airframe: Airframe, start: FlightPose, route: FlightRoute, goal: Enu
+) -> Timeline:
+    """Return the way from `start` around exclusions to a place in the air, and a stand there.
+
+    It is flown level, at the greater of both heights.
+    """
+    stop, at = stopped(airframe, start)
+    up_m = max(at.position_enu[2], goal[2])
+    bends = route.around(at.position_enu, goal)
+    corners = [(*place[:2], up_m) for place in (at.position_enu, *bends, goal)]
+    tasks: list[Task] = []
+    for corner in (*corners, goal):
+        if corner != at.position_enu:
+            tasks.append(_task(airframe.performance.way(at.position_enu, corner), Mode.FLYING, at))
+            at = _at_end(tasks[-1])
+    stand = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
+    return Timeline(airframe, start, stop, [*tasks, _task(stand, Mode.HOLDING, at)])
 
 
 def land_timeline(
@@ -168,8 +198,9 @@ def _landing_tasks(
 
 
 def _over(bend: Enu, at: FlightPose, *, is_level: bool) -> Enu:
-    """Return a bend at the height of `at`; over uneven ground at its own."""
-    return (bend[0], bend[1], at.position_enu[2]) if is_level else bend
+    """Return a bend at the height of `at`; over uneven ground, or in another layer, at its own."""
+    is_layer = abs(bend[2] - at.position_enu[2]) > LAYER_TOLERANCE_M
+    return bend if is_layer or not is_level else (bend[0], bend[1], at.position_enu[2])
 
 
 def _down_tasks(airframe: Airframe, at: FlightPose, ground_up_m: float) -> Iterator[Task]:

@@ -89,6 +89,8 @@ class Rav:
 
     Attributes
     ----------
+    spool
+        As given.
     pictures
         Images of all cameras at the viewpoints of the last step.
 
@@ -104,7 +106,7 @@ class Rav:
         self.parts = parts
         self.vehicle = vehicle
         self.shots = ShotStore(spool)
-        self._spool = spool
+        self.spool = spool
         self._journal = None if spool is None else spool / JOURNAL_NAME
         self._written: VehicleRecord | None = None
         self.pictures: list[CameraPicture] = []
@@ -117,8 +119,8 @@ class Rav:
 
     def _restore_gimbals(self) -> None:
         for camera in self.parts.cameras:
-            if camera.gimbal is not None and self._spool is not None:
-                turn = read_gimbal(self._spool, camera.name)
+            if camera.gimbal is not None and self.spool is not None:
+                turn = read_gimbal(self.spool, camera.name)
                 camera.gimbal.turn = turn or camera.gimbal.turn
 
     def step(self, time_ns: int) -> tuple[VehicleSnapshot, list[Shot]]:
@@ -143,8 +145,8 @@ class Rav:
         """Turn the gimbal of a camera, if it has one, from the last step on."""
         if camera.gimbal is not None:
             camera.gimbal.point(target, self.vehicle.time_ns)
-            if self._spool is not None:
-                write_gimbal(self._spool, camera.name, camera.gimbal.turn)
+            if self.spool is not None:
+                write_gimbal(self.spool, camera.name, camera.gimbal.turn)
 
     def look(self, camera: MountedCamera, seen: VehicleSnapshot) -> CameraPicture:
         """Return the image of a camera at a step, for a stream.

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """State from which a restarted vehicle continues its flight; it changes with events, not steps."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.flight.commands import Command
+from rocsafe_sim.flight.fence import Fence
 from rocsafe_sim.flight.route import FlightRoute
 
 
@@ -69,8 +70,17 @@ class VehicleRecord:
         Photographs since power-up; the number of the next one.
     flight
         Last flight; None before the first.
+    fence
+        Its geofence.
+    rally_enu
+        Places on the ground to return to, if nearer than home, metres.
+    speed_mps
+        Speed over ground of the flight under way; 0: that of the vehicle.
     """
 
     home_enu: Enu
     shots_taken: int = 0
     flight: FlightRecord | None = None
+    fence: Fence = field(default_factory=Fence)
+    rally_enu: tuple[Enu, ...] = ()
+    speed_mps: float = 0.0

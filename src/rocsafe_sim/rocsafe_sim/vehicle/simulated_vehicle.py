@@ -11,13 +11,15 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 
+from rocsafe_geo.limits import require_positive
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.commands import Command, CommandKind
 from rocsafe_sim.flight.course import Course
-from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.fence import Fence
+from rocsafe_sim.flight.route import FlightRoute, horizontal_m
 from rocsafe_sim.flight.segment import FlightPose, Mode, standing
 from rocsafe_sim.flight.tasks import stopped
 from rocsafe_sim.flight.timeline import ShotTime
@@ -77,6 +79,11 @@ class SimulatedVehicle:
         return self._record.flight
 
     @property
+    def home_enu(self) -> Enu:
+        """Place on the ground that it returns to, without rally points."""
+        return self._record.home_enu if self.flight is None else self.flight.route.home_enu
+
+    @property
     def mode(self) -> Mode:
         """Mode after the last step or command."""
         return Mode.DISARMED if self._course is None else self._course.mode(self.time_ns)
@@ -85,6 +92,17 @@ class SimulatedVehicle:
     def is_idle(self) -> bool:
         """Whether nothing happens until the next command."""
         return not self.mode.is_airborne and self.mode is not Mode.WAITING
+
+    @property
+    def ends_early(self) -> bool:
+        """Whether its flight ends, or has ended, otherwise than planned."""
+        ending = FlightOutcome.COMPLETED if self.flight is None else self.flight.ending
+        return ending is not FlightOutcome.COMPLETED
+
+    @property
+    def stands(self) -> bool:
+        """Whether it holds and has come to a stop."""
+        return self.mode is Mode.HOLDING and self.pose_at(self.time_ns).motion.is_still
 
     @property
     def waits_s(self) -> float:
@@ -165,10 +183,13 @@ class SimulatedVehicle:
                 else self.pose_at(self.time_ns).position_enu
             )
         require_ready(route, flight, mode, stand, replaces=replaces)
+        if not mode.is_airborne:
+            self._record = replace(self._record, speed_mps=0.0)
         command = self._beginning(route)
         if self.mode.is_airborne:
             begins = stopped(self.airframe, command.start)[1].position_enu
             route = replace(route, begins_enu=begins)
+        self._record.fence.require(route)
         if Course(command, route, self.airframe).low_ns <= command.start_ns:
             raise CommandRefusedError(
                 f'battery {command.charge_fraction:.0%}: must be more, to keep a reserve of '
@@ -219,13 +240,14 @@ class SimulatedVehicle:
         CommandRefusedError
             If not holding, or if the flight was cancelled.
         """
-        flight = self._require_mode('resume', Mode.HOLDING)
+        modes = (Mode.HOLDING, Mode.FLYING) if self._is_sent_away else (Mode.HOLDING,)
+        flight = self._require_mode('resume', *modes)
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
         self._give(flight, _RESUMED.get(flight.ending, CommandKind.RETURN))
 
     def return_home(self) -> None:
-        """End the route, fly home and land.
+        """End the route, fly home or to the nearest rally point, and land.
 
         Raises
         ------
@@ -234,7 +256,7 @@ class SimulatedVehicle:
         """
         flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
         ended = cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to return home')
-        self._give(ended, CommandKind.RETURN)
+        self._give(ended, CommandKind.RETURN, goal_enu=self._nearest_rally())
 
     def land(self) -> None:
         """Land at the present place.
@@ -250,6 +272,75 @@ class SimulatedVehicle:
         self._give(
             cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to land'), CommandKind.LAND
         )
+
+    def go_to(self, place_enu: Enu) -> None:
+        """Fly to a place in the air and stay there; `resume` continues the flight.
+
+        Raises
+        ------
+        CommandRefusedError
+            If on the ground or landing, or if the way leaves the fence.
+        """
+        flight = self._require_mode(
+            'go there', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
+        )
+        height_m = place_enu[2] - flight.route.home_enu[2]
+        require_positive('height_m', height_m, 'm')
+        here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
+        way = (here, *flight.route.around(here, place_enu), place_enu)
+        if not self._record.fence.holds(way):
+            raise CommandRefusedError('cannot go there: the way leaves the fence')
+        self._give(flight, CommandKind.GO_TO, goal_enu=place_enu)
+
+    def set_speed(self, speed_mps: float) -> None:
+        """Fly at another speed until the end of the flight; it stops first.
+
+        Raises
+        ------
+        CommandRefusedError
+            If on the ground or landing.
+        ValueError
+            If it is above its own speed, or not positive.
+        """
+        flight = self._require_mode(
+            'change its speed', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
+        )
+        self.airframe.at_speed(require_positive('speed_mps', speed_mps, 'm/s'))
+        self._record = replace(self._record, speed_mps=speed_mps)
+        self._give(flight, flight.command.kind, goal_enu=flight.command.goal_enu)
+
+    def set_home(self, place_enu: Enu) -> None:
+        """Stand at another place on the ground, and have its home there.
+
+        Raises
+        ------
+        CommandRefusedError
+            If it has taken off, or was told to.
+        """
+        if self.mode is not Mode.DISARMED:
+            text = f'cannot move its home: {self.mode.value}, must be before the first take-off'
+            raise CommandRefusedError(text)
+        self._record = replace(self._record, home_enu=self._on_ground(place_enu))
+
+    def push_fence(self, fence: Fence) -> None:
+        """Replace the fence.
+
+        Raises
+        ------
+        CommandRefusedError
+            If the vehicle is outside of it, or the rest of its flight leaves it.
+        """
+        if not fence.holds([self.pose_at(self.time_ns).position_enu]):
+            raise CommandRefusedError('is outside of this fence')
+        if self.flight is not None and not self.is_idle:
+            fence.require(self.flight.route, self.flight.visited)
+        self._record = replace(self._record, fence=fence)
+
+    def push_rally(self, places_enu: tuple[Enu, ...]) -> None:
+        """Replace the rally points; those outside the fence are refused as ValueError."""
+        if not all(self._record.fence.holds([place]) for place in places_enu):
+            raise ValueError('a rally point is outside of the fence')
+        self._record = replace(self._record, rally_enu=tuple(map(self._on_ground, places_enu)))
 
     def summary(self) -> FlightSummary | None:
         """Return the summary of the last flight; None while it runs and before the first."""
@@ -269,21 +360,22 @@ class SimulatedVehicle:
         if self.flight is None or self._course is None:
             return 0.0, 0.0
         course = self._course
-        if self.mode is Mode.HOLDING:
+        if self.mode is Mode.HOLDING or self._is_sent_away:
             command = self._command(CommandKind.FLY, self.time_ns, self.flight.visited)
             course = Course(command, self.flight.route, self.airframe)
         left_m, left_s = course.left(self.time_ns)
         return left_m, left_s + self.waits_s
 
     def _beginning(self, route: FlightRoute) -> Command:
-        """Return the command to fly `route` from here; on the ground after its delay.
+        """Return the command to fly `route` from here, after its delay.
 
-        A change of the battery in progress is completed first.
+        In the air the vehicle stands meanwhile. A change of the battery in progress is completed
+        first.
         """
         command = self._command(CommandKind.FLY, self.time_ns, first_index=0)
         command = replace(command, number=0)
         if self.mode.is_airborne:
-            return command
+            return replace(command, hover_s=route.delay_s)
         place = command.start.position_enu
         # The height of the ground at home is that of the plan.
         start = standing((*place[:2], route.home_enu[2]), command.start.yaw_rad)
@@ -293,15 +385,37 @@ class SimulatedVehicle:
         start_ns = ready_ns + round(route.delay_s * NS_PER_S)
         return replace(command, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
 
+    @property
+    def _is_sent_away(self) -> bool:
+        return self.flight is not None and self.flight.command.kind is CommandKind.GO_TO
+
+    def _nearest_rally(self) -> Enu | None:
+        """Return the rally point that is nearer than home and all others; None: home."""
+        here = self.pose_at(self.time_ns).position_enu
+        places = (self.home_enu, *self._record.rally_enu)
+        nearest = min(places, key=lambda place: horizontal_m(place, here))
+        return None if nearest == self.home_enu else nearest
+
+    def _on_ground(self, place_enu: Enu) -> Enu:
+        if self.surroundings is None:
+            return (*place_enu[:2], self.home_enu[2])
+        return on_ground(self.surroundings, place_enu)
+
     def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
         if self.flight is None or self.mode not in modes:
             raise CommandRefusedError(f'cannot {what}: {self.mode.value}')
         return self.flight
 
-    def _give(self, flight: FlightRecord, kind: CommandKind, time_ns: int | None = None) -> None:
+    def _give(
+        self,
+        flight: FlightRecord,
+        kind: CommandKind,
+        time_ns: int | None = None,
+        goal_enu: Enu | None = None,
+    ) -> None:
         """Put a command of `kind` in force at `time_ns`, or now."""
         command = self._command(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
-        self._follow(replace(flight, command=command))
+        self._follow(replace(flight, command=replace(command, goal_enu=goal_enu)))
 
     def _command(self, kind: CommandKind, time_ns: int, first_index: int) -> Command:
         course, start = self._course, self.pose_at(time_ns)
@@ -314,6 +428,7 @@ class SimulatedVehicle:
             charge_fraction=1.0 if course is None else course.charge_fraction(time_ns),
             distance_m=self._distance_m(time_ns),
             number=0 if self.flight is None else self.flight.command.number,
+            speed_mps=self._record.speed_mps,
         )
 
     def _ground_for(self, kind: CommandKind, start: FlightPose) -> float | None:

@@ -15,7 +15,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.equations import Equations, Unknowns
-from rocsafe_mapping.alignment.adjustment.projection import TieResiduals
+from rocsafe_mapping.alignment.adjustment.fix_noise import fix_errors_m
+from rocsafe_mapping.alignment.adjustment.projection import POSE_SIZE, TieResiduals
 from rocsafe_mapping.alignment.adjustment.ties import ties_of
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.normal_equations import factored
@@ -75,7 +76,8 @@ def stated_error_m(
 ) -> dict[str, float]:
     """Return the standard error of each photograph's corners on the ground, metres.
 
-    It is computed from random solutions drawn with the covariance of the adjustment.
+    It is computed from random solutions drawn with the covariance of the adjustment; the errors of
+    fixes are drawn as their residuals show them, see `fix_noise`.
     """
     names = tuple(sorted(state.poses))
     unknowns = Unknowns.of(photos, names, with_lenses=True)
@@ -84,6 +86,7 @@ def stated_error_m(
     jacobian, residuals = equations.rows(state)
     factor = factored(jacobian.T @ jacobian)
     draws = np.random.default_rng(0).standard_normal((len(residuals), options.samples))
+    _draw_fixes(draws[2 * len(ties) :], photos, names, state)
     steps = factor.solve(np.asarray(jacobian.T @ draws))
     squares = np.zeros(len(names))
     for step in steps.T:
@@ -92,6 +95,33 @@ def stated_error_m(
             shift = _corners(photos[name], moved) - _corners(photos[name], state)
             squares[number] += np.mean(np.sum(shift**2, axis=1))
     return dict(zip(names, np.sqrt(squares / options.samples).tolist(), strict=True))
+
+
+def _draw_fixes(
+    draws: FloatArray, photos: Mapping[str, Photo], names: Sequence[str], state: State
+) -> None:
+    """Replace the draws of fixes, two of six rows a photograph, by errors as their residuals show.
+
+    Photographs of vehicles with too few fixes keep theirs.
+    """
+    rng = np.random.default_rng(1)
+    for order in _in_time(photos, names):
+        found = [state.poses[names[at]].centre[:2] for at in order]
+        fixes = [photos[names[at]].prior.centre[:2] for at in order]
+        errors_m = fix_errors_m(np.array(fixes), np.array(found), draws.shape[1], rng)
+        if errors_m is None:
+            continue
+        for at, error_m in zip(order, errors_m, strict=True):
+            std_m = photos[names[at]].horizontal_std_m * state.noise.fix_factor
+            draws[POSE_SIZE * at : POSE_SIZE * at + 2] = error_m / std_m
+
+
+def _in_time(photos: Mapping[str, Photo], names: Sequence[str]) -> list[list[int]]:
+    """Return the indices of the photographs of each vehicle, in the order of their times."""
+    found: dict[str, list[int]] = {}
+    for at in sorted(range(len(names)), key=lambda at: (photos[names[at]].time_ns, names[at])):
+        found.setdefault(photos[names[at]].vehicle, []).append(at)
+    return list(found.values())
 
 
 def _corners(photo: Photo, state: State) -> FloatArray:

@@ -28,6 +28,9 @@ from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.photo import Photo, Pose, rays_of_pixels
 from rocsafe_mapping.alignment_options import InitialOptions
 
+# Median distance of points of a normal distribution in the plane, over its standard deviation.
+NORMAL_MEDIAN_RADIUS = 1.1774
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InitialPoses:
@@ -196,7 +199,9 @@ def _laid_on_fixes(
         size = max(float(np.sum(weight * np.abs(spread) ** 2)), 1e-9)
         factor = complex(np.sum(weight * np.conj(spread) * wanted) / size)
         off = np.abs(spread * factor - wanted) / std_m
-        weight = 1.0 / (1.0 + (off / 2.0) ** 2)
+        # Fixes may scatter farther than they claim: then they would prefer too small a scale.
+        scatter = max(1.0, float(np.median(off)) / NORMAL_MEDIAN_RADIUS)
+        weight = 1.0 / (1.0 + (off / (2.0 * scatter)) ** 2)
     return float(np.angle(factor)), abs(factor)
 
 

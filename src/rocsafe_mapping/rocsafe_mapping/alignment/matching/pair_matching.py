@@ -94,7 +94,7 @@ def _coarse(
 def _nearby(view: View, other: View) -> Features:
     """Return the features of `view` that `other` may see by the priors, with a margin."""
     photo, partner = view.photo, other.photo
-    if not (photo.has_yaw and partner.has_yaw):
+    if not (photo.has_yaw and partner.has_yaw and photo.has_height and partner.has_height):
         return view.features
     back = np.asarray(np.linalg.inv(_ground_to_pixel(photo)), float)
     matrix = _ground_to_pixel(partner) @ back
@@ -236,7 +236,12 @@ def _jacobian(homography: FloatArray, place: FloatArray) -> FloatArray:
 def _fits_fixes(
     homography: FloatArray, first: Photo, second: Photo, options: MatchingOptions
 ) -> bool:
-    """Return whether the cameras are as far apart as their fixes say, whatever their yaw."""
+    """Return whether the cameras are as far apart as their fixes say, whatever their yaw.
+
+    False where a height is unknown: the pair is tried again when it is known.
+    """
+    if not (first.has_height and second.has_height):
+        return False
     middle = np.array([first.camera.cx_px, first.camera.cy_px, 1.0])
     x, y, w = homography @ middle
     shift_px = np.hypot(x / w - second.camera.cx_px, y / w - second.camera.cy_px)

@@ -4,6 +4,9 @@
 import dataclasses
 from collections.abc import Callable, Mapping
 
+import numpy as np
+from scipy.spatial import cKDTree
+
 from rocsafe_mapping.alignment.matching.features import (
     Features,
     Gray,
@@ -55,6 +58,14 @@ class PairTable:
         del self._photos[name]
         self._neighbours.remove(name)
 
+    def replace(self, photo: Photo) -> None:
+        """Take over a new prior of a photograph; failed pairs of it will be tried again."""
+        self.remove(photo.name)
+        self.add(photo)
+        lost = [key for key, pair in self._pairs.items() if pair is None and photo.name in key]
+        for key in lost:
+            del self._pairs[key]
+
     def without_features(self) -> tuple[str, ...]:
         """Return the names of the photographs whose features are not known yet."""
         return tuple(sorted(set(self._photos) - set(self._features)))
@@ -69,6 +80,20 @@ class PairTable:
             self.extract(name)
         others = [other for other in self._neighbours.of(name) if other in self._features]
         return sum(self._match(*sorted((name, other))) is not None for other in others)
+
+    def match_nearest(self) -> None:
+        """Match each photograph with those of the nearest fixes, whatever its footprint."""
+        names = sorted(self._photos)
+        places = np.array([self._photos[name].prior.centre[:2] for name in names])
+        count = min(self._options.neighbours.nearest + 1, len(names))
+        _, near = cKDTree(places).query(places, count)
+        for key in {
+            (names[min(one, other)], names[max(one, other)])
+            for one, others in enumerate(near.reshape(len(names), count).tolist())
+            for other in others
+            if other != one
+        }:
+            self._match(*key)
 
     def match_all(self) -> None:
         """Match all pairs that the full set of photographs suggests.

@@ -5,6 +5,7 @@ Local frame: east and north in metres about an origin on the ground, up in metre
 ground. The curvature of the earth is left out of `up`, so that level ground is level everywhere.
 """
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -20,6 +21,8 @@ from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 
 # A yaw less certain than this is not used.
 UNKNOWN_YAW_STD_RAD = math.radians(60.0)
+# Prior height of a camera whose height above the ground is unknown: any value above 0.
+PLACEHOLDER_HEIGHT_M = 100.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,9 +60,11 @@ class Photo:
     prior
         Pose as measured on board.
     horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad
-        Its uncertainty.
+        Its uncertainty; `vertical_std_m` is infinite where the height above the ground is unknown.
     time_ns
         Of exposure.
+    altitude_m
+        Of the fix above the origin of the local frame; NaN if unknown.
     """
 
     name: str
@@ -73,11 +78,23 @@ class Photo:
     tilt_std_rad: float
     yaw_std_rad: float
     time_ns: int = 0
+    altitude_m: float = math.nan
 
     @property
     def has_yaw(self) -> bool:
         """Whether the prior says where the top of the image points."""
         return self.yaw_std_rad < UNKNOWN_YAW_STD_RAD
+
+    @property
+    def has_height(self) -> bool:
+        """Whether the prior says how high above the ground the camera is."""
+        return math.isfinite(self.vertical_std_m)
+
+    def with_height(self, height_m: float, std_m: float) -> 'Photo':
+        """Return the photograph with another prior height above the ground."""
+        centre = np.array([*self.prior.centre[:2], height_m])
+        prior = Pose(centre=centre, rotation=self.prior.rotation)
+        return dataclasses.replace(self, prior=prior, vertical_std_m=std_m)
 
     @property
     def ground_resolution_m(self) -> float:
@@ -116,8 +133,7 @@ def ground_frame_of(record: ShotRecord) -> GroundFrame:
     PlacementError
         If it has no position.
     """
-    if not math.isfinite(record.latitude_deg + record.longitude_deg):
-        raise PlacementError(f'{record.shot_id} was taken without a fix')
+    _require_fix(record)
     altitude_m = record.altitude_m - record.height_agl_m
     ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
     return GroundFrame(
@@ -125,23 +141,23 @@ def ground_frame_of(record: ShotRecord) -> GroundFrame:
     )
 
 
-def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> Photo:
-    """Return the photograph of `record` in `frame`.
+def photo_of_record(
+    record: ShotRecord, frame: GroundFrame, options: PriorOptions, name: str
+) -> Photo:
+    """Return the photograph of `record` in `frame`, called `name`.
 
     Raises
     ------
     PlacementError
-        If its position, height or attitude is unknown.
+        If its position or attitude is unknown, or its height above the ground is not above 0.
     """
-    height_m = record.height_agl_m
-    if not math.isfinite(record.latitude_deg + record.longitude_deg):
-        raise PlacementError(f'{record.shot_id} was taken without a fix')
-    if not 0.0 < height_m < math.inf:
-        raise PlacementError(f'{record.shot_id}: height_agl_m = {height_m} is no height')
+    _require_fix(record)
+    if record.height_agl_m <= 0.0 or math.isinf(record.height_agl_m):
+        raise PlacementError(f'height_agl_m = {record.height_agl_m} is no height')
     try:
         rotation = rotation_of_quaternion(record.orientation_xyzw)
     except ValueError as error:
-        raise PlacementError(f'{record.shot_id} has no orientation: {error}') from error
+        raise PlacementError(f'no orientation: {error}') from error
     east, north = frame.local(record.latitude_deg, record.longitude_deg)
     up_m, up_std_m = _up(record, frame, options)
     _require_downward(record, rotation, options.longest_reach)
@@ -149,7 +165,7 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOption
     fix = record.position_covariance_m2
     lens = f'{record.lens or record.vehicle}/{record.camera.width_px}x{record.camera.height_px}'
     return Photo(
-        name=record.shot_id,
+        name=name,
         vehicle=record.vehicle,
         lens=lens,
         camera=record.camera,
@@ -164,6 +180,7 @@ def photo_of_record(record: ShotRecord, frame: GroundFrame, options: PriorOption
         ),
         yaw_std_rad=_std(turn[8], options.yaw_std_rad, options.least_angle_std_rad),
         time_ns=record.time_ns,
+        altitude_m=record.altitude_m - frame.frame.origin.altitude_m,
     )
 
 
@@ -172,8 +189,11 @@ def _up(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> tuple[
 
     The altitude is used, as heights above the ground refer to different ground. Where the two
     differ too much for nearly level ground, the height above the ground is used, which keeps the
-    scale right; the difference is added to its uncertainty.
+    scale right; the difference is added to its uncertainty. Without a height above the ground
+    the uncertainty is infinite.
     """
+    if math.isnan(record.height_agl_m):
+        return PLACEHOLDER_HEIGHT_M, math.inf
     variance = record.position_covariance_m2[8]
     std_m = _std(variance, options.vertical_std_m, options.least_position_std_m)
     up_m = record.altitude_m - frame.frame.origin.altitude_m
@@ -225,9 +245,14 @@ def _require_downward(record: ShotRecord, rotation: FloatArray, longest_reach: f
     corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
     rays = rays_of_pixels(camera, corners) @ rotation.T
     if not np.all(rays[:, 2] < 0.0):
-        raise PlacementError(f'{record.shot_id} looks at or above the horizon')
+        raise PlacementError('it looks at or above the horizon')
     if np.max(np.hypot(rays[:, 0], rays[:, 1]) / -rays[:, 2]) > longest_reach:
-        raise PlacementError(f'{record.shot_id} looks farther than {longest_reach:g} heights')
+        raise PlacementError(f'it looks farther than {longest_reach:g} heights')
+
+
+def _require_fix(record: ShotRecord) -> None:
+    if not math.isfinite(record.latitude_deg + record.longitude_deg):
+        raise PlacementError('taken without a fix')
 
 
 def _std(variance: float, default: float, least: float) -> float:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compilation of the solver's inner loops, kept on disk so that only the first run ever waits.
+"""Compilation of the solver's inner loops; the machine code is kept on disk.
 
-Without numba the loops stay plain Python; `solve` then takes another way (see `plain`).
+Without numba the loops stay plain Python, and `solve` uses another method (see `plain`).
 """
 
 import hashlib
@@ -18,13 +18,13 @@ config: Any
 try:
     import numba
     from numba import config
-except ImportError:  # a machine without it
+except ImportError:  # numba is not installed
     numba = config = None
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
 if TYPE_CHECKING:
-    # To the type checker whole numbers are whole numbers.
+    # The type checker sees int.
     Long = int
     Word = int
 else:
@@ -69,7 +69,7 @@ _CACHE_DIRECTORY = str(cache_directory())
 
 
 def _compile(function: Function, **options: bool) -> Function:
-    """Hand a function to numba with the options that all share."""
+    """Compile a function with the options that all kernels share."""
     if not IS_COMPILED:
         return function
     return cast(
@@ -86,7 +86,7 @@ def _kept(function: Function) -> Function:
     function.__code__ = function.__code__.replace(co_filename=source)
     try:
         return _compile(function, cache=True)
-    except RuntimeError:  # no writable place at all: compile anew in each process
+    except RuntimeError:  # No folder is writable: compile in each process.
         return _compile(function)
     finally:
         config.CACHE_DIR = previous
@@ -96,16 +96,16 @@ def kernel(function: Function) -> Function:
     """Compile a function that Python calls, and keep its machine code on disk.
 
     It runs without the interpreter lock. Fast-math stays off: sums must round alike on every
-    machine, or two machines would part ways at the first nearly tied decision.
+    machine, or two machines would decide differently where two choices are nearly equal.
     """
     return _kept(function) if IS_COMPILED else function
 
 
 def inner(function: Function) -> Function:
-    """Compile a function that only kernels call: without what Python would need to call it."""
+    """Compile a function that only kernels call, without an interface for Python."""
     return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def inlined(function: Function) -> Function:
-    """Compile a small function that is to vanish into the kernels that call it."""
+    """Compile a small function that is inlined into the kernels that call it."""
     return _compile(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)

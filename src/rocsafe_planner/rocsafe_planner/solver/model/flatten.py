@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a routing problem to the flat tables that the kernels read."""
+"""Conversion of a routing problem to the flat tables that the kernels read."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ FREE = np.uint64(1)
 
 
 def tables_of(problem: RoutingProblem) -> Tables:
-    """Return the tables of a problem; point legs stay points where a matrix would be too large."""
+    """Return the tables of a problem; legs between points stay points if a matrix is too large."""
     dense = problem.sites <= DENSE_SITES or any(
         isinstance(legs, MatrixLegs) for legs in problem.legs
     )
@@ -70,12 +70,12 @@ def _points(problem: RoutingProblem) -> Floats:
 
 
 def _pace(legs: PointLegs | MatrixLegs) -> tuple[float, float, float, float]:
-    """Return the pace of legs; matrices have none."""
+    """Return the pace of legs; legs of a matrix have none."""
     return legs.pace() if isinstance(legs, PointLegs) else (0.0, 0.0, 0.0, 0.0)
 
 
 def _stays(problem: RoutingProblem) -> Floats:
-    """Return half of each stay, (measures, sites + 1)."""
+    """Return half of the time of each stay, (measures, sites + 1)."""
     stays = np.zeros((len(problem.legs), problem.sites + 1))
     for c, legs in enumerate(problem.legs):
         if isinstance(legs, PointLegs):
@@ -84,7 +84,9 @@ def _stays(problem: RoutingProblem) -> Floats:
 
 
 def _abilities(problem: RoutingProblem) -> tuple[Words, Words]:
-    """Return a bit for each vehicle, shared by those that may serve the same, and whom it serves.
+    """Return the bit of each vehicle, and for each customer the bits of its vehicles.
+
+    Vehicles that may serve the same customers share a bit.
 
     Raises
     ------

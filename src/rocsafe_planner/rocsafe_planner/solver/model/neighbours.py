@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nearest customers of each customer: where the search looks for better neighbours."""
+"""Nearest customers of each customer, which limit the moves that the search tries."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from rocsafe_planner.solver.model.tables import Floats, Ints
 
 @inner
 def insert_sorted(near: Ints, apart: Floats, row: int, candidate: int, distance: float) -> None:
-    """Put a candidate into a row of nearest ones, kept in order of distance, then of number."""
+    """Insert a candidate into a row of nearest customers, sorted by distance, then by number."""
     k = near.shape[1] - 1
     last = apart[row, k]
     if distance > last or (distance == last and candidate > near[row, k]):
@@ -91,22 +91,22 @@ def near_rows(costs: Floats, count: int) -> Ints:
 
 
 def near_all_round(costs: Floats, points: Floats, nearest: int, each: int) -> Ints:
-    """Return the cheapest other customers of each, and more of them on every side of it.
+    """Return the cheapest other customers of each, and more of them in each quadrant.
 
-    Where customers come in clusters, the nearest ones all belong to one's own: only those on
-    every side (Johnson and McGeoch's quadrant neighbours) lead out of it. Where a side has too
-    few, the cheapest of the rest fill up.
+    In clusters, all nearest customers belong to the same cluster: only quadrant neighbours
+    (Johnson and McGeoch) lead out of it. Where a quadrant has too few, the cheapest of the
+    rest take their places.
 
     Parameters
     ----------
     costs
         (n, n) table of legs.
     points
-        (n, 2 or 3) customers, metres; sides are told by the first two columns.
+        (n, 2 or 3) customers, metres; quadrants are those of the first two columns.
     nearest
-        How many come first, wherever they are.
+        Number of nearest customers in any direction.
     each
-        How many come from each of the four quadrants besides; n > nearest + 4 * each.
+        Number of further customers from each of the four quadrants; n > nearest + 4 * each.
     """
     order = near_rows(costs, len(costs) - 1)
     apart = points[order, :2] - points[:, None, :2]

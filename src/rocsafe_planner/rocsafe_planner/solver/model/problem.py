@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is to be routed: customers, vehicles, and what each leg costs whom."""
+"""The routing problem: customers, vehicles, and the cost of each leg for each vehicle."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ OBJECTIVES = ('max', 'sum')
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PointLegs:
-    """Legs flown straight between points, with a stop at each of them.
+    """Legs flown in straight lines between points, with a stop at each point.
 
     A leg of d metres takes t(d) = d/v + v/a if d >= v**2/a, else 2*sqrt(d/a): from standstill to
     standstill with acceleration a and cruise speed v. t is concave, increasing and 0 at 0, hence a
@@ -36,7 +36,7 @@ class PointLegs:
     """Cost of serving one customer, in the unit of the legs."""
 
     def __post_init__(self) -> None:
-        """Refuse motion that cannot be."""
+        """Refuse impossible speeds, accelerations and stays."""
         for name in ('speed_mps', 'acceleration_mps2'):
             if not getattr(self, name) > 0:
                 raise ValueError(f'{name} is {getattr(self, name)}: it must be positive')
@@ -46,13 +46,13 @@ class PointLegs:
             )
 
     def pace(self) -> tuple[float, float, float, float]:
-        """Return cost a metre, ramp cost, metres below which the ramp rules, ramp factor."""
+        """Return cost per metre, ramp cost, length of a leg that is all ramp, ramp factor."""
         ramp = self.speed_mps / self.acceleration_mps2
         factor = 2 / np.sqrt(self.acceleration_mps2)
         return 1 / self.speed_mps, ramp, self.speed_mps * ramp, float(factor)
 
     def costs(self, points: Floats, customers: int) -> Floats:
-        """Return the cost of every leg, (sites, sites), half of each stay with either leg."""
+        """Return the cost of every leg, (sites, sites), with half of the stay at both ends."""
         apart = points[:, None, :] - points[None, :, :]
         distance = np.sqrt((apart * apart).sum(axis=2))
         slowness, ramp, short, factor = self.pace()
@@ -69,7 +69,7 @@ class PointLegs:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MatrixLegs:
-    """Legs whose costs are given, in any unit; they may differ by direction (wind, detours).
+    """Legs with given costs, in any unit; they may depend on direction (wind, detours).
 
     Raises
     ------
@@ -81,7 +81,7 @@ class MatrixLegs:
     """(sites, sites): cost from the row's site to the column's."""
 
     def __post_init__(self) -> None:
-        """Refuse a matrix that is no cost matrix."""
+        """Refuse a matrix that is not square, or holds a wrong cost."""
         shape = self.matrix.shape
         if len(shape) != 2 or shape[0] != shape[1]:
             raise ValueError(f'matrix has shape {shape}: it must be square')
@@ -91,7 +91,7 @@ class MatrixLegs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Vehicle:
-    """Where a vehicle's route starts and ends, and how it is counted.
+    """Start, end, measure and limit of a vehicle's route.
 
     Raises
     ------
@@ -115,7 +115,7 @@ class Vehicle:
     """Which legs count against the limit; none: those of the objective."""
 
     def __post_init__(self) -> None:
-        """Refuse costs that are none."""
+        """Refuse wrong costs and limits."""
         for name in ('fixed_cost', 'idle_cost', 'limit'):
             value = getattr(self, name)
             if not value >= 0 or (name != 'limit' and not np.isfinite(value)):
@@ -129,7 +129,7 @@ class Vehicle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoutingProblem:
-    """Customers to be served exactly once by one of several vehicles.
+    """Customers, each served exactly once by one of several vehicles.
 
     Sites are numbered from 0: first the customers, then whatever else the vehicles need (homes,
     present positions). The objective is 'max', the costliest route, or 'sum', all routes.
@@ -159,7 +159,7 @@ class RoutingProblem:
         self._check_allowed()
 
     def _check_sites(self) -> None:
-        """Refuse sites, or legs, that do not exist."""
+        """Refuse numbers of sites and legs that do not exist."""
         if self.points is None and any(isinstance(legs, PointLegs) for legs in self.legs):
             raise ValueError('points is missing: PointLegs needs it')
         sites = self.sites
@@ -181,7 +181,7 @@ class RoutingProblem:
                 raise ValueError(f'a vehicle counts legs {vehicle.legs} of {len(self.legs)}')
 
     def _check_allowed(self) -> None:
-        """Refuse a table of the wrong shape, and customers whom nobody may serve."""
+        """Refuse a table of the wrong shape, and customers that no vehicle may serve."""
         if self.allowed is None:
             return
         shape = (len(self.vehicles), self.customers)
@@ -193,7 +193,7 @@ class RoutingProblem:
 
     @property
     def places(self) -> Floats:
-        """Return the coordinates of the sites: only asked for where legs are flown between points.
+        """Return the coordinates of the sites of legs between points.
 
         Raises
         ------
@@ -206,7 +206,7 @@ class RoutingProblem:
 
     @property
     def sites(self) -> int:
-        """Return how many sites there are."""
+        """Return the number of sites."""
         if self.points is not None:
             return len(self.points)
         return max(len(legs.matrix) for legs in self.legs if isinstance(legs, MatrixLegs))
@@ -215,7 +215,7 @@ class RoutingProblem:
 def one_depot(
     points: Floats, depot: Floats, vehicles: int, legs: PointLegs | None = None
 ) -> RoutingProblem:
-    """Return the plain problem: alike vehicles that start and end at one depot.
+    """Return the problem of equal vehicles that start and end at one depot.
 
     Parameters
     ----------
@@ -224,9 +224,9 @@ def one_depot(
     depot
         (2,) or (3,) where every route starts and ends.
     vehicles
-        How many routes there may be.
+        Greatest number of routes.
     legs
-        What a leg costs; metres if not given.
+        Costs of the legs; metres if not given.
     """
     sites = np.vstack([np.reshape(points, (-1, len(depot))), depot])
     home = len(sites) - 1
@@ -239,7 +239,7 @@ def one_depot(
 
 
 def leg_cost(problem: RoutingProblem, legs: int, origin: int, target: int | None) -> float:
-    """Return the cost of one leg in double precision; to `None` it ends where it starts."""
+    """Return the cost of one leg in double precision; a leg to `None` costs nothing."""
     kind = problem.legs[legs]
     if isinstance(kind, MatrixLegs):
         return 0.0 if target is None else float(kind.matrix[origin, target])
@@ -263,7 +263,7 @@ def path_cost(problem: RoutingProblem, legs: int, vehicle: Vehicle, route: Seque
 
 
 def route_cost(problem: RoutingProblem, vehicle: int, route: Sequence[int]) -> float:
-    """Return what a route costs its vehicle."""
+    """Return the cost of a route for its vehicle."""
     who = problem.vehicles[vehicle]
     if not route:
         return who.idle_cost
@@ -271,6 +271,6 @@ def route_cost(problem: RoutingProblem, vehicle: int, route: Sequence[int]) -> f
 
 
 def route_load(problem: RoutingProblem, vehicle: int, route: Sequence[int]) -> float:
-    """Return what a route consumes of its vehicle's limit."""
+    """Return the load of a route, which counts against the limit of its vehicle."""
     who = problem.vehicles[vehicle]
     return path_cost(problem, who.limiting_legs, who, route)

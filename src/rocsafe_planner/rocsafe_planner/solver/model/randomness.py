@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random numbers that are the same on every machine: integers only, no library generator.
+"""Random numbers that are the same on every machine, from integers only.
 
-Sebastiano Vigna's SplitMix64 (public domain, 2015): one 64-bit word of state, one draw a proposal
-cut into bit fields.
+Sebastiano Vigna's SplitMix64 (public domain, 2015): the state is one 64-bit word; each proposal
+uses the bit fields of one draw.
 """
 
 import math

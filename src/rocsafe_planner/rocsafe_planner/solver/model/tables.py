@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the kernels read and never write: legs, ends of routes, limits, neighbours."""
+"""Read-only data of the kernels: legs, ends of routes, limits, neighbours."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,7 +11,7 @@ from rocsafe_planner.solver.model.compiled import inlined
 Floats = NDArray[np.float64]
 Costs = NDArray[np.float32]
 if TYPE_CHECKING:
-    # Elements count as whole numbers: kernels calculate with them.
+    # Typed as int: kernels calculate with the elements.
     Ints = NDArray[Any]
     Words = NDArray[Any]
 else:
@@ -22,8 +22,8 @@ else:
 class Tables(NamedTuple):
     """A routing problem as flat arrays.
 
-    Sites are numbered: customers 0 .. n-1, then the ends of routes, last a `nowhere` that stands
-    for the missing end of an open route. Measures are ways of costing a leg (one a vehicle class).
+    Sites are numbered: customers 0 .. n-1, then the ends of routes, last `nowhere`, which stands
+    for the missing end of an open route. A measure is a cost of legs (one per vehicle class).
     """
 
     matrix: Costs
@@ -79,7 +79,7 @@ def leg(tables: Tables, measure: int, origin: int, target: int) -> float:
 
 
 def flown_costs(tables: Tables, origins: Ints, targets: Ints) -> Floats:
-    """Return the costs of legs under the first measure, stays left out, with numpy."""
+    """Return the costs of legs under the first measure, without stays, computed with numpy."""
     if tables.dense:
         stays = tables.stay[0, origins] + tables.stay[0, targets]
         return np.asarray(tables.matrix[0, origins, targets] - stays, np.float64)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated annealing of routes: proposals at the nearest neighbours, best routes kept."""
+"""Simulated annealing of routes with moves between near neighbours; the best routes are kept."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from rocsafe_planner.solver.search.state import State, unload
 
 
 class Best(NamedTuple):
-    """The best routes of a search and what they are worth."""
+    """The best routes of a search and their value."""
 
     order: Ints
     lengths: Ints
@@ -33,7 +33,7 @@ class Dice(NamedTuple):
 
 @inlined
 def worth(tables: Tables, state: State, peak: float, share: float) -> float:
-    """Return what is minimised: peak*longest + share*total, and any breach of limits."""
+    """Return the minimised value: peak*longest + share*total, and the breach of limits."""
     longest, total, breach = -np.inf, 0.0, 0.0
     for r in range(len(state.cost)):
         longest = max(longest, state.cost[r])
@@ -49,7 +49,7 @@ NONE = Change(-1, 1, 0, NOTHING, NOTHING)
 
 @inlined
 def span(word: Word, long: Word) -> int:
-    """Draw how many customers follow the first of a segment: mostly 0 to 2, at times up to 63."""
+    """Draw the number of customers after the first of a segment: mostly 0 to 2, at most 63."""
     scale = word & Word(15)
     if scale < long:
         return Long((word >> Word(4)) % (Word(4) << scale))
@@ -60,11 +60,11 @@ def span(word: Word, long: Word) -> int:
 def within(state: State, route: int, p: int, q: int, word: Word, long: Word) -> Change:
     """Describe a change that makes slots p (a customer) and q of one route neighbours.
 
-    A change of route -1 stands for none.
+    A change of route -1 changes nothing.
     """
     end = Long(state.length[route]) + 1
     low, high = min(p, q), max(p, q)
-    if word & Word(1) == 0:  # 2-opt, reversing what lies between, with one of the two
+    if word & Word(1) == 0:  # 2-opt: reverse the customers between, with one of the two
         if (word & Word(2) == 0 and high < end) or low == 0:
             low += 1
         else:
@@ -133,7 +133,7 @@ def between(
 def passes(
     tables: Tables, state: State, goal: Goal, bar: float, one: Change, other: Change
 ) -> bool:
-    """Answer whether two changes are allowed and together raise the energy by at most `bar`."""
+    """Return whether two changes are allowed and together raise the energy by at most `bar`."""
     if one.route < 0:
         return False
     total = rise(tables, state, goal, one)
@@ -167,7 +167,7 @@ def proposal(tables: Tables, state: State, word: Word, long: Word) -> tuple[Chan
 
 @inlined
 def note(tables: Tables, state: State, best: Best, peak: float, share: float) -> None:
-    """Keep the routes if they are the best so far."""
+    """Keep the routes if they are the best until now."""
     value = worth(tables, state, peak, share)
     if value < best.value[0]:
         best.value[0] = value
@@ -175,7 +175,7 @@ def note(tables: Tables, state: State, best: Best, peak: float, share: float) ->
 
 
 class Heat(NamedTuple):
-    """How a chunk of proposals anneals."""
+    """Temperatures and kinds of moves of a chunk of proposals."""
 
     temperature: float
     ratio: float
@@ -188,7 +188,7 @@ class Heat(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What is searched for: the energy that guides, and the worth that decides."""
+    """Objective of the search: the energy that accepts moves, and the value that ranks plans."""
 
     goal: Goal
     peak: float
@@ -197,9 +197,12 @@ class Aim(NamedTuple):
 
 @kernel
 def anneal(tables: Tables, state: State, aim: Aim, best: Best, random: Dice, heat: Heat) -> int:
-    """Make so many proposals; keep the best routes met in `best`.
+    """Make a number of proposals, and keep the best routes in `best`.
 
-    Answers how many proposals were accepted.
+    Returns
+    -------
+    int
+        Number of accepted proposals.
     """
     counter = random.counter[0]
     temperature = heat.temperature

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recombination: some routes of one plan, what is left of another's, the rest put in greedily."""
+"""Recombination by routes: some of one plan, the rest of another, the missing inserted."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ def complete(
     missing: Ints,
     random: Words,
 ) -> None:
-    """Set the routes to a plan that lacks some customers, and put those in cheaply."""
+    """Set the routes to an incomplete plan; insert the missing customers where they cost least."""
     load(tables, state, order, lengths)
     for k in range(len(missing)):
         state.route[missing[k]] = -1
@@ -35,7 +35,7 @@ def complete(
 
 
 def ends_of(lengths: Ints) -> Ints:
-    """Return where each route begins in the order, and where the last one ends."""
+    """Return the index of the first customer of each route, and the end of the last route."""
     return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32)
 
 
@@ -49,10 +49,11 @@ def mix(
     one, other
         Parents: customers route after route, and the length of each route.
     chosen
-        Routes of `one` that are kept whole.
+        Routes of `one` that are kept unchanged.
     alike
-        Whether vehicles are interchangeable: then the routes of `other` that lose least fill up
-        the plan, else each vehicle without a chosen route keeps what is left of its own.
+        Whether vehicles are interchangeable: then the routes of `other` that lose the fewest
+        customers complete the plan; else each vehicle without a chosen route keeps the rest of
+        its own.
     """
     first, second = ends_of(one[1]), ends_of(other[1])
     vehicles = len(one[1])

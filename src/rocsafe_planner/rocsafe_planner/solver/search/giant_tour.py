@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recombination of whole plans as tours: a piece of one's, the rest in the order of another's.
+"""Recombination by tours: a piece of one tour, the rest in the order of another.
 
-A plan's routes, one after another as they lie about the home, are one tour of all customers; a
-tour is a plan again once it is cut among the vehicles where the costliest route is cheapest
-(Beasley's route first, cluster second; order crossover as in Prins, 2004). Unlike a mix of whole
-routes this moves customers past the bounds of all routes at once.
+The routes of a plan, sorted by their direction from the home, are one tour of all customers. A
+tour is cut into a plan such that the costliest route is cheapest (Beasley's route first, cluster
+second; order crossover as in Prins, 2004). Unlike a mix of whole routes, this moves customers
+between all routes at once.
 """
 
 from itertools import pairwise
@@ -22,16 +22,16 @@ LEAST_PIECE, MOST_PIECE = 0.2, 0.8
 
 
 def tour_of(plan: tuple[Ints, Ints], away: Floats, choices: np.random.Generator) -> Ints:
-    """Return all customers, route after route as they lie about the home, from one drawn on.
+    """Return all customers, route after route by direction, from a random route on.
 
     Parameters
     ----------
     plan
         Customers route after route, and the length of each route.
     away
-        (n, 2) where customers are, seen from the home.
+        (n, 2) places of the customers relative to the home.
     choices
-        Draws the route that comes first.
+        Random numbers, for the route that comes first.
     """
     ends = ends_of(plan[1])
     routes = [plan[0][a:b] for a, b in pairwise(ends) if b > a]
@@ -42,7 +42,7 @@ def tour_of(plan: tuple[Ints, Ints], away: Floats, choices: np.random.Generator)
 
 
 def braid(one: Ints, other: Ints, choices: np.random.Generator) -> Ints:
-    """Return a piece of one tour, and behind it all others as they follow in another tour."""
+    """Return a piece of one tour, then all other customers in the order of another tour."""
     n = len(one)
     piece = np.roll(one, -int(choices.integers(n)))
     piece = piece[: max(1, int(n * choices.uniform(LEAST_PIECE, MOST_PIECE)))]
@@ -53,7 +53,7 @@ def braid(one: Ints, other: Ints, choices: np.random.Generator) -> Ints:
 
 
 def cut(tables: Tables, tour: Ints) -> tuple[Ints, Ints]:
-    """Return the plan into which a tour is cut best, begun at some places; vehicles are alike."""
+    """Return the best plan cut from a tour, from several first customers; vehicles are equal."""
     vehicles = np.arange(len(tables.first), dtype=np.int32)
     best, plan = np.inf, (tour, np.zeros(len(vehicles), np.int32))
     for begin in range(0, len(tour), max(1, len(tour) // TURNS)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Changes of routes: described by slots, weighed in constant time, made in linear time.
+"""Changes of routes, described by slots, evaluated in constant and made in linear time.
 
 Every move is one or two `Change`s: a window of a route replaced by at most two pieces of routes.
 That covers 2-opt (one reversed piece), Or-opt (two pieces of the same route), relocation and swap
@@ -26,7 +26,7 @@ class Piece(NamedTuple):
 
 
 class Change(NamedTuple):
-    """A route whose slots low .. high (none: high = low - 1) give way to two pieces."""
+    """A route and its slots low .. high (none: high = low - 1), which two pieces replace."""
 
     route: int
     low: int
@@ -36,7 +36,7 @@ class Change(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What the search minimises: the sum of the costs and of penalties of routes that are long."""
+    """The minimised energy: the sum of the costs, and penalties of long routes."""
 
     target: float
     """Cost above which a route is penalised."""
@@ -54,7 +54,7 @@ class Goal(NamedTuple):
 
 @inlined
 def energy(tables: Tables, goal: Goal, route: int, cost: float, load: float) -> float:
-    """Return what a route of this cost and load adds to the energy."""
+    """Return the energy of a route of this cost and load."""
     over = max(0.0, cost - goal.target)
     value = goal.floor * cost + over * (goal.steepness + goal.curvature * over)
     if tables.limited:
@@ -64,7 +64,7 @@ def energy(tables: Tables, goal: Goal, route: int, cost: float, load: float) -> 
 
 @inlined
 def row_of(state: State, route: int) -> int:
-    """Return where a route's slots begin in `node`."""
+    """Return the index of a route's first slot in `node`."""
     return route * (len(state.node) // len(state.length))
 
 
@@ -72,7 +72,7 @@ def row_of(state: State, route: int) -> int:
 def piece_path(
     tables: Tables, state: State, measure: int, piece: Piece, path: float, here: int
 ) -> tuple[float, int]:
-    """Return a path and the site it has reached, lengthened by a piece."""
+    """Return the cost and last site of a path to which a piece is appended."""
     if piece.high < piece.low:
         return path, here
     row = row_of(state, piece.route)
@@ -88,7 +88,7 @@ def piece_path(
 
 @inlined
 def changed_path(tables: Tables, state: State, measure: int, change: Change) -> float:
-    """Return the cost of a route's legs under a measure, were the change made."""
+    """Return the cost of a route's legs under a measure after the change."""
     row = row_of(state, change.route)
     base = measure * len(state.node) + row
     end = np.uint64(base + state.length[change.route] + 1)
@@ -104,13 +104,13 @@ def changed_path(tables: Tables, state: State, measure: int, change: Change) -> 
 
 @inlined
 def size_of(piece: Piece) -> int:
-    """Return how many slots a piece has."""
+    """Return the number of slots of a piece."""
     return max(0, piece.high - piece.low + 1)
 
 
 @inlined
 def rise(tables: Tables, state: State, goal: Goal, change: Change) -> float:
-    """Return how much the energy rises with a change."""
+    """Return the increase of the energy by a change."""
     route = change.route
     customers = Long(state.length[route]) - (change.high - change.low + 1)
     customers += size_of(change.first) + size_of(change.second)
@@ -126,9 +126,9 @@ def rise(tables: Tables, state: State, goal: Goal, change: Change) -> float:
 
 @inner
 def serves(tables: Tables, state: State, route: int, piece: Piece) -> bool:
-    """Answer whether a route's vehicle may serve a piece.
+    """Return whether a route's vehicle may serve a piece.
 
-    A piece that is neither the head nor the tail of its route is looked at slot by slot: moves
+    A piece that is neither the head nor the tail of its route is checked slot by slot: moves
     keep such pieces short.
     """
     if piece.high < piece.low or piece.route == route or route < 0:
@@ -147,7 +147,7 @@ def serves(tables: Tables, state: State, route: int, piece: Piece) -> bool:
 
 @inlined
 def allowed(tables: Tables, state: State, change: Change) -> bool:
-    """Answer whether the vehicle of a changed route may serve what comes in."""
+    """Return whether the vehicle of a changed route may serve the new customers."""
     return serves(tables, state, change.route, change.first) and serves(
         tables, state, change.route, change.second
     )
@@ -180,7 +180,7 @@ def place(tables: Tables, state: State, change: Change, source: int, size: int) 
 
 @inner
 def make(tables: Tables, state: State, one: Change, other: Change) -> None:
-    """Make two changes by which routes exchange pieces; the second may be of no route."""
+    """Make two changes by which routes exchange pieces; the second may change nothing."""
     middle = gather(state, one, Long(0))
     total = gather(state, other, middle)
     for change, source, beyond in ((one, 0, middle), (other, middle, total)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What goes into a search besides the problem, and what comes out of it."""
+"""Options, progress and result of a search."""
 
 import time
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from rocsafe_planner.solver.model.problem import Routes
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchOptions:
-    """How long and with what the search runs.
+    """Length, seed and number of lanes of a search.
 
     Raises
     ------
@@ -48,7 +48,7 @@ class SearchOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """What the search has reached so far."""
+    """Progress of a search."""
 
     value: float
     bound: Bound
@@ -56,13 +56,13 @@ class Progress:
 
     @property
     def gap(self) -> float:
-        """Return how far above the optimum the plan is at most, relative; infinite if unknown."""
+        """Return the greatest relative excess over the optimum; infinite if unknown."""
         return self.value / self.bound.value - 1 if self.bound.value > 0 else np.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solution:
-    """Routes, what they cost, and how much cheaper any others could be at most."""
+    """Routes, their costs, and a lower bound of the cost of all others."""
 
     routes: Routes
     """Customers of each vehicle in order."""
@@ -79,5 +79,5 @@ class Solution:
 
     @property
     def gap(self) -> float:
-        """Return how far above the optimum the plan is at most, relative; infinite if unknown."""
+        """Return the greatest relative excess over the optimum; infinite if unknown."""
         return self.value / self.bound.value - 1 if self.bound.value > 0 else np.inf

@@ -28,7 +28,7 @@ SHARPENING_FROM = 0.5
 
 
 def power_of_two(exponent: float) -> float:
-    """Return 2**exponent from sums and products alone, so that it is the same everywhere.
+    """Return 2**exponent by sums and products only, so that it is equal on all machines.
 
     Accurate to 2e-8; `math.pow` may differ in the last digit from machine to machine.
     """
@@ -42,7 +42,7 @@ def power_of_two(exponent: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manner:
-    """How a cycle anneals; temperatures in mean distances between near neighbours."""
+    """Parameters of a cycle; temperatures in mean distances between near neighbours."""
 
     hot: float
     """Temperature at the start, as a power of two."""
@@ -82,7 +82,7 @@ class Lane:
         self.best.value[0] = np.inf
 
     def worth(self) -> float:
-        """Return what the present routes are worth, as the best routes are counted."""
+        """Return the value of the present routes, as the best routes are ranked."""
         cost, load = self.state.cost, self.state.load
         breach = 0.0
         if self.tables.limited:
@@ -94,10 +94,10 @@ class Lane:
         return self.best.order.copy(), self.best.lengths.copy()
 
     def goal(self, manner: Manner, progress: float) -> Goal:
-        """Return what to minimise: routes above the mean weigh more, up to twice at `width`.
+        """Return the energy: routes above the mean weigh more, up to twice at `width`.
 
-        In the end the longest route alone counts. As long as it is hot that would hinder, since no
-        customer could change routes any more: the width shrinks with the last temperatures only.
+        In the end only the longest route counts. At high temperature that would hinder the search,
+        since no customer could change routes: the width shrinks with the last temperatures only.
         """
         if self.peak == 0:
             return Goal(
@@ -130,7 +130,7 @@ class Lane:
         self.best.value[0] = np.inf
 
     def anneal(self, manner: Manner, progress: float, proposals: int, rate: float) -> None:
-        """Make some proposals; `progress` of the cycle goes by `rate` with each."""
+        """Make some proposals; each adds `rate` to the `progress` of the cycle."""
         exponent = manner.hot + (manner.cold - manner.hot) * progress
         ratio = power_of_two((manner.cold - manner.hot) * rate * STEP)
         heat = Heat(
@@ -145,7 +145,7 @@ class Lane:
         self.proposals += proposals
 
     def cycle(self, manner: Manner, pacer: 'Pacer') -> None:
-        """Anneal until the pacer says that the cycle is over."""
+        """Anneal until the end of the cycle."""
         while pacer.progress() < 1:
             self.anneal(manner, pacer.progress(), pacer.chunk, pacer.rate)
             if not pacer.advance(self):
@@ -153,7 +153,7 @@ class Lane:
 
 
 class Pacer:
-    """Tells how far a cycle has come: by proposals made, or by a clock."""
+    """Progress of a cycle, by proposals or by a clock."""
 
     def __init__(
         self,
@@ -179,7 +179,7 @@ class Pacer:
         return (self._clock() - self._began) / self._duration_s
 
     def advance(self, lane: Lane) -> bool:
-        """Count a chunk; answer whether to go on."""
+        """Count a chunk; return whether to continue."""
         self._made += self.chunk
         if self.proposals is not None:
             self.rate = 1 / self.proposals
@@ -189,7 +189,7 @@ class Pacer:
 
 
 def typical_leg(tables: Tables) -> float:
-    """Return the mean cost of flying from a customer to its nearest places, stays left out."""
+    """Return the mean cost of a leg from a customer to its nearest places, without stays."""
     n, near = tables.near.shape
     some = np.arange(0, n, max(1, n // 500))
     flown = flown_costs(tables, some[:, None], tables.near[some, : min(near, 3)])
@@ -199,7 +199,7 @@ def typical_leg(tables: Tables) -> float:
 
 
 def alike_vehicles(tables: Tables) -> bool:
-    """Answer whether any vehicle could fly any other's route at the same cost."""
+    """Return whether each vehicle could fly each other's route at the same cost."""
     return all(
         bool((column == column[0]).all())
         for column in (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ruin and recreate: strings of neighbouring routes are taken out and put back greedily.
+"""Ruin and recreate: strings of neighbouring routes are removed and inserted greedily.
 
 Slack induction by string removals (Christiaens and Vanden Berghe, Transportation Science 54,
 2020), with insertion beside near neighbours only, so that a step costs the same at any size.
@@ -33,7 +33,7 @@ def site_behind(tables: Tables, place: int, route: int) -> int:
 def take_string(
     tables: Tables, state: State, customer: int, size: int, offset: int, taken: int
 ) -> int:
-    """Take a string of customers, one of them given, out of its route; return how many are out."""
+    """Remove a string around a customer from its route; return the number removed until now."""
     route = Long(state.route[customer])
     stride = len(state.node) // len(state.length)
     row = route * stride
@@ -67,7 +67,7 @@ def take_string(
 
 @inlined
 def detour(tables: Tables, c: int, left: int, customer: int, right: int) -> float:
-    """Return what serving a customer between two sites costs."""
+    """Return the cost of a detour to a customer between two sites."""
     return (
         leg(tables, c, left, customer)
         + leg(tables, c, customer, right)
@@ -79,7 +79,7 @@ def detour(tables: Tables, c: int, left: int, customer: int, right: int) -> floa
 def joined(
     tables: Tables, state: State, route: int, left: int, customer: int, right: int
 ) -> tuple[float, float]:
-    """Return cost and load of a route on trial with a customer put between two neighbours."""
+    """Return cost and load of a trial route with a customer between two neighbours."""
     n = len(tables.needs)
     prior, later = site_before(tables, left, route), site_behind(tables, right, route)
     c = Long(tables.measure[route])
@@ -101,7 +101,7 @@ def joined(
 
 @inner
 def insert(tables: Tables, state: State, goal: Goal, customer: int, random: Words) -> bool:
-    """Put a customer where the energy rises least among places beside near neighbours."""
+    """Insert a customer beside the near neighbour where the energy rises least."""
     n, near = tables.near.shape
     m = len(state.length)
     best, best_left, best_route = np.inf, Long(-1), Long(-1)
@@ -137,7 +137,7 @@ def insert(tables: Tables, state: State, goal: Goal, customer: int, random: Word
 
 @inner
 def link(tables: Tables, state: State, customer: int, left: int, route: int) -> None:
-    """Put a customer behind another, or behind the start, of a route on trial."""
+    """Insert a customer after another, or after the start, of a trial route."""
     right = Long(state.after[left])
     cost, used = joined(tables, state, route, left, customer, right)
     state.trial[0, route], state.trial[1, route] = cost, used
@@ -151,7 +151,7 @@ def link(tables: Tables, state: State, customer: int, left: int, route: int) -> 
 
 @inner
 def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> None:
-    """Put a customer at the end of the able route whose energy then rises least."""
+    """Insert a customer at the end of the allowed route whose energy then rises least."""
     n = len(tables.needs)
     best, best_route = np.inf, Long(0)
     for r in range(len(state.length)):
@@ -168,7 +168,7 @@ def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> No
 
 @inner
 def restore(tables: Tables, state: State, route: int) -> None:
-    """Bring the links of a route back to what its slots say."""
+    """Set the links of a route from its slots."""
     n = len(tables.needs)
     row = route * (len(state.node) // len(state.length))
     previous = n + route
@@ -184,7 +184,7 @@ def restore(tables: Tables, state: State, route: int) -> None:
 
 @inner
 def adopt(tables: Tables, state: State, route: int) -> None:
-    """Bring the slots of a route in line with its links."""
+    """Set the slots of a route from its links."""
     n = len(tables.needs)
     row = route * (len(state.node) // len(state.length))
     k = 0
@@ -201,7 +201,7 @@ def adopt(tables: Tables, state: State, route: int) -> None:
 
 @inlined
 def begin_trial(state: State) -> None:
-    """Put every route on trial as it is."""
+    """Copy all routes to trial routes."""
     for r in range(len(state.length)):
         state.trial[0, r] = state.cost[r]
         state.trial[1, r] = state.load[r]
@@ -210,7 +210,7 @@ def begin_trial(state: State) -> None:
 
 @inlined
 def take_strings(tables: Tables, state: State, random: Words) -> int:
-    """Take strings of customers about a random one out of their routes; return their number."""
+    """Remove strings of customers around a random one; return the number of customers."""
     n, near = tables.near.shape
     seed = draw(random, n)
     strings = 1 + draw(random, Long(MOST_STRINGS))
@@ -231,7 +231,7 @@ def take_strings(tables: Tables, state: State, random: Words) -> int:
 
 @inlined
 def trial_rise(tables: Tables, state: State, goal: Goal) -> float:
-    """Return how much higher the energy of the routes on trial is."""
+    """Return the increase of the energy by the trial routes."""
     rise = 0.0
     for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
@@ -242,7 +242,7 @@ def trial_rise(tables: Tables, state: State, goal: Goal) -> float:
 
 @inlined
 def adopt_trial(tables: Tables, state: State) -> None:
-    """Make the routes on trial the present ones."""
+    """Replace the present routes by the trial routes."""
     for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
             adopt(tables, state, r)
@@ -250,7 +250,7 @@ def adopt_trial(tables: Tables, state: State) -> None:
 
 @inlined
 def forget_trial(tables: Tables, state: State) -> None:
-    """Return from the routes on trial to the present ones."""
+    """Discard the trial routes."""
     for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
             restore(tables, state, r)
@@ -258,7 +258,7 @@ def forget_trial(tables: Tables, state: State) -> None:
 
 @inner
 def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) -> bool:
-    """Take out strings about a random customer, put them back, keep the result if it passes."""
+    """Remove strings around a random customer, insert them again, keep an accepted result."""
     begin_trial(state)
     taken = take_strings(tables, state, random)
     shuffle(tables, state, taken, random)
@@ -277,7 +277,7 @@ def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) ->
 
 @inner
 def shuffle(tables: Tables, state: State, taken: int, random: Words) -> None:
-    """Order the customers taken out: at random, or half of the time far or near ones first."""
+    """Sort the removed customers at random, or, half of the time, far or near ones first."""
     for k in range(taken - 1, 0, -1):
         j = draw(random, k + 1)
         state.spare[k], state.spare[j] = state.spare[j], state.spare[k]

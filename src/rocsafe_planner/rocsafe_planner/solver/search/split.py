@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cutting one order of the customers into routes so that the costliest is as cheap as can be."""
+"""Split of a sequence of the customers into routes such that the costliest is cheapest."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ BISECTIONS = 50
 
 @inner
 def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> bool:
-    """Give each vehicle in turn as much of an order as keeps its cost within `cap`."""
+    """Give each vehicle in turn the longest part of the sequence whose cost is within `cap`."""
     n, taken = len(order), 0
     for vehicle in turn:
         r = Long(vehicle)
@@ -40,7 +40,7 @@ def fill(tables: Tables, order: Ints, turn: Ints, cap: float, lengths: Ints) -> 
 
 @inner
 def whole(tables: Tables, order: Ints) -> float:
-    """Return a cost that no part of an order exceeds, whoever flies it."""
+    """Return a cost that no part of a sequence exceeds for any vehicle."""
     most = 0.0
     for r in range(len(tables.first)):
         c = Long(tables.measure[r])
@@ -58,9 +58,9 @@ def whole(tables: Tables, order: Ints) -> float:
 
 @kernel
 def split(tables: Tables, order: Ints, turn: Ints, lengths: Ints) -> float:
-    """Cut an order into consecutive routes, of the vehicles in turn, with the least greatest cost.
+    """Split a sequence into consecutive routes, one per vehicle, with the least greatest cost.
 
-    Exact to one part in 2**50 for alike vehicles and metric legs, where a longer part never costs
+    Exact to one part in 2**50 for equal vehicles and metric legs, where a longer part never costs
     less; otherwise a good cut. Writes the lengths; returns the greatest cost allowed, or infinity
     if the vehicles, in this order, may not serve the customers, in this order.
     """

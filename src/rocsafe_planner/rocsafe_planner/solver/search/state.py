@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The routes under search: flat arrays that keep every partial cost ready."""
+"""The routes of a search as flat arrays, with all partial costs."""
 
 from typing import NamedTuple
 
@@ -74,7 +74,7 @@ def empty_state(tables: Tables) -> State:
 
 @inlined
 def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
-    """Return the cost of a route from that of its legs."""
+    """Return the cost of a route from the cost of its legs."""
     if customers == 0:
         return tables.idle[route]
     return tables.fixed[route] + path
@@ -82,7 +82,7 @@ def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
 
 @inner
 def refill(tables: Tables, state: State, route: int, low: int, high: int) -> None:
-    """Bring slots low .. high (low >= 1) in line with `node`, and shift what is behind."""
+    """Compute the partial costs of slots low .. high (low >= 1), and shift those after them."""
     stride = len(state.node) // len(state.length)
     row = route * stride
     end = state.length[route] + 1
@@ -143,7 +143,7 @@ def slide(tables: Tables, state: State, route: int, low: int, by: int) -> None:
 
 @inner
 def remask(tables: Tables, state: State, route: int) -> None:
-    """Bring the ability masks of a whole route in line with `node`."""
+    """Compute the ability masks of a whole route from `node`."""
     stride = len(state.node) // len(state.length)
     row = route * stride
     end = state.length[route] + 1
@@ -163,7 +163,7 @@ def remask(tables: Tables, state: State, route: int) -> None:
 
 @inlined
 def settle(tables: Tables, state: State, route: int) -> None:
-    """Take the cost and load of a route from its partial costs, after its slots were refilled."""
+    """Set the cost and load of a route from its partial costs."""
     m = len(state.length)
     stride = len(state.node) // m
     last = route * stride + state.length[route] + 1

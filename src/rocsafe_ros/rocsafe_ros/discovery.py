@@ -39,10 +39,13 @@ PORTS_PER_DOMAIN = 250
 DISCOVERY_OFFSET = 10
 
 
-def await_discovery(node: Any) -> None:
-    """Wait until the node knows the others, at most `COUNTED_LIMIT_S`."""
+def await_discovery(node: Any, remote_s: float = REMOTE_WAIT_S) -> None:
+    """Wait until the node knows the others, at most `COUNTED_LIMIT_S`.
+
+    Where other machines can be reached it waits for them, `remote_s` seconds.
+    """
     start = time.monotonic()
-    minimum_s = REMOTE_WAIT_S if may_reach_other_machines() else 0.0
+    minimum_s = remote_s if may_reach_other_machines() else 0.0
     domain_id = int(os.environ.get('ROS_DOMAIN_ID') or 0)
     seen, changed = None, start
     while time.monotonic() - start < COUNTED_LIMIT_S:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_radiation.detection.pairing import StampPairing
+from rocsafe_ros.pairing import StampPairing
 
 
 def test_a_pair_is_complete_with_its_second_half():

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Settings of the simulated air that are lists or blocks: one YAML file.
+
+Its keys are those of a scenario's ``air`` block; the wind is that of the survey's airspace.
+"""
+
+import math
+from dataclasses import dataclass
+
+from rocsafe_dispersion.agents.agent_table import released_agent
+from rocsafe_dispersion.atmosphere.stability import StabilityClass
+from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
+from rocsafe_geo.limits import require_between, require_finite, require_not_negative
+
+# Latitude and longitude, degrees.
+Place = tuple[float, float]
+PARTICLES = 'particles'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WindSettings:
+    """The mean wind, which also pushes the vehicles, and its gusts.
+
+    Attributes
+    ----------
+    towards_east_mps, towards_north_mps
+        Velocity of the air at `height_m`: where it goes to, m/s.
+    height_m
+        Height above the ground of these, metres.
+    roughness_m
+        Roughness length of the ground, metres.
+    stability
+        Pasquill class, A very unstable to F stable.
+    gust_std_mps, gust_scale_s
+        Standard deviation of the gusts along each horizontal axis, m/s, and their time scale, s.
+    """
+
+    towards_east_mps: float = 0.0
+    towards_north_mps: float = 0.0
+    height_m: float = 10.0
+    roughness_m: float = 0.03
+    stability: StabilityClass = 'D'
+    gust_std_mps: float = 0.0
+    gust_scale_s: float = 20.0
+
+    def __post_init__(self) -> None:
+        for name in ('towards_east_mps', 'towards_north_mps'):
+            require_between(name, getattr(self, name), -50.0, 50.0, 'm/s')
+        require_between('height_m', self.height_m, 1.0, 200.0, 'm')
+        require_between('roughness_m', self.roughness_m, 1e-3, 0.5, 'm')
+        require_between('gust_std_mps', self.gust_std_mps, 0.0, 20.0, 'm/s')
+        require_between('gust_scale_s', self.gust_scale_s, 1.0, 3600.0, 's')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopSettings:
+    """A place that a moving release passes, `time_s` after its start."""
+
+    time_s: float
+    position: Place
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReleaseSettings:
+    """A release of an industrial chemical, or of particles that stand for biological ones.
+
+    Attributes
+    ----------
+    name
+        Unique among the releases.
+    agent
+        A chemical of the table of agents, or ``particles``.
+    position
+        Latitude and longitude, degrees.
+    height_m
+        Height above the ground, metres.
+    rate_g_s, burst_g
+        Rate of a chemical, g/s, or what leaves at once, g.
+    rate_per_s, burst_count
+        The same of particles, in particles.
+    start_s, duration_s
+        When, seconds after the start of the mission, and how long.
+    radius_m
+        Radius of the place that it leaves, metres.
+    track
+        Places that a moving release passes.
+    settling_mps
+        Speed at which particles fall, m/s.
+    decay_per_s
+        Share that decays in a second, 1/s.
+    surface_resistance_s_m
+        Resistance of the ground to a gas, s/m; infinite: it takes nothing.
+    """
+
+    name: str
+    agent: str
+    position: Place
+    height_m: float = 1.0
+    rate_g_s: float = 0.0
+    burst_g: float = 0.0
+    rate_per_s: float = 0.0
+    burst_count: float = 0.0
+    start_s: float = 0.0
+    duration_s: float = math.inf
+    radius_m: float = 0.0
+    track: tuple[StopSettings, ...] = ()
+    settling_mps: float = 0.0
+    decay_per_s: float = 0.0
+    surface_resistance_s_m: float = math.inf
+
+    def __post_init__(self) -> None:
+        if self.agent != PARTICLES:
+            released_agent(self.agent)
+        for latitude, longitude in (self.position, *(stop.position for stop in self.track)):
+            require_between(f'release {self.name}: latitude', latitude, -90.0, 90.0, 'degrees')
+            require_between(f'release {self.name}: longitude', longitude, -180.0, 180.0, 'degrees')
+        amounts = {
+            'rate_g_s': self.rate_g_s,
+            'burst_g': self.burst_g,
+            'rate_per_s': self.rate_per_s,
+            'burst_count': self.burst_count,
+        }
+        for name, value in amounts.items():
+            require_not_negative(f'release {self.name}: {name}', value)
+        own = ('rate_per_s', 'burst_count') if self.is_particles else ('rate_g_s', 'burst_g')
+        given = [name for name, value in amounts.items() if value > 0.0]
+        if len(given) != 1 or given[0] not in own:
+            raise ValueError(f'release {self.name}: needs exactly one of {", ".join(own)} above 0')
+
+    @property
+    def is_particles(self) -> bool:
+        """Whether particles are released."""
+        return self.agent == PARTICLES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AirFile:
+    """All settings.
+
+    Attributes
+    ----------
+    wind
+        The wind.
+    releases
+        Releases.
+    gas_sensors
+        Kinds of gas sensors that each vehicle carries.
+    particle_counter, anemometer
+        Whether each vehicle carries one.
+    dilution, intake_delay_s
+        Share of the concentration that arrives at the sensors below the rotors, and when.
+    anemometer_std_mps
+        Standard deviation of the wind that a vehicle measures over a window, m/s.
+    ground_altitude_m
+        Altitude of the ground above the ellipsoid, metres.
+    """
+
+    wind: WindSettings = WindSettings()
+    releases: tuple[ReleaseSettings, ...] = ()
+    gas_sensors: tuple[str, ...] = ()
+    particle_counter: bool = False
+    anemometer: bool = True
+    dilution: float = 0.7
+    intake_delay_s: float = 1.0
+    anemometer_std_mps: float = 0.5
+    ground_altitude_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        names = [release.name for release in self.releases]
+        if len(set(names)) < len(names):
+            raise ValueError('releases must have different names')
+        for name in self.gas_sensors:
+            if name not in GAS_SENSORS:
+                raise ValueError(
+                    f'gas_sensors = {name!r} must be one of: {", ".join(GAS_SENSORS)}'
+                )
+        require_between('anemometer_std_mps', self.anemometer_std_mps, 1e-3, 20.0, 'm/s')
+        require_finite('ground_altitude_m', self.ground_altitude_m, 'm')

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulated air, made from the parameters and the settings file of its node."""
+
+import math
+from pathlib import Path
+
+from rocsafe_dispersion.agents.agent_table import released_agent
+from rocsafe_dispersion.air_field.air_field import AirField, ReleasedCloud
+from rocsafe_dispersion.air_field.air_file import AirFile, ReleaseSettings, WindSettings
+from rocsafe_dispersion.air_field.air_options import AirOptions
+from rocsafe_dispersion.atmosphere.stability import layer_of_class
+from rocsafe_dispersion.plume.filaments import FilamentCloud
+from rocsafe_dispersion.plume.losses import Losses
+from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.value_file import read_values
+from rocsafe_geo.wind.gusts import GustyWind
+from rocsafe_geo.wind.similarity import SurfaceLayer
+from rocsafe_geo.wind.wind_field import ProfileWind, UniformWind, WindField
+from rocsafe_geo.wind.wind_vector import WindVector
+
+LEAST_WIND_MPS = 0.5
+
+
+def read_air(options: AirOptions) -> AirFile:
+    """Return the settings that a node's parameters name.
+
+    Raises
+    ------
+    ValueError
+        In a line for each mistake.
+    """
+    return read_values(Path(options.air_file), AirFile) if options.air_file else AirFile()
+
+
+def air_field(settings: AirFile, seed: int) -> AirField:
+    """Return the air of settings.
+
+    Raises
+    ------
+    ValueError
+        If there are releases and too little wind, or a value is out of range.
+    """
+    origin = settings.releases[0].position if settings.releases else (0.0, 0.0)
+    frame = LocalFrame(GeoPosition(*origin, settings.ground_altitude_m))
+    speed = math.hypot(settings.wind.towards_east_mps, settings.wind.towards_north_mps)
+    if speed < LEAST_WIND_MPS:
+        if settings.releases:
+            raise ValueError(
+                f'the wind is {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s where '
+                'something is released'
+            )
+        return AirField(frame, settings.ground_altitude_m, _calm(settings.wind), ())
+    layer = layer_of_class(
+        settings.wind.stability, speed, settings.wind.height_m, settings.wind.roughness_m
+    )
+    wind = _wind(settings.wind, layer, seed)
+    clouds = tuple(
+        _cloud(release, frame, layer, wind, seed + number)
+        for number, release in enumerate(settings.releases)
+    )
+    return AirField(frame, settings.ground_altitude_m, wind, clouds)
+
+
+def _calm(wind: WindSettings) -> WindField:
+    return UniformWind(
+        wind=WindVector(
+            towards_east_mps=wind.towards_east_mps, towards_north_mps=wind.towards_north_mps
+        )
+    )
+
+
+def _wind(settings: WindSettings, layer: SurfaceLayer, seed: int) -> WindField:
+    mean = ProfileWind(
+        layer=layer,
+        wind=WindVector(
+            towards_east_mps=settings.towards_east_mps,
+            towards_north_mps=settings.towards_north_mps,
+        ),
+        reference_height_m=settings.height_m,
+    )
+    if not settings.gust_std_mps:
+        return mean
+    return GustyWind(
+        mean=mean,
+        sigma_east_mps=settings.gust_std_mps,
+        sigma_north_mps=settings.gust_std_mps,
+        time_scale_s=settings.gust_scale_s,
+        seed=seed,
+    )
+
+
+def _cloud(
+    settings: ReleaseSettings, frame: LocalFrame, layer: SurfaceLayer, wind: WindField, seed: int
+) -> ReleasedCloud:
+    release = _release(settings, frame)
+    travel = similarity_travel(
+        layer,
+        settings.height_m,
+        start_sigma_m=release.sigma_m,
+        losses=Losses(
+            surface_resistance_s_m=settings.surface_resistance_s_m,
+            settling_mps=settings.settling_mps,
+            decay_per_s=settings.decay_per_s,
+        ),
+    )
+    agent = None if settings.is_particles else released_agent(settings.agent)
+    return ReleasedCloud(agent=agent, cloud=FilamentCloud(release, travel, wind, seed))
+
+
+def _release(settings: ReleaseSettings, frame: LocalFrame) -> Release:
+    """Return a release in the frame; particles count as if they were grams."""
+    altitude = frame.origin.altitude_m
+
+    def place(position: tuple[float, float]) -> tuple[float, float]:
+        east, north, _ = frame.to_enu(*position, altitude)[0].tolist()
+        return east, north
+
+    return Release(
+        place_m=place(settings.position),
+        height_m=settings.height_m,
+        rate_g_s=settings.rate_g_s or settings.rate_per_s,
+        burst_g=settings.burst_g or settings.burst_count,
+        start_s=settings.start_s,
+        duration_s=settings.duration_s,
+        radius_m=settings.radius_m,
+        track=tuple((stop.time_s, *place(stop.position)) for stop in settings.track),
+    )

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `locate-release`: releases from a table of readings, without ROS."""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rocsafe_dispersion.agents.agent_table import agent
+from rocsafe_dispersion.atmosphere.stability import CLASSES, layer_of_class
+from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
+from rocsafe_dispersion.estimation.locate import FoundRelease, LocatedReleases, locate_releases
+from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_geo.frame import LocalFrame
+
+EXIT_OK, EXIT_REFUSED = 0, 2
+CELLS_ACROSS = 25
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Read, estimate, print, and return the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
+        area = search_area(gas, options.margin, options.release_height)
+        found = _located(gas, area, options)
+    except ValueError as error:
+        sys.stderr.write(f'error: {error}\n')
+        return EXIT_REFUSED
+    document = document_of(found, gas.frame)
+    sys.stdout.write(json.dumps(document, indent=2) + '\n' if options.json else _text(document))
+    return EXIT_OK
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    found = argparse.ArgumentParser(
+        prog='rocsafe locate-release',
+        description='Find releases of gas in readings with the wind; columns: docs/dispersion.md.',
+    )
+    found.add_argument('file', type=Path, metavar='READINGS.csv')
+    found.add_argument('--agent', help='chemical, for readings in ppm')
+    found.add_argument('--stability', choices=CLASSES, default='D', help='Pasquill class [D]')
+    found.add_argument('--roughness', type=float, default=0.03, metavar='M', help='[0.03]')
+    found.add_argument(
+        '--anemometer', type=float, default=10.0, metavar='M', help='height of the wind [10]'
+    )
+    found.add_argument(
+        '--release-height', type=float, default=0.5, metavar='M', help='above the ground [0.5]'
+    )
+    found.add_argument(
+        '--margin', type=float, default=20.0, metavar='M', help='around the readings [20]'
+    )
+    found.add_argument('--most', type=int, default=3, metavar='N', help='releases [3]')
+    found.add_argument('--json', action='store_true', help='print JSON')
+    return found
+
+
+def search_area(gas: GasFile, margin_m: float, height_m: float) -> SearchArea:
+    """Return the area around the readings."""
+    places = gas.survey.places_m[:, :, :2].reshape(-1, 2)
+    low, high = places.min(axis=0) - margin_m, places.max(axis=0) + margin_m
+    return SearchArea(
+        west_m=float(low[0]),
+        south_m=float(low[1]),
+        east_m=float(high[0]),
+        north_m=float(high[1]),
+        cell_m=max(float((high - low).max()) / CELLS_ACROSS, 1.0),
+        height_m=height_m,
+    )
+
+
+def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, Any]:
+    """Return what was found as values for JSON."""
+    return {
+        'releases': [_release(release, frame) for release in found.releases],
+        'gains_of_one_release_more': [round(gain, 2) for gain in found.gains],
+        'backgrounds_g_m3': found.background_g_m3.tolist(),
+        'plume': {
+            'width_factor': found.shape.spread_y,
+            'height_factor': found.shape.spread_z,
+            'wind_turned_anticlockwise_deg': round(float(np.degrees(found.shape.turn_rad)), 3),
+        },
+    }
+
+
+def _located(gas: GasFile, area: SearchArea, options: argparse.Namespace) -> LocatedReleases:
+    speed = float(np.median(gas.survey.speeds_mps))
+    layer = layer_of_class(options.stability, speed, options.anemometer, options.roughness)
+    return locate_releases(
+        gas.survey,
+        area,
+        layer,
+        anemometer_m=options.anemometer,
+        options=LocateOptions(most_releases=options.most),
+    )
+
+
+def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
+    east, north = release.place_m
+    place: dict[str, Any] = {'east_m': east, 'north_m': north}
+    if frame is not None:
+        position = frame.position_of((east, north, 0.0))
+        place = {'latitude_deg': position.latitude_deg, 'longitude_deg': position.longitude_deg}
+    return place | {
+        'rate_g_s': release.rate_g_s,
+        'rate_95_g_s': [release.rate_low_g_s, release.rate_high_g_s],
+        'std_m': np.sqrt(np.diag(release.covariance_m2)).tolist(),
+        'region_95_m2': len(release.region_m) * release.cell_m**2,
+    }
+
+
+def _text(document: dict[str, Any]) -> str:
+    if not document['releases']:
+        return 'no release: the readings are those of a background\n'
+    lines = []
+    for release in document['releases']:
+        first, second = list(release.items())[:2]
+        low, high = release['rate_95_g_s']
+        place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
+        rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
+        lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
+    return '\n'.join(lines) + '\n'

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Readings of gas with the wind, as arrays that estimation works on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+
+LARGEST_READINGS = 20_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GasSurvey:
+    """Readings of point sensors or of beams.
+
+    Attributes
+    ----------
+    places_m : (n, k, 3)
+        East and north of the origin and height above the ground of the k points of each reading;
+        k is 1 for point sensors.
+    weights : (k,)
+        Weight of each point of a beam; they add up to 1.
+    wind_towards_mps : (n, 2)
+        Mean wind during each reading, towards east and north, m/s.
+    values_g_m3 : (n,)
+        Mean concentration, g/m^3.
+    std_g_m3 : (n,)
+        Standard deviation of the sensor's noise, g/m^3, above 0.
+    is_below : (n,)
+        The reading says only that the concentration is below its value.
+    is_above : (n,)
+        The reading says only that the concentration is above its value.
+    times_s : (n,)
+        Times of the readings, seconds.
+    instruments : (n,)
+        Number of the instrument of each reading, from 0: each has a background of its own.
+    """
+
+    places_m: FloatArray
+    weights: FloatArray
+    wind_towards_mps: FloatArray
+    values_g_m3: FloatArray
+    std_g_m3: FloatArray
+    is_below: BoolArray
+    is_above: BoolArray
+    times_s: FloatArray
+    instruments: IndexArray
+
+    def __post_init__(self) -> None:
+        count = len(self.values_g_m3)
+        if not 1 <= count <= LARGEST_READINGS:
+            raise ValueError(f'{count} readings: must be 1 to {LARGEST_READINGS}')
+        shapes = {
+            'places_m': (count, len(self.weights), 3),
+            'wind_towards_mps': (count, 2),
+            'std_g_m3': (count,),
+            'is_below': (count,),
+            'is_above': (count,),
+            'times_s': (count,),
+            'instruments': (count,),
+        }
+        for name, shape in shapes.items():
+            if np.shape(getattr(self, name)) != shape:
+                raise ValueError(
+                    f'{name} has shape {np.shape(getattr(self, name))}: must be {shape}'
+                )
+        for name in ('places_m', 'weights', 'wind_towards_mps', 'values_g_m3', 'times_s'):
+            if not np.isfinite(getattr(self, name)).all():
+                raise ValueError(f'{name} must be finite')
+        if not (np.isfinite(self.std_g_m3).all() and (self.std_g_m3 > 0.0).all()):
+            raise ValueError('std_g_m3 must be finite and above 0')
+        if (self.instruments < 0).any():
+            raise ValueError('instruments must be numbered from 0')
+
+    @property
+    def speeds_mps(self) -> FloatArray:
+        """Wind speed of each reading, m/s."""
+        return np.hypot(self.wind_towards_mps[:, 0], self.wind_towards_mps[:, 1])
+
+
+def point_survey(
+    places_m: FloatArray,
+    wind_towards_mps: FloatArray,
+    values_g_m3: FloatArray,
+    std_g_m3: FloatArray,
+    times_s: FloatArray | None = None,
+    *,
+    is_below: BoolArray | None = None,
+    is_above: BoolArray | None = None,
+) -> GasSurvey:
+    """Return the survey of one point sensor; places are (n, 3)."""
+    count = len(values_g_m3)
+    none = np.zeros(count, bool)
+    return GasSurvey(
+        places_m=np.asarray(places_m, float)[:, None],
+        weights=np.ones(1),
+        wind_towards_mps=wind_towards_mps,
+        values_g_m3=values_g_m3,
+        std_g_m3=std_g_m3,
+        is_below=none if is_below is None else is_below,
+        is_above=none if is_above is None else is_above,
+        times_s=np.arange(count, dtype=float) if times_s is None else times_s,
+        instruments=np.zeros(count, int),
+    )

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where gas is released and how much: number, places, rates, and regions that hold them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.estimation.plume_kernel import (
+    LEAST_SPEED_MPS,
+    MEANDER_WEIGHTS,
+    PlumeShape,
+    unit_readings,
+)
+from rocsafe_dispersion.estimation.rate_fit import MULTIPLE_WEIGHTS, MULTIPLES, RateFits, fit_rates
+from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.similarity import SurfaceLayer
+
+REGION_SHARE = 0.95
+# Values that one release more brings: two of its place and its rate.
+_VALUES_A_RELEASE = 3
+_EXCHANGES = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundRelease:
+    """A release that was found.
+
+    Attributes
+    ----------
+    place_m
+        Most probable place, east and north, metres.
+    mean_m, covariance_m2
+        Mean and covariance of its place, (2,) and (2, 2).
+    rate_g_s, rate_low_g_s, rate_high_g_s
+        Rate: median, and the bounds of the middle 0.95, g/s.
+    region_m : (r, 2)
+        Cells that together hold the place with a probability of 0.95.
+    cell_m
+        Size of the cells.
+    """
+
+    place_m: tuple[float, float]
+    mean_m: FloatArray
+    covariance_m2: FloatArray
+    rate_g_s: float
+    rate_low_g_s: float
+    rate_high_g_s: float
+    region_m: FloatArray
+    cell_m: float
+
+    def holds(self, east_m: float, north_m: float) -> bool:
+        """Return whether a place is within the region of 0.95."""
+        offset = np.abs(self.region_m - (east_m, north_m))
+        return bool((offset <= self.cell_m / 2.0 + 1e-9).all(axis=1).any())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LocatedReleases:
+    """What was found.
+
+    Attributes
+    ----------
+    releases
+        Releases, the strongest first; none: nothing but background.
+    gains
+        For 1, 2, ... releases: gain of the logarithm of the likelihood over one release fewer,
+        less the penalty; above 0 it was accepted.
+    background_g_m3
+        Backgrounds of the instruments.
+    shape
+        The most probable shape of the plume.
+    scatter
+        The most probable scatter.
+    """
+
+    releases: tuple[FoundRelease, ...]
+    gains: tuple[float, ...]
+    background_g_m3: FloatArray
+    shape: PlumeShape
+    scatter: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Case:
+    """One shape of the plume and one scatter, with its prior."""
+
+    shape: PlumeShape
+    scatter: float
+    log_prior: float
+    units: FloatArray
+
+
+def locate_releases(
+    survey: GasSurvey,
+    area: SearchArea,
+    layer: SurfaceLayer,
+    *,
+    sigma_theta_rad: float | None = None,
+    anemometer_m: float = 10.0,
+    options: LocateOptions | None = None,
+) -> LocatedReleases:
+    """Return the releases that readings tell of.
+
+    Parameters
+    ----------
+    survey
+        Readings with the wind.
+    area
+        Where releases may be.
+    layer
+        The air; its wind at `anemometer_m` is that of the survey up to a factor.
+    sigma_theta_rad
+        Standard deviation of the wind direction, radians; None: from the layer.
+    anemometer_m
+        Height of the wind of the survey above the ground, metres.
+    options
+        How.
+
+    Raises
+    ------
+    ValueError
+        If there is no wind, or a value is out of range.
+    """
+    options = options or LocateOptions()
+    if float(np.median(survey.speeds_mps)) < LEAST_SPEED_MPS:
+        raise ValueError(
+            f'the wind is below {LEAST_SPEED_MPS:g} m/s in most readings: must be above; '
+            'without a wind no plume tells where it comes from'
+        )
+    places = _places(area)
+    cases = list(_cases(survey, area, places, layer, sigma_theta_rad, anemometer_m, options))
+    empty = [_without(survey, case.scatter, options) for case in cases]
+    gains: list[float] = []
+    chosen: list[int] = []
+    share = options.information_share
+    best = max(float(fit.averaged(share)[0]) for fit in empty)
+    background, case = empty[0].backgrounds_g_m3[0], cases[0]
+    for _ in range(options.most_releases):
+        found, own, fit = _one_more(survey, cases, chosen, options)
+        value = float(fit.averaged(share)[0]) + own.log_prior
+        penalty = _VALUES_A_RELEASE / 2.0 * math.log(len(survey.values_g_m3)) + options.least_gain
+        gains.append(value - best - penalty)
+        if gains[-1] <= 0.0:
+            break
+        chosen, case, best, background = found, own, value, fit.backgrounds_g_m3[0]
+    releases = _regions(survey, cases, case, chosen, places, area, options)
+    return LocatedReleases(
+        releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
+        gains=tuple(gains),
+        background_g_m3=background,
+        shape=case.shape,
+        scatter=case.scatter,
+    )
+
+
+def _places(area: SearchArea) -> FloatArray:
+    """Return the middles of all cells, (m, 2)."""
+    east = np.arange(area.west_m + area.cell_m / 2.0, area.east_m, area.cell_m)
+    north = np.arange(area.south_m + area.cell_m / 2.0, area.north_m, area.cell_m)
+    return np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
+
+
+def _cases(
+    survey: GasSurvey,
+    area: SearchArea,
+    places: FloatArray,
+    layer: SurfaceLayer,
+    sigma_theta_rad: float | None,
+    anemometer_m: float,
+    options: LocateOptions,
+) -> Iterator[_Case]:
+    """Yield all combinations of shape and scatter."""
+    travel = similarity_travel(layer, area.height_m, sigma_theta_rad=sigma_theta_rad)
+    reference = float(layer.speed_mps(anemometer_m))
+    tried = product(options.turns_deg, options.spread_y, options.spread_z, options.fluctuations)
+    for turn, wide, high, (meander, scatter) in tried:
+        shape = PlumeShape(
+            spread_y=wide, spread_z=high, turn_rad=math.radians(turn), meander=meander
+        )
+        units = unit_readings(survey, places, area.height_m, travel, reference, shape)
+        prior = -0.5 * (turn / options.turn_std_deg) ** 2
+        yield _Case(shape=shape, scatter=scatter, log_prior=prior, units=units)
+
+
+def _without(survey: GasSurvey, scatter: float, options: LocateOptions) -> RateFits:
+    units = np.zeros((len(MEANDER_WEIGHTS), len(survey.values_g_m3), 1, 0))
+    return fit_rates(survey, units, scatter, options)
+
+
+def _fits(survey: GasSurvey, case: _Case, fixed: list[int], options: LocateOptions) -> RateFits:
+    """Return the fits of all places for one release beside `fixed` ones, which come first."""
+    offsets, count, places = case.units.shape
+    size = (offsets, count, places, len(fixed))
+    others = np.broadcast_to(case.units[:, :, None, fixed], size)
+    units = np.concatenate([others, case.units[..., None]], axis=3)
+    return fit_rates(survey, units, case.scatter, options)
+
+
+def _one_more(
+    survey: GasSurvey, cases: list[_Case], chosen: list[int], options: LocateOptions
+) -> tuple[list[int], _Case, RateFits]:
+    """Return the best places with one release more, their case, and their fit.
+
+    The new one is tried everywhere beside the others; then each in turn is tried everywhere
+    again until none moves.
+    """
+    best: tuple[float, list[int], _Case] | None = None
+    for case in cases:
+        fits = _fits(survey, case, chosen, options)
+        likely = fits.averaged(options.information_share)
+        index = int(likely.argmax())
+        value = float(likely[index]) + case.log_prior
+        if best is None or value > best[0]:
+            best = (value, [*chosen, index], case)
+    if best is None:
+        raise ValueError('at least one shape of the plume must be tried')
+    _, found, case = best
+    for _ in range(_EXCHANGES if len(found) > 1 else 0):
+        before = list(found)
+        for number in range(len(found)):
+            others = found[:number] + found[number + 1 :]
+            fits = _fits(survey, case, others, options)
+            index = int(fits.averaged(options.information_share).argmax())
+            found = [*found[:number], index, *found[number + 1 :]]
+        if found == before:
+            break
+    return found, case, fit_rates(survey, case.units[:, :, None, found], case.scatter, options)
+
+
+def _regions(
+    survey: GasSurvey,
+    cases: list[_Case],
+    best: _Case,
+    chosen: list[int],
+    places: FloatArray,
+    area: SearchArea,
+    options: LocateOptions,
+) -> list[FoundRelease]:
+    """Return the releases with their regions, each given the places of the others."""
+    found = []
+    for number in range(len(chosen)):
+        others = chosen[:number] + chosen[number + 1 :]
+        # Beside others only the best case is looked at: they were placed in it.
+        own = cases if not others else [case for case in cases if case.shape == best.shape]
+        fits = [_fits(survey, case, others, options) for case in own]
+        logs = np.array(
+            [
+                options.information_share * fit.log_likelihoods + case.log_prior
+                for fit, case in zip(fits, own, strict=True)
+            ]
+        )
+        rates = np.array([fit.rates_g_s[:, -1:] * MULTIPLES for fit in fits])
+        weights = np.exp(logs - logs.max()) * MULTIPLE_WEIGHTS
+        found.append(_found(weights, rates, places, area.cell_m))
+    return found
+
+
+def _found(
+    weights: FloatArray, rates: FloatArray, places: FloatArray, cell_m: float
+) -> FoundRelease:
+    """Return a release from weights and rates (cases, places, multiples)."""
+    weights = weights / weights.sum()
+    masses = weights.sum(axis=(0, 2))
+    mean = masses @ places
+    offset = places - mean
+    order = np.argsort(-masses)
+    count = int(np.searchsorted(np.cumsum(masses[order]), REGION_SHARE)) + 1
+    by_rate = np.argsort(rates.ravel())
+    total = np.cumsum(weights.ravel()[by_rate])
+    low, middle, high = (
+        float(rates.ravel()[by_rate[min(int(np.searchsorted(total, share)), len(total) - 1)]])
+        for share in ((1.0 - REGION_SHARE) / 2.0, 0.5, (1.0 + REGION_SHARE) / 2.0)
+    )
+    east, north = places[order[0]].tolist()
+    return FoundRelease(
+        place_m=(east, north),
+        mean_m=mean,
+        covariance_m2=np.einsum('m,mi,mj->ij', masses, offset, offset),
+        rate_g_s=middle,
+        rate_low_g_s=low,
+        rate_high_g_s=high,
+        region_m=places[order[:count]],
+        cell_m=cell_m,
+    )

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rates and backgrounds that fit readings best, and how likely the readings are then.
+
+For given places the readings are linear in the rates; the scatter grows with the mean, has heavy
+tails, and some readings are censored or miss the gas.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.estimation.plume_kernel import MEANDER_WEIGHTS
+from rocsafe_dispersion.estimation.release_options import LocateOptions
+from rocsafe_geo.arrays import FloatArray
+
+ROUNDS = 8
+_TINY = 1e-300
+# The rate of the last release is tried at these multiples of its fit, closer near 1; the weights
+# make them even in the logarithm.
+MULTIPLES = np.array([0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.33, 2.0, 4.0])
+_WIDTHS = np.gradient(np.log(MULTIPLES))
+MULTIPLE_WEIGHTS = _WIDTHS / _WIDTHS.sum()
+# Degrees of freedom of the scatter (Student's t): heavy tails.
+FREEDOM = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RateFits:
+    """Fits of m hypotheses.
+
+    Attributes
+    ----------
+    rates_g_s : (m, releases)
+        Rates, not below 0, g/s.
+    backgrounds_g_m3 : (m, instruments)
+        Backgrounds, not below 0, g/m^3.
+    log_likelihoods : (m, multiples)
+        Logarithm of the likelihood of all readings, with the rate of the last release at each of
+        `MULTIPLES` of its fit; without a release they are all the same.
+    """
+
+    rates_g_s: FloatArray
+    backgrounds_g_m3: FloatArray
+    log_likelihoods: FloatArray
+
+    def averaged(self, share: float) -> FloatArray:
+        """Return the logarithms of the likelihood, averaged over the multiples, (m,).
+
+        `share` of the information of the readings counts.
+        """
+        logs = share * self.log_likelihoods
+        return np.asarray(special.logsumexp(logs, axis=1, b=MULTIPLE_WEIGHTS))
+
+
+def fit_rates(
+    survey: GasSurvey, units: FloatArray, scatter: float, options: LocateOptions
+) -> RateFits:
+    """Return the fits of hypotheses by reweighted least squares.
+
+    Parameters
+    ----------
+    survey
+        Readings (n).
+    units : (offsets, n, m, releases)
+        What each reading would be for 1 g/s of each release of each hypothesis, for each offset
+        of the meandering plume.
+    scatter
+        Standard deviation of the concentration as a share of its mean.
+    options
+        Tails, missed readings.
+    """
+    mean_units = np.einsum('o,onmp->nmp', MEANDER_WEIGHTS, units)
+    count, hypotheses, releases = mean_units.shape
+    members = np.eye(survey.instruments.max() + 1)[survey.instruments]
+    design = np.concatenate(
+        [mean_units, np.broadcast_to(members[:, None], (count, hypotheses, members.shape[1]))],
+        axis=2,
+    )
+    # Columns of like size keep the equations well conditioned.
+    scale = np.maximum(np.abs(design).max(axis=0), 1e-30)
+    design = design / scale
+    values = survey.values_g_m3[:, None]
+    found = np.zeros((hypotheses, design.shape[2]))
+    spread = np.full((count, hypotheses), float(np.std(values)) + survey.std_g_m3.max())
+    for _ in range(ROUNDS):
+        predicted = np.einsum('nmp,mp->nm', design, found)
+        wanted = _aimed_at(survey, predicted)
+        ratio = ((wanted - predicted) / spread) ** 2
+        weights = (FREEDOM + 1.0) / (FREEDOM + ratio) / spread**2
+        found = _solved(design, weights, wanted)
+        gas = np.einsum('nmp,mp->nm', design[:, :, :releases], found[:, :releases])
+        spread = np.hypot(survey.std_g_m3[:, None], scatter * gas)
+    background = np.einsum('nmp,mp->nm', design[:, :, releases:], found[:, releases:])
+    rates = found[:, :releases] / scale[:, :releases]
+    return RateFits(
+        rates_g_s=rates,
+        backgrounds_g_m3=found[:, releases:] / scale[:, releases:],
+        log_likelihoods=_log_likelihoods(survey, units, rates, background, scatter, options),
+    )
+
+
+def _aimed_at(survey: GasSurvey, predicted: FloatArray) -> FloatArray:
+    """Return what readings ask for: censored ones nothing while they are not contradicted."""
+    values = np.broadcast_to(survey.values_g_m3[:, None], predicted.shape)
+    below = survey.is_below[:, None] & (predicted <= values)
+    above = survey.is_above[:, None] & (predicted >= values)
+    return np.where(below | above, predicted, values)
+
+
+def _solved(design: FloatArray, weights: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the weighted least squares of each hypothesis, none below 0, (m, parameters)."""
+    normal = np.einsum('nmp,nm,nmq->mpq', design, weights, design)
+    right = np.einsum('nmp,nm->mp', design, weights * values)
+    size = normal.shape[1]
+    ridge = 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] + _TINY
+    normal = normal + ridge * np.eye(size)
+    found = np.linalg.solve(normal, right[:, :, None])[:, :, 0]
+    if not (found < 0.0).any():
+        return np.asarray(found)
+    # Coordinate descent with the bound; few parameters, so few rounds.
+    found = np.maximum(found, 0.0)
+    diagonal = np.einsum('mpp->mp', normal)
+    for _ in range(20):
+        for index in range(size):
+            rest = right[:, index] - np.einsum('mq,mq->m', normal[:, index], found)
+            found[:, index] = np.maximum(found[:, index] + rest / diagonal[:, index], 0.0)
+    return np.asarray(found)
+
+
+def _log_likelihoods(
+    survey: GasSurvey,
+    units: FloatArray,
+    rates: FloatArray,
+    background: FloatArray,
+    scatter: float,
+    options: LocateOptions,
+) -> FloatArray:
+    """Return the logarithms of the likelihood, (m, multiples)."""
+    noise = np.broadcast_to(survey.std_g_m3[:, None], background.shape)
+    missed = options.missed_probability * _densities(survey, background, noise)
+    releases = rates.shape[1]
+    if not releases:
+        logs = np.log(np.maximum(missed / options.missed_probability, _TINY)).sum(axis=0)
+        return np.repeat(logs[:, None], len(MULTIPLES), axis=1)
+    others = np.einsum('onmp,mp->onm', units[..., :-1], rates[:, :-1])
+    last = units[..., -1] * rates[:, -1]
+    found = np.empty((background.shape[1], len(MULTIPLES)))
+    for index, multiple in enumerate(MULTIPLES):
+        density = missed.copy()
+        for share, gas in zip(MEANDER_WEIGHTS, others + multiple * last, strict=True):
+            spread = np.hypot(noise, scatter * gas)
+            seen = _densities(survey, gas + background, spread)
+            density += (1.0 - options.missed_probability) * share * seen
+        found[:, index] = np.log(np.maximum(density, _TINY)).sum(axis=0)
+    return found
+
+
+def _densities(survey: GasSurvey, mean: FloatArray, spread: FloatArray) -> FloatArray:
+    """Return the densities of Student's t, and probabilities of censored readings, (n, m)."""
+    offset = (survey.values_g_m3[:, None] - mean) / spread
+    # 3/8 (1 + x^2/4)^(-5/2): four degrees of freedom, without a costly power.
+    base = 1.0 + offset**2 / FREEDOM
+    density = 0.375 / (base * base * np.sqrt(base) * spread)
+    if not (survey.is_below | survey.is_above).any():
+        return np.asarray(density)
+    below = special.stdtr(FREEDOM, offset)
+    density = np.where(survey.is_below[:, None], below, density)
+    return np.where(survey.is_above[:, None], 1.0 - below, density)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Options of the search for releases."""
+
+from dataclasses import dataclass
+
+from rocsafe_geo.limits import require_between, require_count, require_positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchArea:
+    """Where releases may be.
+
+    Attributes
+    ----------
+    west_m, south_m, east_m, north_m
+        Edges, metres.
+    cell_m
+        Distance of the places that are tried, metres.
+    height_m
+        Height of a release above the ground, metres.
+    """
+
+    west_m: float
+    south_m: float
+    east_m: float
+    north_m: float
+    cell_m: float = 4.0
+    height_m: float = 0.5
+
+    def __post_init__(self) -> None:
+        require_positive('width of the area', self.east_m - self.west_m, 'm')
+        require_positive('height of the area', self.north_m - self.south_m, 'm')
+        require_positive('cell_m', self.cell_m, 'm')
+        require_between('height_m', self.height_m, 0.0, 30.0, 'm')
+        cells = (self.east_m - self.west_m) * (self.north_m - self.south_m) / self.cell_m**2
+        require_between('number of cells of the area', cells, 4.0, 40_000.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocateOptions:
+    """How releases are found.
+
+    Attributes
+    ----------
+    spread_y, spread_z
+        Factors of the crosswind and the vertical size of the plume that are tried.
+    turns_deg, turn_std_deg
+        Errors of the wind direction that are tried, degrees, and their standard deviation.
+    fluctuations
+        How readings fluctuate about the mean, as pairs that are tried: the share of the crosswind
+        variance that is meander during one reading, and the standard deviation of the
+        concentration as a share of its mean within the meandering plume. Readings of seconds
+        see the second pair, means over minutes the first.
+    missed_probability
+        Probability that a sensor within the plume reads nothing of it.
+    information_share
+        Share of the readings' information that counts: readings that follow each other see the
+        same eddies, and no plume is a Gaussian one. Chosen so that regions of simulated surveys
+        hold what they state (docs/dispersion.md).
+    most_releases
+        Largest number of releases, at most 3.
+    least_gain
+        Gain of the logarithm of the likelihood, beyond the penalty of BIC, for one release more.
+    """
+
+    spread_y: tuple[float, ...] = (0.7, 1.4)
+    spread_z: tuple[float, ...] = (0.7, 1.4)
+    turns_deg: tuple[float, ...] = (-8.0, 0.0, 8.0)
+    turn_std_deg: float = 6.0
+    fluctuations: tuple[tuple[float, float], ...] = ((0.0, 0.4), (0.6, 0.6))
+    missed_probability: float = 0.1
+    information_share: float = 0.3
+    most_releases: int = 3
+    least_gain: float = 4.0
+
+    def __post_init__(self) -> None:
+        for name in ('spread_y', 'spread_z'):
+            for value in getattr(self, name):
+                require_between(name, value, 0.05, 20.0)
+        for meander, scatter in self.fluctuations:
+            require_between('meander of fluctuations', meander, 0.0, 0.95)
+            require_between('scatter of fluctuations', scatter, 0.05, 5.0)
+        require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
+        require_between('missed_probability', self.missed_probability, 0.0, 0.9)
+        require_between('information_share', self.information_share, 0.01, 1.0)
+        require_count('most_releases', self.most_releases, 0, 3)

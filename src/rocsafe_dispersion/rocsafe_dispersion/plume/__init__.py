@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Transport of gas and particles: plume, puffs, filaments, deposition."""

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mean concentration downwind of a steady release: a Gaussian plume."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.spread import Travel, at_rows, vertical_shape
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.wind_vector import WindVector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SteadyPlume:
+    """A plume that has reached everywhere; concentrations are means over about 10 minutes.
+
+    Attributes
+    ----------
+    release
+        A steady release.
+    travel
+        How it spreads.
+    wind
+        Where it goes; its speed does not count, `travel` has it.
+    """
+
+    release: Release
+    travel: Travel
+    wind: WindVector
+
+    def __post_init__(self) -> None:
+        if not self.release.rate_g_s > 0.0:
+            raise ValueError('a plume needs a release with a rate; a burst makes puffs')
+        if not self.wind.speed_mps > 0.0:
+            raise ValueError('a plume needs a wind above 0 m/s')
+
+    def concentrations_g_m3(self, places_m: FloatArray) -> FloatArray:
+        """Return the concentrations at places (n, 3), heights above the ground, (n,), g/m^3."""
+        along, across = self.along_across_m(places_m[:, :2])
+        rows = self.travel.rows(along)
+        columns = (self.travel.sigma_y_m, self.travel.sigma_z_m, self.travel.speeds_mps)
+        sigma_y, sigma_z, speed = (at_rows(column, rows) for column in columns)
+        flow = self.release.rate_g_s * at_rows(self.travel.airborne, rows) / speed
+        middle = at_rows(self.travel.heights_m(), rows)
+        sideways = np.exp(-0.5 * (across / sigma_y) ** 2) / (math.sqrt(2.0 * math.pi) * sigma_y)
+        return np.where(
+            along > 0.0, flow * sideways * vertical_shape(places_m[:, 2], middle, sigma_z), 0.0
+        )
+
+    def along_across_m(self, places_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far places (n, 2) lie downwind of the release and to the left, metres."""
+        east = self.wind.towards_east_mps / self.wind.speed_mps
+        north = self.wind.towards_north_mps / self.wind.speed_mps
+        offset = places_m - np.array(self.release.place_m)
+        along = offset[:, 0] * east + offset[:, 1] * north
+        return along, offset[:, 1] * east - offset[:, 0] * north

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator should be told of a flight at once, with the order that would answer it."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.drone.vehicle_session import VehicleSession
+from rocsafe_mavlink.flight.check import CheckVerdict
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.flight.flight_plan import FlightPlan
+from rocsafe_mavlink.flight.way_checks import fence_check
+from rocsafe_mavlink.flight.wind import wind_fault
+from rocsafe_mavlink.knowledge.traffic import encounters
+
+HOLD, RETURN_HOME = 'hold', 'return_home'
+
+
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """An order that is offered, and why."""
+
+    order: str
+    reason: str
+
+
+def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tuple[Advice, ...]:
+    """Return what should be answered now, the most urgent first; nothing on the ground.
+
+    A vehicle that somebody else has is left to him: what he should know is told all the same.
+    """
+    vehicle = session.telemetry
+    if vehicle.is_on_ground:
+        return ()
+    close = next((e for e in encounters(vehicle, now_s) if e.is_close), None)
+    found = [] if close is None else [Advice(HOLD, close.text)]
+    fence = _fence_fault(session)
+    found += [Advice(HOLD, fence)] if fence else []
+    wind = wind_fault(vehicle.wind, limits, now_s)
+    return (*found, *([Advice(RETURN_HOME, wind)] if wind else []))
+
+
+def _fence_fault(session: VehicleSession) -> str:
+    """Return how the fence of a flight has changed; empty if its route lies within."""
+    flight, home = session.flight, session.telemetry.home
+    settings = session.readout.settings
+    if flight is None or flight.is_over or home is None or settings.fence is None:
+        return ''
+    return _outside(flight.plan, home.place, settings.fence)
+
+
+@lru_cache(maxsize=16)
+def _outside(plan: FlightPlan, home: GeoPosition, fence: Fence) -> str:
+    check = fence_check(plan, home, VehicleSettings(fence=fence))
+    is_good = check.verdict is not CheckVerdict.FAIL
+    return '' if is_good else f'its fence was changed: {check.value}'

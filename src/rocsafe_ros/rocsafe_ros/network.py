@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The network interfaces to which DDS is bound.
+
+Without a profile every participant listens on all interfaces, whatever the range of discovery is.
+A profile for Fast DDS names those that are used. It has to be set before ROS is started.
+"""
+
+import hashlib
+import ipaddress
+import os
+import socket
+from collections.abc import MutableMapping
+from pathlib import Path
+
+from rclpy.utilities import get_rmw_implementation_identifier
+
+from rocsafe_ros.parameters import ParameterError
+
+# Addresses or names of interfaces, separated by commas.
+INTERFACES = 'ROCSAFE_INTERFACES'
+RANGE, LOOPBACK_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'
+LOOPBACK = '127.0.0.1'
+# Fast DDS 2 and 3 have different names for it.
+PROFILES = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
+RMW = 'rmw_fastrtps_cpp'
+_OURS = 'rocsafe_interfaces_'
+_PROFILE = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com">
+  <profiles>
+    <transport_descriptors>
+      <transport_descriptor>
+        <transport_id>udp</transport_id>
+        <type>UDPv4</type>
+        <interfaceWhiteList>{interfaces}</interfaceWhiteList>
+      </transport_descriptor>
+      <transport_descriptor>
+        <transport_id>shared_memory</transport_id>
+        <type>SHM</type>
+      </transport_descriptor>
+    </transport_descriptors>
+    <participant profile_name="rocsafe" is_default_profile="true">
+      <rtps>
+        <userTransports>
+          <transport_id>shared_memory</transport_id>
+          <transport_id>udp</transport_id>
+        </userTransports>
+        <useBuiltinTransports>false</useBuiltinTransports>
+      </rtps>
+    </participant>
+  </profiles>
+</dds>
+"""
+
+
+def bind_interfaces(environment: MutableMapping[str, str]) -> None:
+    """Bind DDS to the interfaces that `environment` names, by a profile that is added to it.
+
+    These are loopback and those of ``ROCSAFE_INTERFACES``; without that variable, loopback alone
+    where discovery is limited to this machine, else all. A profile of the user is left as it is.
+    Processes that inherit the environment are bound to the same.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such interface, or it cannot be done: nothing is bound to less than asked.
+    """
+    named = [name.strip() for name in environment.get(INTERFACES, '').split(',') if name.strip()]
+    profile = next((environment[name] for name in PROFILES if environment.get(name)), '')
+    if profile and not Path(profile).name.startswith(_OURS):
+        if named:
+            raise ParameterError(f'{INTERFACES} and {PROFILES[0]} are both set: set one of them')
+        return
+    if not named and environment.get(RANGE) != LOOPBACK_RANGE:
+        return
+    if get_rmw_implementation_identifier() != RMW:
+        if named:
+            raise ParameterError(f'{INTERFACES} is for {RMW} only')
+        return
+    path = _written(_PROFILE.format(interfaces=''.join(map(_element, [LOOPBACK, *named]))))
+    environment.update(dict.fromkeys(PROFILES, str(path)))
+    # The range for this machine alone would open sockets beside those of the profile.
+    environment[RANGE] = 'SUBNET'
+
+
+def _element(interface: str) -> str:
+    """Return the element of the profile for an address or a name."""
+    try:
+        address = ipaddress.ip_address(interface)
+    except ValueError:
+        known = [name for _, name in socket.if_nameindex()]
+        if interface not in known:
+            raise ParameterError(
+                f'{INTERFACES}: {interface!r} is no address and none of {", ".join(known)}'
+            ) from None
+        return f'<interface>{interface}</interface>'
+    if address.version != 4 or not _is_ours(interface):
+        raise ParameterError(f'{INTERFACES}: {interface} is no IPv4 address of this machine')
+    return f'<address>{interface}</address>'
+
+
+def _is_ours(address: str) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((address, 0))
+        except OSError:
+            return False
+    return not ipaddress.ip_address(address).is_unspecified
+
+
+def _written(profile: str) -> Path:
+    """Return a file with `profile`, named by its content."""
+    folder = Path(os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache') / 'rocsafe'
+    name = f'{_OURS}{hashlib.sha256(profile.encode()).hexdigest()[:16]}.xml'
+    path = folder / name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f'{name}.{os.getpid()}.part')
+        part.write_text(profile, encoding='utf-8')
+        part.replace(path)
+    except OSError as error:
+        raise ParameterError(f'{path}: {error.strerror}') from error
+    return path

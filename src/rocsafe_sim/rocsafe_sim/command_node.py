@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command services of a simulated vehicle."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rocsafe_geo.limits import require_positive
+from rocsafe_geo.motion.state import Enu
+from rocsafe_interfaces.msg import GeoPoint
+from rocsafe_interfaces.srv import GoTo, PushRally
+from rocsafe_ros import topics
+from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_sim.conversions import fence_of, places_of
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.rav.rav import Rav
+
+
+class CommandServices:
+    """Services: hold, return_home and land, always taken; with the lease all others.
+
+    These are resume, go_to, set_speed, set_home, fence and rally.
+
+    Parameters
+    ----------
+    node
+        Node in the namespace of the vehicle.
+    rav
+        The vehicle.
+    lease
+        Judges who may give orders.
+    on_command
+        Called after the vehicle got a command.
+    """
+
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        rav: Rav,
+        lease: LeaseServer,
+        on_command: Callable[[], None],
+    ) -> None:
+        self._rav = rav
+        self._frame = rav.parts.frame
+        self._on_command = on_command
+        vehicle = rav.vehicle
+        for spec, command in (
+            (topics.HOLD, vehicle.hold),
+            (topics.RETURN_HOME, vehicle.return_home),
+            (topics.LAND, vehicle.land),
+        ):
+            node.create_service(spec.call_type, spec.name, self._plain(command))
+        lease.serve(topics.RESUME, self._plain(vehicle.resume))
+        lease.serve(topics.GO_TO, self._answered(self._go_to))
+        lease.serve(
+            topics.SET_SPEED, self._answered(lambda request: vehicle.set_speed(request.speed_mps))
+        )
+        lease.serve(
+            topics.SET_HOME,
+            self._answered(lambda request: vehicle.set_home(*self._places([request.position]))),
+        )
+        lease.serve(
+            topics.PUSH_FENCE,
+            self._answered(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
+        )
+        lease.serve(topics.PUSH_RALLY, self._answered(self._push_rally))
+
+    def _go_to(self, request: GoTo.Request) -> None:
+        vehicle = self._rav.vehicle
+        (place,) = self._places([request.position])
+        vehicle.go_to((*place[:2], vehicle.home_enu[2] + request.height_m))
+
+    def _push_rally(self, request: PushRally.Request) -> None:
+        # It returns at the height at which it is.
+        require_positive('height_m', request.height_m, 'm')
+        self._rav.vehicle.push_rally(self._places(request.points))
+
+    def _places(self, points: list[GeoPoint]) -> tuple[Enu, ...]:
+        return places_of(points, self._frame)
+
+    def _plain(self, command: Callable[[], None]) -> Callable[[Any, Any], Any]:
+        return self._answered(lambda _request: command())
+
+    def _answered(self, command: Callable[[Any], None]) -> Callable[[Any, Any], Any]:
+        """Return the callback of a service that commands the vehicle."""
+
+        def on_call(request: Any, response: Any) -> Any:
+            try:
+                command(request)
+            except (CommandRefusedError, ValueError) as refusal:
+                response.message = f'{self._rav.parts.name}: {refusal}'
+                return response
+            self._on_command()
+            response.success = True
+            return response
+
+        return on_call

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Releases found from readings: places, rates, number, censored readings, bad input."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
+from rocsafe_dispersion.estimation.locate import locate_releases
+from rocsafe_dispersion.estimation.plume_kernel import (
+    MEANDER_WEIGHTS,
+    PlumeShape,
+    unit_readings,
+)
+from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_dispersion.plume.steady_plume import SteadyPlume
+
+from .airs import EASTWARDS, LAYER, SPEED_MPS
+
+AREA = SearchArea(west_m=-50.0, south_m=-50.0, east_m=50.0, north_m=50.0, cell_m=5.0)
+# Fewer shapes than by default: these tests ask what the shapes do not change.
+QUICK = LocateOptions(
+    spread_y=(1.0,), spread_z=(1.0,), turns_deg=(0.0,), fluctuations=((0.0, 0.4),)
+)
+TRAVEL = similarity_travel(LAYER, AREA.height_m)
+NOISE_G_M3 = 2e-5
+
+
+def places(step: float = 10.0) -> np.ndarray:
+    """Return places of a lawn mower, 2 m above the ground."""
+    axis = np.arange(-47.0, 48.0, step)
+    east, north = np.meshgrid(axis, axis)
+    return np.column_stack([east.ravel(), north.ravel(), np.full(east.size, 2.0)])
+
+
+def readings(sources: list[tuple[float, float, float]], seed: int, background: float = 0.0):
+    """Return a survey of sources (east, north, g/s), each reading scattered by 30 %."""
+    generator = np.random.default_rng(seed)
+    at = places()
+    values = np.zeros(len(at))
+    for east, north, rate in sources:
+        release = Release(place_m=(east, north), height_m=AREA.height_m, rate_g_s=rate)
+        plume = SteadyPlume(release=release, travel=TRAVEL, wind=EASTWARDS)
+        values += plume.concentrations_g_m3(at)
+    values = values * np.exp(0.3 * generator.standard_normal(len(at))) + background
+    values = values + NOISE_G_M3 * generator.standard_normal(len(at))
+    winds = np.tile((SPEED_MPS, 0.0), (len(at), 1))
+    return point_survey(at, winds, values, np.full(len(at), NOISE_G_M3))
+
+
+def test_kernel_is_the_plume():
+    """The mean over the offsets of a meandering plume, within 1 %."""
+    survey = readings([], 1)
+    units = unit_readings(
+        survey, np.array([[-20.0, 3.0]]), AREA.height_m, TRAVEL, SPEED_MPS, PlumeShape()
+    )
+    release = Release(place_m=(-20.0, 3.0), height_m=AREA.height_m, rate_g_s=1.0)
+    plume = SteadyPlume(release=release, travel=TRAVEL, wind=EASTWARDS)
+    expected = plume.concentrations_g_m3(places())
+    found = np.einsum('o,on->n', MEANDER_WEIGHTS, units[:, :, 0])
+    strong = expected > 0.05 * expected.max()
+    # Five offsets stand for all.
+    assert found[strong] == pytest.approx(expected[strong], rel=0.15)
+
+
+@pytest.mark.parametrize('source', [(-22.0, 13.0, 2.0), (8.0, -28.0, 0.5)])
+def test_one_release_is_found(source):
+    """Within 8 m, the rate within a factor of 2, and the region holds it."""
+    found = locate_releases(readings([source], 3), AREA, LAYER, options=QUICK)
+    assert len(found.releases) == 1
+    release = found.releases[0]
+    assert math.dist(release.place_m, source[:2]) < 8.0
+    assert 0.5 < release.rate_g_s / source[2] < 2.0
+    assert release.rate_low_g_s < source[2] < release.rate_high_g_s
+    assert release.holds(*source[:2])
+
+
+@pytest.mark.slow
+def test_two_releases_are_found():
+    """Both, in one wind."""
+    sources = [(-32.0, 22.0, 2.0), (-12.0, -18.0, 1.0)]
+    found = locate_releases(readings(sources, 4), AREA, LAYER, options=QUICK)
+    assert len(found.releases) == 2
+    for release, source in zip(found.releases, sources, strict=True):
+        assert math.dist(release.place_m, source[:2]) < 10.0
+
+
+@pytest.mark.slow
+def test_background_alone_is_no_release():
+    """In 30 surveys of clean or evenly polluted air at most one is found."""
+    options = replace(QUICK, most_releases=1)
+    alarms = sum(
+        bool(
+            locate_releases(readings([], seed, background), AREA, LAYER, options=options).releases
+        )
+        for seed in range(15)
+        for background in (0.0, 1e-3)
+    )
+    assert alarms <= 1
+
+
+def test_background_is_told_from_the_release():
+    """Its level comes back."""
+    survey = readings([(-22.0, 13.0, 2.0)], 3, background=1e-3)
+    found = locate_releases(survey, AREA, LAYER, options=QUICK)
+    assert found.background_g_m3[0] == pytest.approx(1e-3, rel=0.1)
+    assert math.dist(found.releases[0].place_m, (-22.0, 13.0)) < 8.0
+
+
+def test_censored_readings_tell_no_more_than_they_say():
+    """What is below the limit or above the ceiling still leads to the release."""
+    survey = readings([(-22.0, 13.0, 2.0)], 3)
+    limit, ceiling = 2e-4, 5e-3
+    values = np.clip(survey.values_g_m3, limit, ceiling)
+    censored = replace(
+        survey,
+        values_g_m3=values,
+        is_below=survey.values_g_m3 < limit,
+        is_above=survey.values_g_m3 > ceiling,
+    )
+    found = locate_releases(censored, AREA, LAYER, options=QUICK)
+    assert len(found.releases) == 1
+    assert math.dist(found.releases[0].place_m, (-22.0, 13.0)) < 10.0
+
+
+@pytest.mark.slow
+def test_wrong_wind_direction_is_noticed():
+    """Turned by 8 degrees: the turn is among those that are tried, and is found."""
+    survey = readings([(-32.0, 3.0, 2.0)], 5)
+    angle = math.radians(8.0)
+    wrong = np.tile((SPEED_MPS * math.cos(angle), SPEED_MPS * math.sin(angle)), (100, 1))
+    options = replace(QUICK, turns_deg=(-8.0, 0.0, 8.0))
+    found = locate_releases(replace(survey, wind_towards_mps=wrong), AREA, LAYER, options=options)
+    assert math.degrees(found.shape.turn_rad) == pytest.approx(-8.0)
+
+
+def test_same_readings_same_answer():
+    """Bit by bit."""
+    survey = readings([(-22.0, 13.0, 2.0)], 3)
+    first, second = (locate_releases(survey, AREA, LAYER, options=QUICK) for _ in range(2))
+    assert first.releases[0].rate_g_s == second.releases[0].rate_g_s
+    assert np.array_equal(first.releases[0].region_m, second.releases[0].region_m)
+
+
+def survey_with(**changed) -> GasSurvey:
+    """Return a survey with some values changed."""
+    return replace(readings([], 1), **changed)
+
+
+@pytest.mark.parametrize(
+    'make',
+    [
+        lambda: survey_with(values_g_m3=np.full(100, np.nan)),
+        lambda: survey_with(std_g_m3=np.zeros(100)),
+        lambda: survey_with(times_s=np.zeros(3)),
+        lambda: survey_with(instruments=np.full(100, -1)),
+        lambda: point_survey(np.zeros((0, 3)), np.zeros((0, 2)), np.zeros(0), np.zeros(0)),
+        lambda: locate_releases(survey_with(wind_towards_mps=np.zeros((100, 2))), AREA, LAYER),
+        lambda: SearchArea(west_m=0.0, south_m=0.0, east_m=0.0, north_m=1.0),
+        lambda: SearchArea(west_m=0.0, south_m=0.0, east_m=1e5, north_m=1e5),
+        lambda: LocateOptions(information_share=2.0),
+        lambda: LocateOptions(most_releases=7),
+    ],
+)
+def test_bad_values_are_refused(make):
+    """With one error type."""
+    with pytest.raises(ValueError, match='must'):
+        make()

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `locate-release`: anybody's readings, and what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rocsafe_dispersion.command_line.locate_command import main
+from rocsafe_dispersion.estimation.gas_csv import read_gas
+from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_dispersion.plume.steady_plume import SteadyPlume
+
+from .airs import EASTWARDS, LAYER, SPEED_MPS
+
+HEAD = 'east_m,north_m,height_m,value_g_m3,wind_speed_mps,wind_from_deg'
+
+
+def readings(folder: Path) -> Path:
+    """Write the readings of a release of 2 g/s at (-20, 5) in a west wind."""
+    release = Release(place_m=(-20.0, 5.0), height_m=0.5, rate_g_s=2.0)
+    travel = similarity_travel(LAYER, 0.5)
+    plume = SteadyPlume(release=release, travel=travel, wind=EASTWARDS)
+    axis = np.arange(-45.0, 50.0, 15.0)
+    lines = [HEAD]
+    for east in axis:
+        for north in axis + 0.3 * east % 7.0:
+            (value,) = plume.concentrations_g_m3(np.array([[east, north, 2.0]]))
+            lines.append(f'{east},{north},2,{value:.6g},{SPEED_MPS:.4g},270')
+    path = folder / 'readings.csv'
+    path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
+    return path
+
+
+@pytest.mark.slow
+def test_release_is_found_in_a_file(tmp_path: Path, capsys):
+    """As JSON and as text."""
+    path = readings(tmp_path)
+    assert main([str(path), '--json', '--most', '1']) == 0
+    (release,) = json.loads(capsys.readouterr().out)['releases']
+    assert np.hypot(release['east_m'] + 20.0, release['north_m'] - 5.0) < 15.0
+    assert 0.3 < release['rate_g_s'] / 2.0 < 3.0
+
+
+def test_ppm_and_places_on_the_globe(tmp_path: Path):
+    """Are converted; the wind, too."""
+    path = tmp_path / 'a.csv'
+    path.write_text(
+        'latitude_deg,longitude_deg,height_m,value_ppm,std_ppm,limit,wind_speed_mps,wind_from_deg\n'
+        '53.0,-9.0,2,10,1,,4,0\n53.0001,-9.0,2,1,1,below,4,90\n',
+        encoding='utf-8',
+    )
+    survey = read_gas(path, lambda ppm: 0.003 * ppm).survey
+    assert survey.values_g_m3 == pytest.approx([0.03, 0.003])
+    assert survey.is_below.tolist() == [False, True]
+    assert np.allclose(survey.wind_towards_mps, [(0.0, -4.0), (-4.0, 0.0)], atol=1e-9)
+    assert np.ptp(survey.places_m[:, 0, 1]) == pytest.approx(11.1, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ('text', 'named'),
+    [
+        ('', '0 readings'),
+        (HEAD + '\n', '0 readings'),
+        (HEAD.replace('value_g_m3', 'value') + '\n1,2,3,4,5,6\n', 'value_g_m3 and value_ppm'),
+        (HEAD.replace('value_g_m3', 'value_ppm') + '\n1,2,3,4,5,6\n', 'name the agent'),
+        (HEAD.replace('wind_from_deg', 'wind_direction') + '\n1,2,3,4,5,6\n', 'does not say'),
+        (HEAD.replace('height_m', 'h') + '\n1,2,3,4,5,6\n', 'height_m is missing'),
+        (HEAD.replace('north_m', 'n') + '\n1,2,3,4,5,6\n', 'needs latitude_deg'),
+        (HEAD + '\n1,2,3,x,5,6\n', "line 2: value_g_m3 is 'x'"),
+        (HEAD + '\n1,2,3,inf,5,6\n', 'must be finite'),
+        (HEAD + '\n1,2,3,4,5,999\n', 'from_deg is 999'),
+        (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'speed_mps'),
+        (HEAD + '\n1,2,3,4,5,270\n1e9,2,3,4,5,270\n', 'apart'),
+        ('\x00\xff', 'column'),
+    ],
+)
+def test_bad_files_are_refused_in_one_line(tmp_path: Path, capsys, text: str, named: str):
+    """With exit code 2 and no traceback."""
+    path = tmp_path / 'bad.csv'
+    path.write_text(text, encoding='latin-1')
+    assert main([str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith('error: ')
+    assert error.count('\n') == 1
+    assert named in error or named == 'column'
+
+
+def test_missing_file_and_unknown_agent_are_refused(tmp_path: Path, capsys):
+    """By their names."""
+    assert main([str(tmp_path / 'none.csv')]) == 2
+    assert 'none.csv' in capsys.readouterr().err
+    assert main([str(tmp_path / 'none.csv'), '--agent', 'water']) == 2
+    assert 'water' in capsys.readouterr().err

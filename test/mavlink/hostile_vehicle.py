@@ -1,0 +1,329 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A vehicle that misbehaves, and a link that loses, repeats, delays and reorders: all from a seed.
+
+It is written apart from `test.fakes`: not as a real autopilot behaves, but as badly as one could.
+Each heartbeat is marked with whose the vehicle was when it was sent; the bridge does not see that.
+"""
+
+import heapq
+import math
+
+from rocsafe_mavlink.wire.dialect import Message
+
+HOME_E7 = (473977420, 85455940)
+PREARM = 1 << 28
+TAKEOFF_S, ITEM_S, LANDING_S, ON_GROUND_S = 3.0, 5.0, 8.0, 10.0
+# Whose the vehicle is.
+OURS, PILOT, FAILSAFE, OTHER = 'ours', 'pilot', 'failsafe', 'other station'
+TEXTS = (
+    'Battery Failsafe',
+    'GCS Failsafe',
+    'EKF Failsafe: changed to LAND Mode',
+    'Circle fence breached',
+)
+
+
+class Channel:
+    """One direction of a link."""
+
+    def __init__(self, rng, loss, repeat, delay_s):
+        self._rng, self._loss, self._repeat, self._delay_s = rng, loss, repeat, delay_s
+        self._queue, self._count = [], 0
+        self.is_cut = False
+
+    def put(self, now_s, message):
+        """Take a message; it arrives late, twice, or not at all."""
+        if self.is_cut or self._rng.random() < self._loss:
+            return
+        for _ in range(2 if self._rng.random() < self._repeat else 1):
+            self._count += 1
+            at_s = now_s + self._rng.random() * self._delay_s
+            heapq.heappush(self._queue, (at_s, self._count, message))
+
+    def due(self, now_s):
+        """Yield what has arrived."""
+        while self._queue and self._queue[0][0] <= now_s:
+            yield heapq.heappop(self._queue)[2]
+
+
+class HostileVehicle:
+    """One vehicle of a kind (an `Autopilot` table); `rng` is a `random.Random`.
+
+    Attributes
+    ----------
+    owner : whose it is now.
+    stored : items by mission type, each as the fields of `_KEPT`.
+    owners : owner of each heartbeat, by the identity of the message.
+    """
+
+    def __init__(self, kind, modes, rng, spite):
+        self.kind, self.modes, self.rng, self.spite = kind, modes, rng, spite
+        self.said, self.owners = [], {}
+        self.stored = {0: [], 1: [], 2: []}
+        self.boot_s = -60.0
+        self._start(0.0)
+
+    def _start(self, now_s):
+        self.mode = self.modes['idle']
+        self.owner, self.status = OURS, 3
+        self.is_armed = self.is_flying = self.is_paused = False
+        self.current, self.phase, self.reached = 0, 1, 0
+        self.since_s = self.next_s = now_s
+        self.home = HOME_E7
+        self._taking = None
+        self._beat_s = self._fast_s = now_s
+        self.is_breached = False
+
+    def say(self, name, **fields):
+        """Send a message."""
+        message = Message(name, fields, 1, 1)
+        self.said.append(message)
+        return message
+
+    # Faults and other people.
+
+    def take(self, owner, mode, now_s):
+        """Somebody switches it."""
+        self.owner, self.mode, self.since_s = owner, mode, now_s
+
+    def fail(self, now_s):
+        """A failsafe acts: with or without words, with or without a status."""
+        kind = self.rng.randrange(3)
+        if kind != 1:
+            self.say('STATUSTEXT', severity=2, text=self.rng.choice(TEXTS), id=0, chunk_seq=0)
+        if kind != 2:
+            self.status = 5
+        self.take(FAILSAFE, self.modes[self.rng.choice(('return', 'land'))], now_s)
+
+    def reboot(self, now_s):
+        """Start again, on the ground or in the air."""
+        if self.rng.random() < 0.7:
+            self.stored = {0: [], 1: [], 2: []}
+        self.boot_s = now_s
+        self._start(now_s)
+        self.status = 1
+
+    def overwrite(self):
+        """Another station writes another mission or fence."""
+        self.stored[0] = [(3, 16, 0.0, 0.0, 0.0, 0.0, 1, 2, 3.0)] * self.rng.randrange(1, 6)
+
+    # What it is told.
+
+    def receive(self, message, now_s):
+        """Take a message of the bridge."""
+        if message.name in ('COMMAND_LONG', 'COMMAND_INT'):
+            self._command(message, now_s)
+        elif message.name == 'MISSION_COUNT':
+            self._offer(message)
+        elif message.name == 'MISSION_ITEM_INT':
+            self._item(message)
+        elif message.name == 'MISSION_CLEAR_ALL':
+            self.stored[message['mission_type']] = []
+            self._taking = None
+            self.say('MISSION_ACK', type=0, mission_type=message['mission_type'])
+        elif message.name == 'MISSION_REQUEST_LIST':
+            kind = message['mission_type']
+            self.say('MISSION_COUNT', count=len(self.stored[kind]), mission_type=kind)
+        elif message.name == 'MISSION_REQUEST_INT':
+            self._give(message['mission_type'], message['seq'])
+
+    def _command(self, message, now_s):
+        number = message['command']
+        if number == 511:
+            return
+        rng, spite = self.rng, self.spite
+        result = self._obey(message, now_s) if rng.random() >= spite['refusing'] else 4
+        if rng.random() < spite['lying']:
+            result = rng.choice((0, 1, 4, 5, 77))
+        if rng.random() >= spite['silent']:
+            self.say('COMMAND_ACK', command=number, result=result)
+        if spite['endless'] and rng.random() < 0.9:
+            self.say('COMMAND_ACK', command=number, result=5)
+
+    def _obey(self, message, now_s):
+        number, first = message['command'], message.fields.get('param1', 0.0)
+        if number == 176:
+            packed = self.kind.is_mode_packed
+            main, sub = int(message['param2']), int(message.fields.get('param3', 0.0))
+            self._switch(sub << 24 | main << 16 if packed else main, now_s)
+        elif number == 400:
+            self.is_armed = first == 1.0 or self.is_flying
+            self.since_s = now_s
+        elif number == 300:
+            self._switch(self.modes['mission'], now_s)
+        elif number == 193:
+            self.is_paused = first == 0.0
+        elif number == 224:
+            self.current = int(first)
+        elif number == 192:
+            self._switch(self.modes['hold' if self.kind.repositions_itself else 'guided'], now_s)
+        return 0
+
+    def _switch(self, mode, now_s):
+        if self.rng.random() < self.spite['deaf']:
+            return
+        self.take(OURS, mode, now_s)
+        self.is_paused = False
+        self.next_s = now_s + ITEM_S
+
+    def _offer(self, message):
+        if self.rng.random() < self.spite['refusing']:
+            result, kind = self.rng.choice((1, 4, 14)), message['mission_type']
+            self.say('MISSION_ACK', type=result, mission_type=kind)
+            return
+        self._taking = (message['mission_type'], message['count'], [])
+        self._ask()
+
+    def _item(self, message):
+        if self._taking is None:
+            return None
+        kind, count, items = self._taking
+        if message['mission_type'] != kind or message['seq'] != len(items):
+            return self._ask()
+        z = message['z']
+        if self.rng.random() < self.spite['torn']:
+            z = 300.0
+        items.append((*tuple(message[name] for name in _KEPT[:-1]), z))
+        if self.spite['stuck'] and len(items) == self.spite['stuck']:
+            items.clear()
+        # Items overwrite those before as they arrive.
+        self.stored[kind] = items + self.stored[kind][len(items) : count]
+        if len(items) == count:
+            self._taking = None
+            self.stored[kind] = items
+            return self.say('MISSION_ACK', type=0, mission_type=kind)
+        return self._ask()
+
+    def _ask(self):
+        kind, count, items = self._taking
+        if not count:
+            self.stored[kind], self._taking = [], None
+            return self.say('MISSION_ACK', type=0, mission_type=kind)
+        name = 'MISSION_REQUEST' if self.rng.random() < 0.3 else 'MISSION_REQUEST_INT'
+        named = {'target_system': 255, 'target_component': 190}
+        return self.say(name, seq=len(items), mission_type=kind, **named)
+
+    def _give(self, kind, number):
+        if number < len(self.stored[kind]):
+            fields = dict(zip(_KEPT, self.stored[kind][number], strict=True))
+            self.say('MISSION_ITEM_INT', seq=number, mission_type=kind, **fields)
+
+    # What it does and says.
+
+    def step(self, now_s):
+        """Fly on; return what it said."""
+        self._fly(now_s)
+        if now_s - self._fast_s >= 0.5:
+            self._fast_s = now_s
+            self._tell(now_s)
+        if now_s - self._beat_s >= 1.0:
+            self._beat_s = now_s
+            if self._taking is not None and self.rng.random() < 0.7:
+                self._ask()
+            beat = self.say(
+                'HEARTBEAT',
+                type=2,
+                autopilot=self.kind.number,
+                base_mode=0x80 if self.is_armed else 0,
+                custom_mode=self.mode,
+                system_status=self.status,
+            )
+            self.owners[id(beat)] = (beat, self.owner)
+        said, self.said = self.said, []
+        return said
+
+    def _fly(self, now_s):
+        if self.status == 1 and now_s - self.boot_s > 3.0:
+            self.status = 3
+        if not self.is_armed:
+            self.is_flying = False
+            return
+        for_s = now_s - self.since_s
+        if self.mode in (self.modes['return'], self.modes['land']):
+            if for_s > LANDING_S:
+                self._land(now_s)
+        elif self.mode == self.modes['mission'] and self.stored[0]:
+            self.is_flying = self.is_flying or for_s > TAKEOFF_S
+            self.status = max(self.status, 4)
+            if self.is_flying and not self.is_paused and now_s >= self.next_s:
+                self.next_s = now_s + ITEM_S
+                self.say('MISSION_ITEM_REACHED', seq=self.current)
+                self.current += 1
+                if self.current >= len(self.stored[0]):
+                    self.current = 0
+                    self._land(now_s)
+        elif not self.is_flying and for_s > ON_GROUND_S:
+            self._land(now_s)
+
+    def _land(self, now_s):
+        self.is_armed = self.is_flying = False
+        self.owner, self.status, self.since_s = OURS, 3, now_s
+
+    def _tell(self, now_s):
+        up_ms = max(1, round((now_s - self.boot_s) * 1000))
+        height = 30_000 if self.is_flying else 0
+        self.say(
+            'GLOBAL_POSITION_INT',
+            time_boot_ms=up_ms,
+            lat=HOME_E7[0],
+            lon=HOME_E7[1],
+            alt=488_000 + height,
+            relative_alt=height,
+            vx=0,
+            vy=0,
+            vz=0,
+            hdg=0,
+        )
+        self.say(
+            'GPS_RAW_INT',
+            time_usec=up_ms * 1000,
+            fix_type=6,
+            alt=488_000,
+            alt_ellipsoid=535_000,
+            satellites_visible=12,
+            h_acc=0,
+            v_acc=0,
+        )
+        self.say('EKF_STATUS_REPORT', flags=831)
+        self.say(
+            'SYS_STATUS',
+            onboard_control_sensors_health=PREARM,
+            battery_remaining=90,
+            voltage_battery=12_600,
+            current_battery=100,
+        )
+        self.say('EXTENDED_SYS_STATE', landed_state=2 if self.is_flying else 1)
+        phase = 4 if self.is_paused else 3 if self.is_flying else 2
+        self.say('MISSION_CURRENT', seq=self.current, mission_state=phase)
+        latitude, longitude = self.home
+        self.say('HOME_POSITION', latitude=latitude, longitude=longitude, altitude=488_000)
+
+
+_KEPT = (
+    *('frame', 'command', 'param1', 'param2', 'param3', 'param4', 'x', 'y'),
+    'z',
+)
+
+
+def spite_of(rng):
+    """Draw how the vehicle misbehaves: not at all, in one way, or in all at once."""
+    amount = dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf'), 0.0)
+    for name in amount:
+        if rng.random() < 0.15:
+            amount[name] = rng.choice((0.05, 0.2, 0.6))
+    amount['endless'] = rng.random() < 0.05
+    amount['stuck'] = rng.randrange(1, 4) if rng.random() < 0.05 else 0
+    return amount
+
+
+def modes_of(kind, verbs):
+    """Return the modes that the model needs, by name."""
+    named = {verb.value: kind.modes[verb] for verb in verbs}
+    pilots = [mode for mode in kind.mode_names if mode not in named.values()]
+    return {**named, 'idle': pilots[0], 'pilot': pilots}
+
+
+def is_finite(message):
+    """Whether all numbers of a message are finite."""
+    numbers = (value for value in message.fields.values() if isinstance(value, float))
+    return all(map(math.isfinite, numbers))

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exclusions hold for the way home, too: of a vehicle that gives up, and of one that is called."""
+
+import pytest
+from shapely.geometry import Point, Polygon
+from test.fakes.fake_autopilot import HOME
+from test.mavlink.test_station import Air
+
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, RTL
+from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.check import CheckVerdict
+from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.flight.homeward import ReturnPlaces, return_fault
+from rocsafe_mavlink.flight.preflight import route_checks
+from rocsafe_mavlink.knowledge.telemetry import Home, VehicleTelemetry
+
+HOME_PLACE = GeoPosition(*HOME)
+# A square of 40 m, 80 to 120 m north of home.
+CORNERS = ((-20, 80), (20, 80), (20, 120), (-20, 120))
+SQUARE = tuple(offset(HOME_PLACE, *corner) for corner in CORNERS)
+ENDS = (offset(HOME_PLACE, 30.0, 160.0), offset(HOME_PLACE, 60.0, 60.0))
+
+
+def around(*, clearance_m=5.0, exclusions=(SQUARE,)):
+    """Return a plan that flies around the square to a place behind it, and back the same way."""
+    east = [(60, 60), (60, 140)]
+    way = [*east, (0, 150), *reversed(east)]
+    return FlightPlan(
+        waypoints=tuple(
+            FlightWaypoint(
+                position=offset(HOME_PLACE, *place), height_m=30.0, is_bend=place in east
+            )
+            for place in way
+        ),
+        speed_mps=10.0,
+        exclusions=exclusions,
+        clearance_m=clearance_m,
+    )
+
+
+def places(**options):
+    """Return the places of the return of a vehicle at home."""
+    return ReturnPlaces(home=HOME_PLACE, **options)
+
+
+def test_exclusion_between_a_leg_and_home_is_named():
+    """The legs are free of it; the straight way home from the third is not."""
+    assert return_fault(around(), places()) == (
+        'exclusion 1 lies between leg 3 and the place of its return'
+    )
+    beside = tuple(offset(HOME_PLACE, *corner) for corner in ((200, 100), (210, 100), (205, 120)))
+    assert return_fault(around(exclusions=(beside,)), places()) == ''
+
+
+@pytest.mark.parametrize(
+    ('options', 'is_free'),
+    [
+        ({}, False),
+        ({'rally': (offset(HOME_PLACE, 0.0, 160.0),), 'includes_home': False}, False),
+        ({'rally': ENDS}, True),
+        ({'rally': ENDS, 'limit_m': 40.0}, False),
+    ],
+    ids=['none', 'one behind', 'one at each end', 'both too far'],
+)
+def test_rally_points_make_the_way_free(options, is_free):
+    """The autopilot flies to the nearest; beyond its limit it flies home."""
+    assert (return_fault(around(), places(**options)) == '') is is_free
+
+
+@pytest.mark.parametrize(
+    ('autopilot', 'found', 'fence', 'verdict'),
+    [
+        (3, {}, Fence(), CheckVerdict.FAIL),
+        (3, {'OA_TYPE': 2.0}, Fence(), CheckVerdict.FAIL),
+        (
+            3,
+            {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0},
+            Fence(exclusions=(SQUARE,)),
+            CheckVerdict.PASS,
+        ),
+        (
+            3,
+            {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 3.0},
+            Fence(exclusions=(SQUARE,)),
+            CheckVerdict.FAIL,
+        ),
+        (
+            3,
+            {'OA_TYPE': 1.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0},
+            Fence(exclusions=(SQUARE,)),
+            CheckVerdict.FAIL,
+        ),
+        (12, {'RTL_TYPE': 2.0}, Fence(), CheckVerdict.PASS),
+        (12, {'RTL_TYPE': 0.0}, Fence(), CheckVerdict.FAIL),
+    ],
+)
+def test_autopilot_that_returns_around_exclusions_passes(autopilot, found, fence, verdict):
+    """ArduCopter by its path planner and its fence, PX4 back along its mission; no others."""
+    reader = ParameterReader(autopilot=autopilot, target=(1, 1), found=found, asks=99)
+    vehicle = VehicleTelemetry(
+        system=1,
+        component=1,
+        home=Home(latitude_deg=HOME[0], longitude_deg=HOME[1], altitude_msl_m=0.0),
+    )
+    known = VehicleSettings(parameters=reader, fence=fence, rally=())
+    checks = route_checks(vehicle, around(), FlightLimits(), known)
+    (check,) = [check for check in checks if check.name == 'way home']
+    assert check.verdict is verdict
+
+
+def flying_around():
+    """Return an air whose copter is behind the square; the check is left out."""
+    air = Air()
+    air.copters[1].parameters |= {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0}
+    air.wait(46.0)
+    commands = air.drones[1].commands
+    commands.push_fence(Fence(exclusions=(SQUARE,)), air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    air.wait(60.0)
+    air.drones[1].fly(Assignment(plan_id='around', plan=around(), viewpoint_ids=(0,)), air.now_s)
+    air.until(lambda: air.copters[1].place[1] > 142.0)
+    return air
+
+
+def test_commanded_return_flies_around():
+    """A straight one would cross the square; nothing is left behind, and the flight has ended."""
+    air = flying_around()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    commands.return_home(air.now_s)
+    zone = Polygon(CORNERS)
+    track = []
+
+    def is_over():
+        track.append(copter.place)
+        if commands.outcome(commands.count) == '':
+            air.drones[1].gave_up()
+        return air.flight().is_over
+
+    air.until(is_over)
+    assert commands.outcome(commands.count) == ''
+    assert min(zone.distance(Point(place)) for place in track) > 4.0
+    assert air.flight().outcome is FlightOutcome.ABORTED_BY_OPERATOR
+    assert not copter.is_armed
+    assert {BRAKE, AUTO} <= {int(m['param2']) for m in air.sent if m.fields.get('command') == 176}
+
+
+def test_free_return_is_straight():
+    """From before the square the vehicle is switched to its own return."""
+    air = Air()
+    air.wait(46.0)
+    air.fly(count=3)
+    air.until(lambda: air.flight().visited >= 1)
+    air.drones[1].commands.return_home(air.now_s)
+    air.until(lambda: air.copters[1].mode == RTL, 5.0)
+
+
+def test_place_behind_an_exclusion_is_refused():
+    """Go-to flies straight."""
+    air = flying_around()
+    with pytest.raises(CommandRefusedError, match='exclusion 1 lies on the way'):
+        air.drones[1].commands.go_to(offset(HOME_PLACE, 0.0, 40.0), 30.0, air.now_s)
+
+
+def test_route_is_refused_where_a_failsafe_would_cross_an_exclusion():
+    """Before take-off, with the leg and the exclusion."""
+    air = Air()
+    air.wait(60.0)
+    with pytest.raises(ValueError, match='way home is exclusion 1 lies between leg 3 and'):
+        air.drones[1].fly(
+            Assignment(plan_id='around', plan=around(), viewpoint_ids=(0,)), air.now_s
+        )

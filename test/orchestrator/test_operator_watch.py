@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ctrl-C and closed terminals during a flight of real vehicles."""
+
+import os
+import pty
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rocsafe_orchestrator.command_line.progress import SteadyDisplay
+from rocsafe_orchestrator.command_line.terminal import Terminal
+from rocsafe_orchestrator.mission.operator_watch import (
+    AIRBORNE,
+    ANSWER_S,
+    HOLD_S,
+    LONGEST_S,
+    OBEY_S,
+    QUESTION,
+    REPEAT_S,
+    OnOperatorLost,
+    OperatorNews,
+    OperatorWatch,
+    Verb,
+)
+from rocsafe_orchestrator.mission.status import FlightState
+
+FLYING, HOLDING, RETURNING, LANDED = (
+    FlightState.FLYING,
+    FlightState.HOLDING,
+    FlightState.RETURNING,
+    FlightState.LANDED,
+)
+NOTHING = OperatorNews(has_terminal=True)
+CTRL_C = OperatorNews(is_interrupted=True, has_terminal=True)
+GONE = OperatorNews(is_interrupted=True)
+
+
+def watch(policy: OnOperatorLost = OnOperatorLost.HOLD_THEN_RETURN) -> OperatorWatch:
+    """Return a watch of a flight."""
+    return OperatorWatch(policy)
+
+
+def typed(letter: str) -> OperatorNews:
+    """Return what comes when somebody types a line."""
+    return OperatorNews(has_terminal=True, answer=letter)
+
+
+def test_nothing_is_told_without_cause() -> None:
+    """A flight that nobody interrupts is left alone."""
+    one = watch()
+    assert one.advance(0.0, NOTHING, [FLYING]) is None
+    assert not one.may_end(0.0, [FLYING, LANDED])
+    assert one.may_end(0.0, [LANDED, FlightState.DISARMED])
+    assert one.remarks == []
+
+
+def test_terminal_is_asked_and_obeyed() -> None:
+    """Ctrl-C asks; the answer is told to all, and repeated until they obey."""
+    one = watch()
+    assert one.advance(0.0, CTRL_C, [FLYING]) is None
+    assert one.remarks == [QUESTION]
+    assert one.advance(1.0, typed('x'), [FLYING]) is None
+    assert one.remarks == [QUESTION, QUESTION]
+    assert one.advance(2.0, typed('h'), [FLYING, HOLDING]) is Verb.HOLD
+    assert one.advance(3.0, NOTHING, [FLYING, HOLDING]) is None
+    assert one.advance(2.0 + REPEAT_S, NOTHING, [FLYING, HOLDING]) is Verb.HOLD
+    assert one.advance(2.0 + 2 * REPEAT_S, NOTHING, [HOLDING, HOLDING]) is None
+    assert not one.ends
+    # Resumed later: the hold of then is over.
+    assert one.advance(3.0 + OBEY_S, NOTHING, [FLYING]) is None
+
+
+def test_return_ends_the_run_after_the_landing() -> None:
+    """No order is sent any more, and the run ends when the last one is down."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    assert one.advance(1.0, typed('r'), [FLYING, HOLDING]) is Verb.RETURN
+    assert one.ends
+    assert one.advance(10.0, NOTHING, [RETURNING, RETURNING]) is None
+    assert not one.may_end(10.0, [RETURNING, LANDED])
+    assert one.may_end(20.0, [LANDED, LANDED])
+
+
+def test_answer_that_comes_with_another_ctrl_c_counts() -> None:
+    """Both may come between two looks."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    both = OperatorNews(is_interrupted=True, has_terminal=True, answer='r')
+    assert one.advance(1.0, both, [FLYING]) is Verb.RETURN
+
+
+@pytest.mark.parametrize('letter', ['l', ''])
+def test_flight_goes_on(letter: str) -> None:
+    """Told so, or without an answer."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    assert one.advance(ANSWER_S + 1.0, typed(letter), [FLYING]) is None
+    assert 'the flight goes on' in one.remarks[-1]
+    assert not one.ends
+    assert one.advance(ANSWER_S + 2.0, typed('r'), [FLYING]) is None
+
+
+def test_without_a_terminal_they_hold_and_then_return() -> None:
+    """The default: time for somebody to take over, then home."""
+    one = watch()
+    assert one.advance(0.0, GONE, [FLYING]) is Verb.HOLD
+    assert one.ends
+    assert one.advance(HOLD_S - 1.0, OperatorNews(), [HOLDING]) is None
+    assert one.advance(HOLD_S, OperatorNews(), [HOLDING]) is Verb.RETURN
+    assert one.advance(HOLD_S + REPEAT_S, OperatorNews(), [HOLDING]) is Verb.RETURN
+    # More signals change nothing.
+    assert one.advance(HOLD_S + REPEAT_S + 1.0, GONE, [RETURNING]) is None
+    assert one.may_end(HOLD_S + 100.0, [LANDED])
+
+
+def test_other_policies() -> None:
+    """Return at once, or let them finish."""
+    one = watch(OnOperatorLost.RETURN)
+    assert one.advance(0.0, GONE, [FLYING]) is Verb.RETURN
+    other = watch(OnOperatorLost.GO_ON)
+    assert other.advance(0.0, GONE, [FLYING]) is None
+    assert not other.ends
+
+
+def test_closed_terminal_while_asking_is_a_lost_operator() -> None:
+    """A question that nobody can answer any more is not waited for."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    assert one.advance(1.0, GONE, [FLYING]) is Verb.HOLD
+
+
+def test_lost_vehicle_is_not_waited_for_without_end() -> None:
+    """A run ends even if a vehicle is never heard again."""
+    one = watch(OnOperatorLost.RETURN)
+    one.advance(0.0, GONE, [FlightState.LOST])
+    assert not one.may_end(LONGEST_S, [FlightState.LOST])
+    assert one.may_end(LONGEST_S + 1.0, [FlightState.LOST])
+
+
+news = st.builds(
+    OperatorNews,
+    is_interrupted=st.booleans(),
+    has_terminal=st.booleans(),
+    answer=st.sampled_from(['', 'h', 'r', 'l', '?']),
+)
+states = st.lists(st.sampled_from(list(FlightState)), min_size=1, max_size=4)
+
+
+@given(st.lists(st.tuples(news, states), max_size=40), st.sampled_from(OnOperatorLost))
+def test_whatever_comes_nobody_is_left_alone(
+    events: list[tuple[OperatorNews, list[FlightState]]], policy: OnOperatorLost
+) -> None:
+    """The run never ends with a vehicle in the air, and once it ends it calls home for good."""
+    one = watch(policy)
+    was_ending, has_returned = False, False
+    for second, (what, now) in enumerate(events):
+        verb = one.advance(float(second), what, now)
+        assert not one.may_end(float(second), [*now, FLYING])
+        assert one.ends or not was_ending
+        assert not (has_returned and verb is Verb.HOLD and was_ending)
+        was_ending, has_returned = one.ends, has_returned or (one.ends and verb is Verb.RETURN)
+        if verb is not None:
+            assert any(state in AIRBORNE for state in now)
+
+
+@contextmanager
+def own_terminal() -> Iterator[int]:
+    """Give the far end of a terminal that is our input and output."""
+    far, near = pty.openpty()
+    kept = [os.dup(number) for number in (0, 1, 2)]
+    for number in (0, 1, 2):
+        os.dup2(near, number)
+    try:
+        yield far
+    finally:
+        for number, old in enumerate(kept):
+            os.dup2(old, number)
+            os.close(old)
+        os.close(near)
+        os.close(far)
+
+
+def test_terminal_is_read_without_waiting(tmp_path: Path) -> None:
+    """The first letter of a line counts; after its end nobody is there."""
+    with own_terminal() as far:
+        terminal = Terminal(tmp_path / 'terminal.log')
+        assert terminal.is_there
+        assert terminal.typed() == ''
+        os.write(far, b'Hold\n')
+        assert terminal.typed() == 'h'
+        terminal.close()
+        assert not terminal.is_there
+        os.write(1, b'printed later\n')
+    assert (tmp_path / 'terminal.log').read_text() == 'printed later\n'
+
+
+def test_lost_output_ends_nothing() -> None:
+    """What cannot be shown is told once to who can do something about it."""
+    lost = []
+
+    class Broken:
+        def __enter__(self) -> 'Broken':
+            raise OSError
+
+        def __exit__(self, *_: object) -> None:
+            raise OSError
+
+        def show(self, _status: object) -> None:
+            raise OSError
+
+        def say(self, _text: str) -> None:
+            raise BrokenPipeError
+
+    with SteadyDisplay(Broken(), lambda: lost.append(1)) as display:
+        display.say('text')
+    assert len(lost) == 3
