@@ -154,11 +154,11 @@ class DroneCommands:
 
     def _require_verified(self) -> None:
         """Refuse to fly a mission that is not known to be the one of the plan."""
-        mission = self._session.readout.mission
-        if mission.condition is MissionCondition.TORN:
+        condition = self._session.mission_condition()
+        if condition is MissionCondition.TORN:
             raise CommandRefusedError('its mission was not verified: send a route again')
-        if mission.condition is MissionCondition.UNKNOWN:
-            is_read = mission.items is not None
+        if condition is MissionCondition.UNKNOWN:
+            is_read = self._session.readout.mission.items is not None
             words = 'another mission lies on it' if is_read else 'its mission is still being read'
             raise CommandRefusedError(words)
 

@@ -172,7 +172,6 @@ class VehicleSession:
             is_new = self.sequence.is_over and not sequence.is_over
             if is_new and not self.sequence.error:
                 self.custody = self.custody.obeyed(self.sequence.mode)
-        self._compare_mission()
         kind, is_commanded = self.known_autopilot(), self.is_commanded
         self.send(self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded))
 
@@ -193,6 +192,16 @@ class VehicleSession:
         # What is commanded is what was there when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
+
+    def mission_condition(self) -> MissionCondition:
+        """Return how well the mission is known; one read in the air is compared with the plan."""
+        mission, flight = self.readout.mission, self.flight
+        is_new = mission.condition is MissionCondition.UNKNOWN and mission.items is not None
+        if is_new and flight is not None and flight.stage is FlightStage.FLYING:
+            first = flight.autopilot.first_own_item
+            if not compare(flight.mission.items, mission.items or (), first):
+                self.readout.mission = mission.verified(mission.items or ())
+        return self.readout.mission.condition
 
     def send(self, messages: list[Message]) -> None:
         """Queue messages for the vehicle."""
@@ -262,16 +271,6 @@ class VehicleSession:
             self.flight = self.flight.restarted()
         if self.sequence is not None:
             self.sequence = self.sequence.withdrawn('the autopilot was started again')
-
-    def _compare_mission(self) -> None:
-        """Verify a mission that was read in the air by the plan of the flight."""
-        mission, flight = self.readout.mission, self.flight
-        is_new = mission.condition is MissionCondition.UNKNOWN and mission.items is not None
-        if not is_new or flight is None or flight.stage is not FlightStage.FLYING:
-            return
-        first = flight.autopilot.first_own_item
-        if not compare(flight.mission.items, mission.items or (), first):
-            self.readout.mission = mission.verified(mission.items or ())
 
     def _note_verified(
         self, before: CommandSequence | None, after: CommandSequence | None
