@@ -183,6 +183,18 @@ def test_mission_that_another_station_overwrote_is_not_resumed():
         commands.resume(air.now_s)
 
 
+def test_own_mission_is_resumed_as_soon_as_it_is_read_again():
+    """No moment lies between reading it and knowing whose it is."""
+    air = flying()
+    session, commands = air.drones[1].session, air.drones[1].commands
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    # Read, and no time has passed since.
+    session.readout.mission = session.readout.mission.read(session.flight.mission.items)
+    commands.resume(air.now_s)
+    assert session.readout.mission.condition is MissionCondition.VERIFIED
+
+
 def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():
     """What was checked before may no longer hold: it is checked again with the next route."""
     air = Air()
