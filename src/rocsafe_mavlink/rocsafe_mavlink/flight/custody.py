@@ -11,12 +11,10 @@ from dataclasses import dataclass, replace
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
-from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S, VehicleTelemetry
 
 # Modes in which an autopilot carries out what a station commands.
 COMMANDED_MODES = (Verb.MISSION, Verb.HOLD, Verb.GUIDED)
-# An announced failsafe shows in the mode within this time, seconds, even if heartbeats are lost.
-FAILSAFE_SHOWS_S = 3.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +95,7 @@ class Custody:
         if not vehicle.is_armed:
             return ''
         mode = autopilot.mode_name(vehicle.custom_mode)
-        is_announced = now_s - self.failsafe_s < FAILSAFE_SHOWS_S
+        is_announced = now_s - self.failsafe_s < MODE_SHOWS_S
         if self.failsafe is not None and (is_announced or not is_always_taken):
             return f'it is not ours to command: {self.failsafe.value}, in {mode}'
         if vehicle.is_in_failsafe and not is_always_taken:

@@ -9,14 +9,12 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from rocsafe_geo.limits import require_positive
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, level_offset_m
 from rocsafe_mavlink.protocols.mission_item import GLOBAL, GLOBAL_RELATIVE, MissionItem
 from rocsafe_mavlink.wire.units import deg_of_e7, e7_of_deg
 
 RETURN_POINT, INCLUSION_VERTEX, EXCLUSION_VERTEX = 5000, 5001, 5002
 INCLUSION_CIRCLE, EXCLUSION_CIRCLE, RALLY_POINT = 5003, 5004, 5100
-# Metres in a degree of latitude: a circle of a fence is small enough to be drawn in a plane.
-METRES_A_DEGREE = 111_195.0
 LARGEST_CORNER_COUNT = 80
 Ring = tuple[GeoPosition, ...]
 
@@ -31,20 +29,15 @@ class Circle:
     def __post_init__(self) -> None:
         require_positive('radius_m', self.radius_m, 'm')
 
-    def _local(self, place: GeoPosition) -> tuple[float, float]:
-        """Return metres east and north of the centre."""
-        shrink = math.cos(math.radians(self.center.latitude_deg))
-        turn_deg = math.remainder(place.longitude_deg - self.center.longitude_deg, 360.0)
-        north_deg = place.latitude_deg - self.center.latitude_deg
-        return METRES_A_DEGREE * shrink * turn_deg, METRES_A_DEGREE * north_deg
-
     def covers(self, *way: GeoPosition) -> bool:
         """Whether all of a straight way is within the circle."""
-        return all(math.hypot(*self._local(place)) <= self.radius_m for place in way)
+        return all(
+            math.hypot(*level_offset_m(self.center, place)) <= self.radius_m for place in way
+        )
 
     def touches(self, *way: GeoPosition) -> bool:
         """Whether a part of a straight way is within the circle."""
-        local = [self._local(place) for place in way]
+        local = [level_offset_m(self.center, place) for place in way]
         shape = Point(local[0]) if len(local) == 1 else LineString(local)
         return bool(shape.distance(Point(0.0, 0.0)) <= self.radius_m)
 

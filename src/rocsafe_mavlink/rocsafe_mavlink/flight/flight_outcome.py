@@ -18,14 +18,6 @@ class FlightOutcome(Enum):
     LOST = 'lost'
 
 
-FAILSAFES = frozenset(
-    {
-        FlightOutcome.FAILSAFE_BATTERY,
-        FlightOutcome.FAILSAFE_LINK,
-        FlightOutcome.FAILSAFE_FENCE,
-        FlightOutcome.FAILSAFE_GPS,
-    }
-)
 _WORDS = (
     ('battery failsafe', FlightOutcome.FAILSAFE_BATTERY),
     ('gcs failsafe', FlightOutcome.FAILSAFE_LINK),

@@ -11,6 +11,8 @@ from rocsafe_geo.position import GeoPosition
 NEVER = -math.inf
 # Age of the last heartbeat from which a vehicle counts as stale, as lost.
 STALE_AFTER_S = 3.0
+# A mode that was accepted or announced shows within this time, even if two heartbeats are lost.
+MODE_SHOWS_S = 3.5
 LOST_AFTER_S = 10.0
 # Estimates of the wind are kept so long: the mean and the gust are of the last minute.
 WIND_KEPT_S = 60.0

@@ -4,7 +4,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, level_offset_m
 from rocsafe_mavlink.knowledge.telemetry import Aircraft, Motion, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import deg_of_e7, m_of_mm
@@ -14,7 +14,6 @@ COORDINATES, ALTITUDE, HEADING, VELOCITY, CALLSIGN = 1, 2, 4, 8, 16
 PRESSURE = 0
 # Aircraft kept at most; the nearest in time are heard again.
 LARGEST_COUNT = 64
-METRES_A_DEGREE = 111_195.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,17 +101,10 @@ def encounter(
     aircraft: Aircraft, motion: Motion, now_s: float, limits: TrafficLimits = TRAFFIC_LIMITS
 ) -> Encounter:
     """Return an aircraft as seen from a vehicle at `now_s`: both are taken to fly straight on."""
-    shrink = math.cos(math.radians(motion.position.latitude_deg))
-    turn_deg = math.remainder(
-        aircraft.position.longitude_deg - motion.position.longitude_deg, 360.0
-    )
     age_s = now_s - aircraft.heard_s
     theirs = aircraft.velocity_enu_mps or (0.0, 0.0, 0.0)
-    east_m = METRES_A_DEGREE * shrink * turn_deg + age_s * theirs[0]
-    north_m = (
-        METRES_A_DEGREE * (aircraft.position.latitude_deg - motion.position.latitude_deg)
-        + age_s * theirs[1]
-    )
+    heard_east_m, heard_north_m = level_offset_m(motion.position, aircraft.position)
+    east_m, north_m = heard_east_m + age_s * theirs[0], heard_north_m + age_s * theirs[1]
     ours = motion.velocity_enu_mps
     east_mps, north_mps = theirs[0] - ours[0], theirs[1] - ours[1]
     square = east_mps**2 + north_mps**2
