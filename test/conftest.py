@@ -156,7 +156,7 @@ def reserved_domain() -> Iterator[int]:
 
 def _silent_domains() -> list[int]:
     """Return the domains without a participant on this machine, in random order."""
-    from rocsafe_ros.discovery import UDP_TABLE, local_participants
+    from rocsafe_ros.domain.discovery import UDP_TABLE, local_participants
 
     try:
         table = UDP_TABLE.read_text()

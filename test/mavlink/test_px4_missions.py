@@ -12,7 +12,7 @@ from test.mavlink.test_flight import plan
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
-from rocsafe_mavlink.flight.flight_plan import mission_of
+from rocsafe_mavlink.plan.flight_plan import mission_of
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer
 from rocsafe_mavlink.wire.dialect import Message
 

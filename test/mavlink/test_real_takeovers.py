@@ -25,11 +25,11 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
-from rocsafe_mavlink.flight.fence import Fence, fence_items
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
 from rocsafe_mavlink.link.endpoint import parse_endpoint
 from rocsafe_mavlink.link.link import Link, LinkIdentity, LinkRules
 from rocsafe_mavlink.link.transport import open_transport
+from rocsafe_mavlink.plan.fence import Fence, fence_items
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import pack_frame
 

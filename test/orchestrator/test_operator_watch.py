@@ -11,8 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.command_line.progress import SteadyDisplay
-from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.mission.operator_watch import (
     AIRBORNE,
     ANSWER_S,
@@ -27,6 +25,8 @@ from rocsafe_orchestrator.mission.operator_watch import (
     Verb,
 )
 from rocsafe_orchestrator.mission.status import FlightState
+from rocsafe_orchestrator.mission_commands.progress import SteadyDisplay
+from rocsafe_orchestrator.mission_commands.terminal import Terminal
 
 FLYING, HOLDING, RETURNING, LANDED = (
     FlightState.FLYING,

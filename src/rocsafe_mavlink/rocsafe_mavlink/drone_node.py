@@ -27,7 +27,6 @@ from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
-from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -37,6 +36,7 @@ from rocsafe_ros.conversions import (
     vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 

@@ -33,9 +33,9 @@ from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.domain.mission_identity import MissionIdentity
 from rocsafe_ros.frames import publish_origin
 from rocsafe_ros.health import HealthReporter
-from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario

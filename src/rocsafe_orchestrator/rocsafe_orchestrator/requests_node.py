@@ -21,7 +21,7 @@ from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.processes.node_parameters import FLEET
+from rocsafe_orchestrator.parameters.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_ros import topics
 from rocsafe_ros.plan_digest import plan_digest, route_digest

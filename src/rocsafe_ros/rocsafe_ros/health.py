@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, key_values
-from rocsafe_ros.interface_versions import InterfaceVersions
+from rocsafe_ros.domain.interface_versions import InterfaceVersions
 
 PERIOD_S = 1.0
 

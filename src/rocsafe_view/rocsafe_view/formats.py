@@ -91,9 +91,10 @@ def duration(seconds: float | None) -> str:
 
 
 def clock(seconds: float) -> str:
-    """Return a time since take-off as ``06:05``."""
-    whole = round(seconds)
-    return f'{whole // 60:02d}:{whole % 60:02d}'
+    """Return a time as ``06:05``, from an hour on as ``1:06:05``."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours}:{minutes:02}:{rest:02}' if hours else f'{minutes:02}:{rest:02}'
 
 
 def length(metres: float | None) -> str:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
-from rocsafe_mavlink.flight.fence import Fence, fence_of, rally_of
-from rocsafe_mavlink.flight.flight_limits import VehicleSettings
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.plan.fence import Fence, fence_of, rally_of
+from rocsafe_mavlink.plan.flight_limits import VehicleSettings
 from rocsafe_mavlink.protocols.command_call import set_interval
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
 from rocsafe_mavlink.protocols.mission_item import MissionItem

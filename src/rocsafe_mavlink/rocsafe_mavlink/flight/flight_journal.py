@@ -12,7 +12,7 @@ from typing import Any
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
 from rocsafe_ros import topics
-from rocsafe_ros.mission_identity import BOUND, MissionIdentity
+from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity
 from rocsafe_scenario.scenario import Scenario
 
 ELSEWHERE = 'wait for its end, or choose another domain, for instance ROS_DOMAIN_ID=1'

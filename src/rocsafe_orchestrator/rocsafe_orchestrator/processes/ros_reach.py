@@ -4,7 +4,7 @@
 import os
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_ros.network import bind_interfaces
+from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 # Variables that limit it; one that is set is respected.

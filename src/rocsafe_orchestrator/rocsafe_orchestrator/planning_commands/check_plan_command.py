@@ -5,9 +5,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
-from rocsafe_orchestrator.command_line.replan_command import plan_of
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
+from rocsafe_orchestrator.planning_commands.plan_tables import quality_table, route_table
+from rocsafe_orchestrator.planning_commands.replan_command import plan_of
 from rocsafe_planner.checking.plan_checker import check_plan
 
 

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import Parameter, ParameterType
 from rclpy.parameter import get_parameter_value, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 
-from rocsafe_ros.discovery import await_discovery, wait_for
+from rocsafe_ros.domain.discovery import await_discovery, wait_for
 from rocsafe_ros2cli.command import CommandError, Verb, argument
 from rocsafe_ros2cli.command_node import CommandNode, command_node
 from rocsafe_ros2cli.names import node_names

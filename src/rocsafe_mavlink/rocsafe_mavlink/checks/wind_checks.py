@@ -3,9 +3,9 @@
 
 import math
 
-from rocsafe_mavlink.flight.check import Check, CheckVerdict
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.checks.check import Check, CheckVerdict
 from rocsafe_mavlink.knowledge.telemetry import Wind
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 
 
 def wind_fault(wind: Wind, limits: FlightLimits, now_s: float) -> str:

@@ -8,11 +8,11 @@ from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
 from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import PX4
-from rocsafe_mavlink.flight.check import NOT_READ, Check, CheckVerdict, check_that
-from rocsafe_mavlink.flight.flight_limits import VehicleSettings
-from rocsafe_mavlink.flight.flight_plan import FlightPlan
-from rocsafe_mavlink.flight.homeward import ReturnPlaces, holds_exclusions, return_fault
-from rocsafe_mavlink.flight.setting_checks import setting_text
+from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict, check_that
+from rocsafe_mavlink.checks.setting_checks import setting_text
+from rocsafe_mavlink.plan.flight_limits import VehicleSettings
+from rocsafe_mavlink.plan.flight_plan import FlightPlan
+from rocsafe_mavlink.plan.homeward import ReturnPlaces, holds_exclusions, return_fault
 
 # Bits of ArduPilot's FENCE_TYPE.
 FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT, FENCE_POLYGON_BIT = 1, 2, 4

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
-from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.plan.fence import Fence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

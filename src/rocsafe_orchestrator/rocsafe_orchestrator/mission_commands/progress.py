@@ -14,6 +14,7 @@ from rich.text import Text
 
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
+from rocsafe_view.formats import clock
 
 # Wall time between two plain lines of the same phase.
 PLAIN_PERIOD_S = 10.0
@@ -181,7 +182,7 @@ class LiveDisplay:
 
 def plain_line(status: RunStatus) -> str:
     """Return `status` in one line."""
-    parts = [f'{clock_text(status.wall_time_s)} {status.phase.name.lower()}']
+    parts = [f'{clock(status.wall_time_s)} {status.phase.name.lower()}']
     if status.images_expected:
         seen, planned = status.viewpoints_visited, status.viewpoints_planned
         parts.append(f'waypoint {seen} of {planned}')
@@ -189,7 +190,7 @@ def plain_line(status: RunStatus) -> str:
     if status.peak is not None:
         parts.append(peak_text(status.peak))
     if status.flight_time_s:
-        parts.append(f'simulated {clock_text(status.flight_time_s)}{_factor_text(status)}')
+        parts.append(f'simulated {clock(status.flight_time_s)}{_factor_text(status)}')
     if status.text:
         parts.append(status.text)
     return ', '.join(parts)
@@ -232,7 +233,7 @@ def _figures(status: RunStatus) -> Table:
     expected = status.images_expected or '?'
     table.add_row('images stored', f'{status.images_stored} for {expected} viewpoints')
     table.add_row('highest reading', '-' if status.peak is None else peak_text(status.peak))
-    times = f'{clock_text(status.flight_time_s)} flown, {clock_text(status.wall_time_s)} passed'
+    times = f'{clock(status.flight_time_s)} flown, {clock(status.wall_time_s)} passed'
     table.add_row('time', times + _factor_text(status))
     if status.restarts:
         counts = ', '.join(f'{name} {count}' for name, count in status.restarts.items())
@@ -244,13 +245,6 @@ def peak_text(peak: DosePeak) -> str:
     """Return the highest reading with its place."""
     place = f'{peak.position.latitude_deg:.5f}, {peak.position.longitude_deg:.5f}'
     return f'{peak.dose_rate_usvh:.3g} uSv/h by {peak.vehicle} at {place}'
-
-
-def clock_text(seconds: float) -> str:
-    """Return minutes and seconds, with hours where there are any."""
-    minutes, rest = divmod(int(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f'{hours}:{minutes:02}:{rest:02}' if hours else f'{minutes:02}:{rest:02}'
 
 
 def percent_text(fraction: float) -> str:

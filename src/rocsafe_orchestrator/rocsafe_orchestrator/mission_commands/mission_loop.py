@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
-from rocsafe_orchestrator.command_line.progress import Display
-from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
@@ -19,6 +16,9 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
+from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
+from rocsafe_orchestrator.mission_commands.progress import Display
+from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.processes.disk_space import shortage
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec

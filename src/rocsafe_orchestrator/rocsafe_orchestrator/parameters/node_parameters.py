@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from rocsafe_orchestrator.processes.terrain_parameters import known_terrain_parameters
+from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.camera_blocks import camera_parameters
 from rocsafe_scenario.scenario import Scenario

@@ -8,7 +8,7 @@ from itertools import groupby, pairwise
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
-from rocsafe_mavlink.flight.lanes import lanes
+from rocsafe_mavlink.plan.lanes import lanes
 from rocsafe_mavlink.protocols.mission_item import GLOBAL, MISSION_FRAME, MissionItem
 from rocsafe_mavlink.wire.authority import (
     CONDITION_YAW,

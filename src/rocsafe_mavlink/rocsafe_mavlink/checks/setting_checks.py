@@ -6,8 +6,8 @@ import math
 from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
 from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import PX4
-from rocsafe_mavlink.flight.check import NOT_READ, Check, CheckVerdict
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 
 # Link-loss actions that bring a vehicle home: FS_GCS_ENABLE 1 (RTL), 3 and 4 (SmartRTL, else RTL
 # or landing), 6 (landing sequence of the mission, else RTL); NAV_DLL_ACT 2 (return).

@@ -16,8 +16,8 @@ from shapely.geometry import MultiPoint, Polygon
 from rocsafe_geo.detour import WaysAround
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.flight.fence import Fence, Ring
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.plan.fence import Fence, Ring
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 # Legs keep the clearance exactly, but for rounding and the difference of two planes.
 SLACK_M = 1.0

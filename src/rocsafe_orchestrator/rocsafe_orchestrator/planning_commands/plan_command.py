@@ -16,8 +16,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.regions.area_files import read_areas
 from rocsafe_geo.terrain.terrain_file import read_terrain
-from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
+from rocsafe_orchestrator.planning_commands.plan_tables import quality_table, route_table
 from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.export.plan_files import write_plan

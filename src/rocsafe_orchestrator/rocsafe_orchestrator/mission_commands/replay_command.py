@@ -34,7 +34,7 @@ from rocsafe_orchestrator.replay.recorded_inputs import (
     read_inputs,
 )
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
-from rocsafe_ros.mission_identity import MissionIdentity, new_identity
+from rocsafe_ros.domain.mission_identity import MissionIdentity, new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario

@@ -6,7 +6,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 
-from rocsafe_ros.discovery import OTHERS_LIMIT_S, await_discovery, wait_for
+from rocsafe_ros.domain.discovery import OTHERS_LIMIT_S, await_discovery, wait_for
 from rocsafe_ros2cli.command import CommandError
 from rocsafe_ros2cli.command_node import command_node
 from rocsafe_ros2cli.interfaces import message_class

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from rocsafe_orchestrator.command_line.progress import clock_text
 from rocsafe_planner.plan.objective import OBJECTIVE_UNITS, OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.plan.plan import Route, SurveyPlan
+from rocsafe_view.formats import clock
 
 
 def quality_table(path: Path, plan: SurveyPlan) -> Table:
@@ -25,8 +25,8 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
     above = f', at most {100.0 * plan.gap_fraction:.1f} % above optimal'
     table.add_row(
         'makespan',
-        f'{clock_text(plan.makespan_s)}; no plan is shorter than '
-        f'{clock_text(plan.lower_bound_s)} ({plan.lower_bound_method})'
+        f'{clock(plan.makespan_s)}; no plan is shorter than '
+        f'{clock(plan.lower_bound_s)} ({plan.lower_bound_method})'
         + (above if effort.minimises_makespan else ''),
     )
     if not effort.minimises_makespan:
@@ -77,7 +77,7 @@ def route_table(plan: SurveyPlan) -> Table:
             str(len(route.viewpoints)),
             str(len(route.sorties)),
             f'{route.length_m:.0f} m',
-            clock_text(route.duration_s),
+            clock(route.duration_s),
             _take_off_text(route),
             f'{route.flight_height_m:.0f} m',
         )
@@ -88,4 +88,4 @@ def _take_off_text(route: Route) -> str:
     """Return when a vehicle takes off first."""
     if not route.sorties:
         return 'stays'
-    return f'after {clock_text(route.delay_s)}' if route.delay_s else 'at once'
+    return f'after {clock(route.delay_s)}' if route.delay_s else 'at once'

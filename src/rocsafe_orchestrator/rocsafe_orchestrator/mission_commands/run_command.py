@@ -14,17 +14,6 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rocsafe_orchestrator.command_line.crew_watch import CrewWatch
-from rocsafe_orchestrator.command_line.mission_loop import MissionLoop, Parts
-from rocsafe_orchestrator.command_line.preflight_command import cleared
-from rocsafe_orchestrator.command_line.progress import (
-    Display,
-    SteadyDisplay,
-    clock_text,
-    make_display,
-    peak_text,
-)
-from rocsafe_orchestrator.command_line.terminal import Terminal
 from rocsafe_orchestrator.company_node import Claim, claimed
 from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
@@ -32,8 +21,19 @@ from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
+from rocsafe_orchestrator.mission_commands.mission_loop import MissionLoop, Parts
+from rocsafe_orchestrator.mission_commands.progress import (
+    Display,
+    SteadyDisplay,
+    make_display,
+    peak_text,
+)
+from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.parameters.config_file import require_parameter_file
+from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_orchestrator.planning_commands.preflight_command import cleared
 from rocsafe_orchestrator.processes.company import needed_names
-from rocsafe_orchestrator.processes.config_file import require_parameter_file
 from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
@@ -42,7 +42,6 @@ from rocsafe_orchestrator.processes.launches import (
     launches,
     require_executables,
 )
-from rocsafe_orchestrator.processes.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
@@ -51,11 +50,12 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
 from rocsafe_ros.control_lease import MISSION_VARIABLE
-from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
+from rocsafe_view.formats import clock
 
 # Real vehicles must be heard and ready within this time.
 PREFLIGHT_S = 60.0
@@ -249,7 +249,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     if text:
         lines.append(f': {text}')
     images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
-    lines.append(f'\n{images}, {clock_text(monitor.flight_time_s)} flown')
+    lines.append(f'\n{images}, {clock(monitor.flight_time_s)} flown')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')
     if directory.report.is_file():

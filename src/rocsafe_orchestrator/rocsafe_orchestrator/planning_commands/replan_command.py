@@ -8,9 +8,9 @@ from rich.console import Console
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.terrain.terrain_file import read_terrain
-from rocsafe_orchestrator.command_line.plan_command import areas_of, write
-from rocsafe_orchestrator.command_line.plan_tables import quality_table, route_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, OrchestratorError
+from rocsafe_orchestrator.planning_commands.plan_command import areas_of, write
+from rocsafe_orchestrator.planning_commands.plan_tables import quality_table, route_table
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan

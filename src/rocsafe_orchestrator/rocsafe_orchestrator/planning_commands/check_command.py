@@ -7,9 +7,9 @@ from rich.console import Console
 from rich.table import Table
 
 from rocsafe_geo.position import distance_m
-from rocsafe_orchestrator.command_line.plan_command import planned
-from rocsafe_orchestrator.command_line.plan_tables import quality_table
 from rocsafe_orchestrator.errors import EXIT_COMPLETE
+from rocsafe_orchestrator.planning_commands.plan_command import planned
+from rocsafe_orchestrator.planning_commands.plan_tables import quality_table
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario

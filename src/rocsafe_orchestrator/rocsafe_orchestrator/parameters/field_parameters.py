@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from rocsafe_orchestrator.processes.terrain_parameters import true_terrain_parameters
+from rocsafe_orchestrator.parameters.terrain_parameters import true_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.scenario import Scenario
 

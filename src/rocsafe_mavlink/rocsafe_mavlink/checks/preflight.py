@@ -10,14 +10,14 @@ from itertools import pairwise
 
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
-from rocsafe_mavlink.flight.check import Check, CheckVerdict, check_that
-from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
-from rocsafe_mavlink.flight.flight_plan import FlightPlan
-from rocsafe_mavlink.flight.setting_checks import setting_checks
-from rocsafe_mavlink.flight.way_checks import fence_check, fence_limits, homeward_checks
-from rocsafe_mavlink.flight.wind import wind_checks
+from rocsafe_mavlink.checks.check import Check, CheckVerdict, check_that
+from rocsafe_mavlink.checks.setting_checks import setting_checks
+from rocsafe_mavlink.checks.way_checks import fence_check, fence_limits, homeward_checks
+from rocsafe_mavlink.checks.wind_checks import wind_checks
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.plan.flight_plan import FlightPlan
 
 # For corners: on a recorded survey the time at constant speed is 23 % too short.
 LEVEL_ALLOWANCE = 1.25

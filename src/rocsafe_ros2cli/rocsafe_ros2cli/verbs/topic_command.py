@@ -17,8 +17,8 @@ from rocsafe_ros2cli.command_node import CommandNode, command_node, graph_node
 from rocsafe_ros2cli.interfaces import message_class
 from rocsafe_ros2cli.message_fill import filled_message
 from rocsafe_ros2cli.names import print_names, without_hidden
-from rocsafe_ros2cli.topic_echo import echo
-from rocsafe_ros2cli.topic_rate import DEFAULT_WINDOW, print_rates
+from rocsafe_ros2cli.verbs.topic_echo import echo
+from rocsafe_ros2cli.verbs.topic_rate import DEFAULT_WINDOW, print_rates
 
 WAIT_REPORT_S = 1.0
 """Interval of the line that says that `pub` waits for a subscription."""

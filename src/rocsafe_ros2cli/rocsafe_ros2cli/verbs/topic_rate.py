@@ -9,7 +9,7 @@ from typing import Any
 
 from rclpy.qos import qos_profile_sensor_data
 
-from rocsafe_ros.discovery import OTHERS_LIMIT_S, wait_for
+from rocsafe_ros.domain.discovery import OTHERS_LIMIT_S, wait_for
 from rocsafe_ros2cli.command_node import command_node
 from rocsafe_ros2cli.names import not_published_warning, topic_class
 
