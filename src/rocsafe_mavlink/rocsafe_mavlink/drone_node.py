@@ -102,7 +102,7 @@ class TelemetryPublisher:
         self._following.append((motion, stamp))
 
     def _publish_bytes(self, message: Message) -> None:
-        """Publish the bytes of a payload, unless MAVLink says that they are of another kind."""
+        """Publish the bytes of a payload, unless its MAVLink type is that of another device."""
         kind = message['payload_type']
         if kind == 0 or kind > LARGEST_REGISTERED_TYPE:
             data = message['payload'][: message['payload_length']]

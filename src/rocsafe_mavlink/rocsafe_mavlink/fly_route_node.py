@@ -223,7 +223,7 @@ class FlyRouteServer:
 
 
 def _require_confirmed(request: FlyRoute.Goal) -> None:
-    """Refuse a take-off that nobody has confirmed for exactly this route.
+    """Refuse a take-off without a confirmation of exactly this route.
 
     Raises
     ------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The executable ``signing``: make a signing key, write it to a vehicle, look at time stamps.
+"""The executable ``signing``: make a signing key, write it to a vehicle, show time stamps.
 
 Without ROS. The key is never printed. ``send`` writes it in clear, as the protocol demands, hence
 only by a serial port (USB) or within this machine.

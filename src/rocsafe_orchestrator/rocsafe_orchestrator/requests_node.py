@@ -123,7 +123,7 @@ class Requests:
         return bool(client.server_is_ready())
 
     def command_fleet(self, verb: Verb) -> None:
-        """Command all vehicles; what they refuse is told."""
+        """Command all vehicles, and report their refusals."""
         spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
         answer = self._services[spec.name].call_async(FleetCommand.Request())
         answer.add_done_callback(self._on_fleet)
@@ -299,7 +299,7 @@ class Requests:
             self._mission.planned(self._routed)
 
     def reject(self, text: str) -> None:
-        """Do not fly the plan that waits for a confirmation, and say why."""
+        """Refuse the plan that waits for a confirmation, with the reason."""
         self.unconfirmed = ''
         if self._mission is not None:
             self._mission.refused(Order(kind=OrderKind.PLAN), text)

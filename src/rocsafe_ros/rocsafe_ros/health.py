@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Health of a node on /diagnostics: one status a node, and those that it tells of others."""
+"""Health of a node on /diagnostics: its own status, and those that it reports of others."""
 
 import os
 import time

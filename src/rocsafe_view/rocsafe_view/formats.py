@@ -51,7 +51,7 @@ def about(value: float) -> str:
 
 
 def stay(hours: float) -> str:
-    """Return a time that somebody may stay, as ``36 s``, ``12 min``, ``20 h`` or ``330 d``."""
+    """Return a time of stay, as ``36 s``, ``12 min``, ``20 h`` or ``330 d``."""
     for limit_h, per_h, unit in ((1 / 60, 3600.0, 's'), (1.0, 60.0, 'min'), (72.0, 1.0, 'h')):
         if hours < limit_h:
             return f'{about(hours * per_h)}{GAP}{unit}'

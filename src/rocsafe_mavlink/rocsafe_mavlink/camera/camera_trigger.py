@@ -17,7 +17,7 @@ from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import m_of_mm, position_of_e7
 
 TRIGGER, FEEDBACK, CAPTURED = 'CAMERA_TRIGGER', 'CAMERA_FEEDBACK', 'CAMERA_IMAGE_CAPTURED'
-# Of a trigger that only an image tells of.
+# Source and number of a trigger that is known only from its image.
 IMAGE, NO_INDEX = 'IMAGE', -1
 # Time of day, position, height above home, attitude.
 Place = tuple[float, GeoPosition, float, Attitude | None]
@@ -111,9 +111,9 @@ class TriggerLog:
         return self._track[-1][0] if self._track else 0.0
 
     def found(self, unix_s: float, index: int = NO_INDEX) -> CameraTrigger | None:
-        """Return the trigger of an image that no report tells of, by its time alone.
+        """Return the trigger of an image without a report, from its time only.
 
-        None where the track does not tell place and direction: not between two known places, or
+        None where place and direction are unknown: not between two known places, or
         these are too far apart, or the vehicle has turned between them.
         """
         if not self._track or not self._track[0][0] <= unix_s <= self.newest_s:
@@ -228,7 +228,7 @@ class TriggerLog:
         )
 
     def _has_turned(self, before: Place, after: Place) -> bool:
-        """Return whether the vehicle points elsewhere after a gap, or does not tell."""
+        """Return whether the yaw changes over a gap, or is unknown."""
         later = (place[3] for place in self._track if place[0] >= after[0])
         attitude = next((known for known in later if known is not None), None)
         if before[3] is None or attitude is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One check before a flight: what it is about, what was found, and what it must be."""
+"""One check before a flight: its subject, the value found, the value required."""
 
 from dataclasses import dataclass
 from enum import Enum

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of what a vehicle does by itself when something goes wrong."""
+"""Checks of the failsafe settings of a vehicle."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of the way of a plan against fence and exclusions, on the ground or in the air."""
+"""Checks of the path of a plan against fence and exclusions, on the ground or in the air."""
 
 import math
 from itertools import pairwise
@@ -59,7 +59,7 @@ def fence_limits(
     has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.autopilot]
     if has_types and math.isnan(types):
         text = setting_text(reader, Parameter.FENCE_TYPES)
-        # Old or reduced firmware does not answer: its owner is told.
+        # Old or reduced firmware does not answer; the check says so.
         verdict = CheckVerdict.WARN if reader.is_over else CheckVerdict.FAIL
         return [Check(Parameter.FENCE_TYPES.value, verdict, text, 'read')]
     checks = []

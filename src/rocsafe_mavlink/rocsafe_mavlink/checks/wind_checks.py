@@ -20,7 +20,7 @@ def wind_fault(wind: Wind, limits: FlightLimits, now_s: float) -> str:
 
 
 def wind_checks(wind: Wind, limits: FlightLimits, now_s: float) -> list[Check]:
-    """Return the check before a flight; a vehicle that tells no wind is warned of."""
+    """Return the check before a flight; a vehicle that reports no wind gives a warning."""
     if limits.max_wind_mps <= 0.0 and limits.max_gust_mps <= 0.0:
         return []
     name = 'wind'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator should be told of a flight at once, with the order that would answer it."""
+"""Alarms of a flight for its operator, each with the command that answers it."""
 
 from dataclasses import dataclass
 from functools import lru_cache

@@ -107,7 +107,7 @@ class Station:
         drone.take(message, now_s)
 
     def _carrier_of(self, system: int, address: Address) -> Drone | None:
-        """Return the drone of a system that speaks from an address; any of its components may."""
+        """Return the drone whose system sends from an address; any of its components may send."""
         for target, drone in self._drones.items():
             if target[0] == system and drone.session.address == address:
                 return drone

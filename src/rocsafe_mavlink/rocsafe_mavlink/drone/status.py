@@ -47,7 +47,7 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """Inputs of a status; `frame` is that of the mission, `advice` what an operator is told."""
+    """Inputs of a status; `frame` is that of the mission, `advice` the alarms for the operator."""
 
     session: VehicleSession
     entry: JournalEntry | None

@@ -318,7 +318,7 @@ class CommandSequence:
         return True
 
     def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
-        """Return the sequence after a look at the vehicle, withdrawn if somebody took it over.
+        """Return the sequence after a check of the vehicle, withdrawn after a takeover.
 
         Called when the sequence is given, at each heartbeat and at each tick: not even a request
         of the autopilot is answered between a heartbeat that shows a takeover and the next tick.

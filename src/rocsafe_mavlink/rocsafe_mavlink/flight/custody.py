@@ -107,7 +107,7 @@ class Custody:
         return f'it is not ours to command: it is in {mode}'
 
     def holder(self, vehicle: VehicleTelemetry, autopilot: Autopilot) -> str:
-        """Return who has an armed vehicle instead of this bridge; empty: nobody.
+        """Return who controls an armed vehicle instead of this bridge; empty: this bridge does.
 
         ``'pilot'`` is whoever switched it to a mode of its own: a remote control, or another
         station.

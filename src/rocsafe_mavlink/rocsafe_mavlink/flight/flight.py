@@ -112,7 +112,7 @@ class MissionFlight:
         return going._after_success() if sequence.is_over else going, sent
 
     def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'MissionFlight':
-        """Return the flight after a look at the vehicle: its commands may be withdrawn."""
+        """Return the flight after a check of the vehicle: its commands may be withdrawn."""
         if self.sequence is None:
             return self
         return replace(self, sequence=self.sequence.looked_at(vehicle, now_s))

@@ -185,7 +185,7 @@ class MissionStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aircraft:
-    """Another aircraft, as its own transponder tells.
+    """Another aircraft, as its transponder reports it.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Other aircraft that the receiver of a vehicle hears (ADS-B), and which of them come close."""
+"""Other aircraft that the receiver of a vehicle reports (ADS-B), and close encounters."""
 
 import math
 from dataclasses import dataclass, replace
@@ -68,7 +68,7 @@ class Encounter:
 
     @property
     def text(self) -> str:
-        """What people are told."""
+        """The warning for people."""
         name = self.aircraft.callsign or f'{self.aircraft.icao:06X}'
         above = 'height not known' if math.isnan(self.above_m) else f'{self.above_m:+.0f} m high'
         nearest = f'{self.closest_m:.0f} m in {self.closest_in_s:.0f} s'

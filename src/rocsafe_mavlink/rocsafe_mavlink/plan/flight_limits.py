@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits of flights, and what was read from a vehicle to judge it by."""
+"""Limits of flights, and the settings of a vehicle that are checked against them."""
 
 from dataclasses import dataclass
 

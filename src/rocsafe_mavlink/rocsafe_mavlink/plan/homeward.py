@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The way home of a vehicle that gives up its route, and the exclusions that must not lie on it.
+"""The return path of a vehicle that gives up its route; it must not cross an exclusion.
 
 By itself a vehicle flies home, or to a rally point, in a straight line from wherever it is. So
 what it may fly over from one leg of its route is the triangle of that leg and the place of its

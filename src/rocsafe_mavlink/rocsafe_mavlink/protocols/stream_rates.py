@@ -25,7 +25,7 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'WIND': (168, 1.0),
     'WIND_COV': (231, 1.0),
 }
-# Messages that come only where there is something to tell.
+# Messages that a vehicle sends only while it has such data.
 OCCASIONAL = frozenset({'ADSB_VEHICLE', 'WIND', 'WIND_COV'})
 MISSING_PERIODS = 3.0
 # An answer takes time; messages that a vehicle does not have are asked for rarely.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Expected doses of the people of a mission, and what they are told.
+"""Expected doses of the people of a mission, and their warnings.
 
 The dose rate where somebody stands follows from the estimated sources by the inverse square law.
 It replaces no dosimeter.
@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from rocsafe_geo.limits import require_positive
 
 S_PER_H = 3600.0
-# Of a budget, at which somebody is told to prepare to be relieved.
+# Share of a dose budget at which a person is warned to prepare for relief.
 WARNING_SHARE = 0.8
-# Nearer than this an estimate of a source says nothing of the dose rate, metres.
+# Below this distance, metres, an estimate of a source does not give the dose rate.
 LEAST_DISTANCE_M = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrewMember:
-    """Somebody who stands somewhere, with the dose that is not to be exceeded, microsievert."""
+    """A person at a place, with the largest dose allowed, microsievert."""
 
     name: str
     budget_usv: float
@@ -44,7 +44,7 @@ class CrewDose:
         self._time_s: float | None = None
 
     def advance(self, time_s: float, dose_rate_usvh: float) -> str:
-        """Add the dose since the last time, and return what is to be said; empty: nothing.
+        """Add the dose since the last call, and return the warning; empty: none.
 
         Parameters
         ----------

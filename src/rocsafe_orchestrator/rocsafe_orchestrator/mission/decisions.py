@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the orchestrator decided, each decision once, for the timeline of the report."""
+"""Decisions of the orchestrator, each once, for the timeline of the report."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Decision:
 
 
 class Decisions:
-    """Finds what is new in a mission since it was looked at last."""
+    """Finds what is new in a mission since the last call."""
 
     def __init__(self) -> None:
         self._phase: Phase | None = None

@@ -366,14 +366,14 @@ class Mission:
         return is_replaced or bool(back)
 
     def _give_up_on(self, vehicle: str, why: str) -> None:
-        """Wait no more for a vehicle that nobody replaces; the others fly on."""
+        """Stop waiting for a vehicle that cannot be replaced; the others fly on."""
         self._fault(f'{vehicle}: {why}')
         self._losses.dismiss_again()
         if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
             request.finish()
 
     def _are_down(self, now_s: float, situation: Situation) -> bool:
-        """Return whether every vehicle that is heard has landed, or had time enough for it."""
+        """Return whether every vehicle that reports has landed, or had time enough for it."""
         if self._down_by_s is None:
             self._down_by_s = now_s + self._deadlines.homecoming_s
         if situation.aloft and now_s < self._down_by_s:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens to real vehicles in the air when the operator interrupts, or is gone.
+"""Commands to real vehicles in the air after the operator interrupts, or is gone.
 
 The processes that watch a flight never just end: with a terminal the operator is asked; without
 one the run goes on without him, and does what the scenario says. Time is an argument.
@@ -14,7 +14,7 @@ from rocsafe_orchestrator.mission.status import FlightState
 QUESTION = 'real vehicles are in the air: [h]old, [r]eturn and land, [l]eave flying? then Enter'
 # Without an answer the flight goes on.
 ANSWER_S = 30.0
-# Time of the hold before the return, for somebody who comes back.
+# Time of the hold before the return, in which the operator can come back.
 HOLD_S = 60.0
 # A command is repeated after this time to those that do not obey.
 REPEAT_S = 5.0
@@ -34,7 +34,7 @@ TO_CALL_HOME = ON_ROUTE | {FlightState.HOLDING}
 
 
 class OnOperatorLost(Enum):
-    """What vehicles do when nobody watches the run any more."""
+    """What vehicles do when the operator is gone."""
 
     HOLD_THEN_RETURN = 'hold_then_return'
     RETURN = 'return'
@@ -68,7 +68,7 @@ class OperatorNews:
 
 
 class OperatorWatch:
-    """Decides what vehicles are told, and when the run may end.
+    """Decides the commands to all vehicles, and when the run may end.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class OperatorWatch:
     def advance(
         self, now_s: float, news: OperatorNews, states: Collection[FlightState]
     ) -> Verb | None:
-        """Return what to tell all vehicles now; None: nothing."""
+        """Return the command to all vehicles now; None: no command."""
         if news.is_interrupted and not self.ends:
             self._interrupted(now_s, news)
         if self._asked_s is not None:
@@ -108,7 +108,7 @@ class OperatorWatch:
         return self._command(now_s, states)
 
     def may_end(self, now_s: float, states: Collection[FlightState]) -> bool:
-        """Return whether nobody is in the air whom an end of the run would leave alone."""
+        """Return whether the run can end without a vehicle in the air that it would leave."""
         is_late = self.ends and now_s - self._since_s > LONGEST_S
         return is_late or not any(state in AIRBORNE for state in states)
 

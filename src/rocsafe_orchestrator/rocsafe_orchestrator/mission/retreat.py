@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The way home of least dose, for a vehicle that turns back.
+"""The return path of least dose, for a vehicle that turns back.
 
 With estimates of the sources the dose of each way follows from them: the straight way, the way
 that was flown, and shortest ways around the sources at several distances are compared. Without
@@ -23,7 +23,7 @@ S_PER_H = 3600.0
 _BERTHS_M = (10.0, 20.0, 40.0, 80.0, 160.0)
 _CORNERS = 12
 _STEP_M = 2.0
-# Nearer than this an estimate of a source says nothing of the dose rate, metres.
+# Below this distance, metres, an estimate of a source does not give the dose rate.
 _LEAST_DISTANCE_M = 1.0
 # Of two doses this near to each other the shorter way is taken.
 _EQUAL_SHARE = 0.01

@@ -34,7 +34,7 @@ class CrewWatch:
         return {dose.member.name: round(dose.dose_usv, 3) for _, dose in self._crew}
 
     def advance(self) -> list[str]:
-        """Add what has come since the last time, and return what is to be said."""
+        """Add the estimates since the last call, and return new warnings."""
         said = [
             dose.advance(
                 self._monitor.flight_time_s,

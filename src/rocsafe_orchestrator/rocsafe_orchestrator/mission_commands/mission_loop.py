@@ -38,7 +38,7 @@ DISK_PERIOD_S = 1.0
 STALL_WATCH_S = 1.0
 # A plan of real vehicles must be confirmed within this time.
 CONFIRM_S = 120.0
-# Nobody waits for the landing of a vehicle that was not heard for longer.
+# The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
 # How bad the end of a process is for the mission.
 _SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
@@ -199,7 +199,7 @@ class MissionLoop:
             requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
 
     def _mark_contaminated(self) -> None:
-        """Tell which vehicles may be contaminated; of real ones it is kept, whatever happens."""
+        """Report the vehicles that may be contaminated; write the real ones to a file."""
         parts = self._parts
         news = {n: w for n, w in parts.monitor.contaminated.items() if n not in self._marked}
         if not news:

@@ -238,7 +238,7 @@ def _log_to(directory: RunDirectory) -> None:
     package.setLevel(logging.INFO)
     package.handlers = [handler]
     package.propagate = False
-    # A full disk is told once, by the mission, and not at each line of a log.
+    # The mission reports a full disk once; without this, each line of a log would.
     logging.raiseExceptions = False
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The terminal of a run: what is typed there, and what happens when it is closed."""
+"""The terminal of a run: its input, and its end."""
 
 import os
 import select

@@ -20,7 +20,7 @@ def air_parameters(scenario: Scenario) -> Parameters:
     wind = {'towards_east_mps': east, 'towards_north_mps': north}
     return {
         'vehicles': [vehicle.name for vehicle in metered],
-        # Nobody knows where a real vehicle truly is.
+        # The true position of a real vehicle is unknown.
         'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
         'start_time_s': scenario.clock.start.timestamp(),
         'air_file': {

@@ -20,7 +20,7 @@ def field_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
         'vehicles': [vehicle.name for vehicle in metered],
-        # Nobody knows where a real vehicle truly is.
+        # The true position of a real vehicle is unknown.
         'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
         'start_time_s': scenario.clock.start.timestamp(),
         'field_file': _field_file(scenario, run),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who else speaks in the ROS domain under names that a mission needs."""
+"""Other nodes in the ROS domain that use the names of a mission."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far ROS searches for other participants."""
+"""Range in which ROS searches for other participants."""
 
 import os
 

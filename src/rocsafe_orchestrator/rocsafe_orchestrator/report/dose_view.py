@@ -80,7 +80,7 @@ def dose_view(
     estimates: SourceEstimates | None,
     readings_usvh: Sequence[float] = (),
 ) -> DoseView | None:
-    """Return what the readings say of the ground, None if there is no map of it.
+    """Return the dose map as the report draws it; None if there is none.
 
     Map and readings have one scale, so that a colour means one dose rate on the whole page.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who listens to a topic that costs much to publish."""
+"""Subscribers of a topic that is costly to publish."""
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -25,7 +25,7 @@ class Audience:
 
     @property
     def is_watching(self) -> bool:
-        """Whether somebody watches."""
+        """Whether a subscriber other than a recorder exists."""
         count = self._publisher.get_subscription_count()
         if count != self._count:
             found = self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 # Topics that are compared in one look: a recorder of a large fleet has thousands.
 TOPICS_A_LOOK = 20
-# A hash that a discovered endpoint does not tell has version 0.
+# A discovered endpoint without a hash has version 0.
 _NO_VERSION = 0
 
 
@@ -27,7 +27,7 @@ class GraphNode(Protocol):
 
 
 class InterfaceVersions:
-    """Finds nodes that speak another version of a message type on a topic of this node.
+    """Finds nodes with another version of a message type on a topic of this node.
 
     Such nodes read each other's bytes wrongly, or not at all. Services and actions are not
     compared: the graph does not tell their hashes.
@@ -44,7 +44,7 @@ class InterfaceVersions:
         return tuple(self._found.values())
 
     def new_mismatches(self) -> list[str]:
-        """Look at the next topics and return a line for each node and type that is news."""
+        """Check the next topics and return a line for each new node and type."""
         before = set(self._found)
         for topic in self._next_topics():
             for key, line in self._of_topic(topic):

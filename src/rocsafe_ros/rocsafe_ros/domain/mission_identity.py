@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identity of a mission, which each of its processes tells every node in the ROS domain."""
+"""Identity of a mission, which its processes show to every node in the ROS domain."""
 
 import os
 import re
