@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The executable ``preflight``: looks at vehicles before a flight, without ROS.
+"""The executable ``preflight``: checks vehicles before a flight, without ROS.
 
 Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
 drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The orchestrator's ROS side: requests to the nodes, and what they say."""
+"""The orchestrator's ROS side: requests to the nodes, and their messages."""
 
 import dataclasses
 import time

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The control lease of a vehicle: who may give it orders. Time is an argument.
+"""The control lease of a vehicle: the right to command it. Time is an argument.
 
 A lease only decides who may give orders. Its end never moves the vehicle: a flight under way
 continues on its verified route. It is kept by steady time of the machine, because it says whether

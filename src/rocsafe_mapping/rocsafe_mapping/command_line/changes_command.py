@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
         '--resolution', type=float, default=0.2, metavar='M', help='of the comparison [0.2]'
     )
     parser.add_argument(
-        '--least-area', type=float, default=1.0, metavar='M2', help='area of the smallest change listed [1]'
+        '--least-area', type=float, default=1.0, metavar='M2', help='smallest change listed [1]'
     )
     return parser
 

@@ -27,8 +27,8 @@ img {{ max-width: 100%; background: #eef1f4; }}
 <table>{figures}</table>
 {errors}
 <h2>Photographs</h2>
-<table><tr><th>photograph</th><th>placed by</th><th>error, m</th><th>distance to its fix, m</th></tr>
-{photographs}</table>
+<table><tr><th>photograph</th><th>placed by</th><th>error, m</th><th>distance to its fix, m</th>
+</tr>{photographs}</table>
 </body></html>
 """
 ERRORS = """<h2>What stands on the ground</h2>
@@ -36,8 +36,8 @@ ERRORS = """<h2>What stands on the ground</h2>
 only one photograph shows a place, heights above the ground are unknown; the error there assumes
 the heights found elsewhere on the map. The error of each pixel is in error.tif.</p>
 <table><tr><th>place</th><th>share of the map</th><th>error, m</th></tr>{rows}</table>
-{image}<p>Dark: small error; bright: large error. Grey: heights unknown (only one photograph, or two
-that do not match).</p>
+{image}<p>Dark: small error; bright: large error. Grey: heights unknown (only one photograph, or
+two that do not match).</p>
 """
 
 
@@ -63,9 +63,8 @@ def quality_text(document: Mapping[str, Any]) -> bytes:
 def _verdict(document: Mapping[str, Any]) -> str:
     if document['is_georeferenced']:
         error = document['stated_error_m']['rms']
-        return (
-            f'<p class="yes">Georeferenced; the error of the ground is {error:.2f} m (one sigma).</p>'
-        )
+        stated = f'the error of the ground is {error:.2f} m (one sigma)'
+        return f'<p class="yes">Georeferenced; {stated}.</p>'
     reasons = ''.join(
         f'<li>{html.escape(text)}</li>' for text in document['why_not_georeferenced']
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From camera triggers and images to geotagged photographs."""
+"""Geotagged photographs, made of camera triggers and images."""
 
 import io
 import math

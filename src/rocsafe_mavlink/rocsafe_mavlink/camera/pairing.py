@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which image belongs to which trigger, though the clocks of camera and autopilot differ.
+"""Pairing of images with triggers although the clocks of camera and autopilot differ.
 
 Both come in order. Where the clocks agree, or their difference is known, an image belongs to the
 trigger nearest in time. Before, the difference is searched with which most images and triggers

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The wind and the gusts in which a vehicle may fly."""
+"""Checks of wind and gusts, before a flight and during it."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that people give to one vehicle: begun, or refused with the reason.
+"""Commands of an operator to one vehicle, started or refused with the reason.
 
 Nothing here is ever called by the suite itself, but by services and actions.
 """

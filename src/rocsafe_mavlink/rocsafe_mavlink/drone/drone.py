@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One real vehicle, looked at as the rest of the suite looks at vehicles."""
+"""One real vehicle, with the interface of a simulated one."""
 
 import math
 from collections.abc import Callable

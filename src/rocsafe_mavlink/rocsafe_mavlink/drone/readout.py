@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is read from a vehicle without anybody asking for it: rates, settings, fence, mission.
+"""Background reads of a vehicle: message rates, settings, fence, mission.
 
 Reading changes nothing of what a vehicle does: message rates that are missing are asked for,
 settings and fence are read on the ground, the mission of a vehicle that is found in the air.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A ground station for the drones on one link: the one place where bytes come and go.
+"""A ground station for the drones on one link: the only place where bytes are sent and received.
 
 Drones are told apart by (system, component), never by address alone. Heartbeats are sent only
 while the supervisor lives: without them a drone notices that it is alone.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exchange of messages with one vehicle: what it said, what is under way, what to send next.
+"""The exchange of messages with one vehicle: its state, operations under way, messages to send.
 
 All that is sent to the vehicle goes through `VehicleSession.send`. Commands come from the
 sequences of its flight and of its operator, all else only reads.

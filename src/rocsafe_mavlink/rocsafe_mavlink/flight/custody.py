@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who has a vehicle in the air: this bridge, its pilot, another station, or a failsafe.
+"""Control of a vehicle in the air: by this bridge, its pilot, another station, or a failsafe.
 
 A command is refused while somebody else has the vehicle. What counts is what the vehicle says:
 its mode, its status, and the failsafes that it announces.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Journal of flights: which plan a vehicle was given, kept over restarts of the bridge.
+"""Journal of flights: the plan of each vehicle, kept over restarts of the bridge.
 
 Position, state and progress are always asked of the vehicle itself.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a flight ended, and which failsafe the autopilot's texts announce."""
+"""Outcomes of a flight, and the failsafe that an autopilot's text announces."""
 
 from enum import Enum
 

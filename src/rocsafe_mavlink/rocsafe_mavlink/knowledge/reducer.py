@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages change what is known of a vehicle; nothing else does.
+"""Updates of the known state of a vehicle by its messages.
 
 `reduce` is a pure function, so that a recorded flight gives the same states every time.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What one autopilot said of itself: a value that only messages change, see `reducer`."""
+"""State of one autopilot as its messages report it; `reducer` updates it."""
 
 import math
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits of a link: what strangers may cost it, and how often it is opened again."""
+"""Limits of a link on traffic and memory, and the period of reopening it."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames in bytes: where a message begins and ends, and whether it arrived whole.
+"""Frames in bytes: begin and end of each message, and its checksum.
 
 Format: https://mavlink.io/en/guide/serialization.html. A frame counts only if its message is known
 and its checksum right. Anything else is skipped by one byte, so that a false start cannot swallow

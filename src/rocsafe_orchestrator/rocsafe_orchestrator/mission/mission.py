@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State machine of a mission: its phases and what each waits for. Time is an argument.
+"""State machine of a mission: its phases and their conditions. Time is an argument.
 
 `Mission.advance` returns orders; the caller carries them out and reports with `accepted`,
 `answered` and `refused`. A failure ends the present phase only: the mosaic and the products are

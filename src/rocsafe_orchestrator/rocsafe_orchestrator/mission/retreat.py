@@ -25,7 +25,7 @@ _CORNERS = 12
 _STEP_M = 2.0
 # Below this distance, metres, an estimate of a source does not give the dose rate.
 _LEAST_DISTANCE_M = 1.0
-# Of two doses this near to each other the shorter way is taken.
+# The shorter path is taken if two doses differ by less than this share.
 _EQUAL_SHARE = 0.01
 
 

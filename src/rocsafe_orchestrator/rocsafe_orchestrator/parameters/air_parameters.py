@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the air block of a scenario to the parameters of the node ``air``."""
+"""Parameters of the node ``air``, made from the air block of a scenario."""
 
 from typing import Any
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the radiation block of a scenario to the parameters of the radiation field."""
+"""Parameters of the radiation field, made from the radiation block of a scenario."""
 
 from typing import Any
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a scenario to the ROS parameters of each node."""
+"""ROS parameters of each node, made from a scenario."""
 
 from collections.abc import Mapping
 from pathlib import Path

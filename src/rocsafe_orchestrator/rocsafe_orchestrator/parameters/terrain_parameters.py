@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a scenario to what the radiation nodes know of the ground's height."""
+"""Ground heights for the radiation nodes, as parameters made from a scenario."""
 
 from typing import Any
 

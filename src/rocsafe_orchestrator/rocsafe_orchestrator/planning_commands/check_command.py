@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe check`: whether a scenario is valid and can be planned, and what would fly."""
+"""`rocsafe check`: check that a scenario is valid and can be planned, and print its plan."""
 
 from pathlib import Path
 

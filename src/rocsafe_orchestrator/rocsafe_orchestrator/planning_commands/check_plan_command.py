@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe check PLAN.json`: whether a plan is what was asked for and states true figures."""
+"""`rocsafe check PLAN.json`: check that a plan meets its request and states true figures."""
 
 from pathlib import Path
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`rocsafe replan`: the rest of a survey, planned anew."""
+"""`rocsafe replan`: plan the rest of a survey."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Waits until a new node knows the others: there is no daemon that remembers the graph.
+"""Waits until a new node has discovered the others; no daemon keeps the graph.
 
 A fixed wait (0.5 s in the real command) is often too long and sometimes too short: a participant
 answers the first announcement once, that answer is lost if it arrives too early, and the next one
