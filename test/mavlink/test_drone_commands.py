@@ -343,7 +343,7 @@ def test_route_that_leaves_the_fence_takes_the_place_of_none():
     air = Air()
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(400.0),))))
     commands = flying(air)
-    air.until(lambda: air.drones[1].session.readout.fence is not None)
+    air.until(lambda: air.drones[1].session.readout.settings.fence is not None)
     for count, word in ((9, 'fence'), (60, 'dist')):
         with pytest.raises(CommandRefusedError, match=word):
             commands.replace_route(plan(count), air.now_s)

@@ -179,12 +179,12 @@ class DroneCommands:
             raise CommandRefusedError(refusal)
 
     def _require_within_fence(self, place: GeoPosition) -> None:
-        readout = self._session.readout
-        if readout.fence is None and not readout.fence_error:
+        settings = self._session.readout.settings
+        if settings.fence is None and not settings.fence_error:
             raise CommandRefusedError('its fence is still being read')
-        if readout.fence is None:
-            raise CommandRefusedError(f'its fence cannot be read: {readout.fence_error}')
-        if not readout.fence.holds(place):
+        if settings.fence is None:
+            raise CommandRefusedError(f'its fence cannot be read: {settings.fence_error}')
+        if not settings.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
     def _require_clear(self, place: GeoPosition) -> None:
