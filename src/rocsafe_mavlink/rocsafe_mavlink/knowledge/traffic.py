@@ -97,9 +97,7 @@ def with_aircraft(vehicle: VehicleTelemetry, message: Message, now_s: float) -> 
     return replace(vehicle, traffic=(*others, aircraft)[-LARGEST_COUNT:])
 
 
-def encounter(
-    aircraft: Aircraft, motion: Motion, now_s: float, limits: TrafficLimits = TRAFFIC_LIMITS
-) -> Encounter:
+def encounter(aircraft: Aircraft, motion: Motion, now_s: float) -> Encounter:
     """Return an aircraft as seen from a vehicle at `now_s`: both are taken to fly straight on."""
     age_s = now_s - aircraft.heard_s
     theirs = aircraft.velocity_enu_mps or (0.0, 0.0, 0.0)
@@ -109,10 +107,12 @@ def encounter(
     east_mps, north_mps = theirs[0] - ours[0], theirs[1] - ours[1]
     square = east_mps**2 + north_mps**2
     meeting_s = -(east_m * east_mps + north_m * north_mps) / square if square else 0.0
-    in_s = min(max(meeting_s, 0.0), limits.ahead_s)
+    in_s = min(max(meeting_s, 0.0), TRAFFIC_LIMITS.ahead_s)
     closest_m = math.hypot(east_m + in_s * east_mps, north_m + in_s * north_mps)
     above_m = aircraft.altitude_msl_m - motion.altitude_msl_m
-    allowed_m = limits.height_m + (limits.pressure_m if aircraft.is_pressure else 0.0)
+    allowed_m = TRAFFIC_LIMITS.height_m + (
+        TRAFFIC_LIMITS.pressure_m if aircraft.is_pressure else 0.0
+    )
     # Climb and descent within the time looked ahead count as if they were flown at once.
     drift_m = in_s * (theirs[2] - ours[2])
     heights_m = (above_m, above_m + drift_m)
@@ -125,19 +125,17 @@ def encounter(
         above_m=above_m,
         closest_m=closest_m,
         closest_in_s=in_s,
-        is_close=closest_m < limits.level_m and is_level,
+        is_close=closest_m < TRAFFIC_LIMITS.level_m and is_level,
     )
 
 
-def encounters(
-    vehicle: VehicleTelemetry, now_s: float, limits: TrafficLimits = TRAFFIC_LIMITS
-) -> tuple[Encounter, ...]:
+def encounters(vehicle: VehicleTelemetry, now_s: float) -> tuple[Encounter, ...]:
     """Return all aircraft that were heard lately, the nearest to come first."""
     if vehicle.motion is None:
         return ()
     seen = [
-        encounter(aircraft, vehicle.motion, now_s, limits)
+        encounter(aircraft, vehicle.motion, now_s)
         for aircraft in vehicle.traffic
-        if now_s - aircraft.heard_s <= limits.old_s
+        if now_s - aircraft.heard_s <= TRAFFIC_LIMITS.old_s
     ]
     return tuple(sorted(seen, key=lambda one: one.closest_m))
