@@ -15,11 +15,11 @@ from test.planner.terrains import write_terrain
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
-from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.fleet_verbs_node import FleetVerbsOptions
-from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.mission.closing import REPORT
 from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.goal_conversions import unseen_viewpoint
 from rocsafe_orchestrator.parameters.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.executables import find_executable

@@ -2,8 +2,8 @@
 """Watches the expected doses of the people of a scenario."""
 
 from rocsafe_geo.position import distance_m
-from rocsafe_orchestrator.mission.crew_dose import CrewDose, CrewMember, dose_rate_usvh
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.watches.crew_dose import CrewDose, CrewMember, dose_rate_usvh
 from rocsafe_scenario.scenario import Scenario
 
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decision, Decisions
-from rocsafe_orchestrator.mission.mission import REPORT, Mission
-from rocsafe_orchestrator.mission.operator_watch import OperatorNews, OperatorWatch
+from rocsafe_orchestrator.mission.closing import REPORT
+from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
@@ -26,6 +25,8 @@ from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessE
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decision, Decisions
+from rocsafe_orchestrator.watches.operator_watch import OperatorNews, OperatorWatch
 
 if TYPE_CHECKING:  # the loop is tested without ROS
     from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
@@ -234,8 +235,8 @@ class MissionLoop:
             self._ready = parts.node.ready(parts.table)
         self._pace.note(now_s, parts.monitor.flight_time_s)
         waiting_for = parts.node.waiting_for(parts.participants)
-        silences_s = parts.mission.silences_s(
-            waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
+        silences_s = parts.mission.fleet.silences_s(
+            parts.mission.stalled_s, waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
         )
         return Situation(
             ready=self._ready,
@@ -286,7 +287,7 @@ class MissionLoop:
             outcome_text=mission.text,
             wall_time_s=round(time.monotonic() - self._started_s, 3),
             restarts=self._parts.supervisor.restarts,
-            lost_vehicles=mission.losses,
+            lost_vehicles=dict(mission.fleet.lost),
             may_be_contaminated=self._parts.monitor.contaminated,
             expected_crew_doses_usv=self._parts.crew_watch.doses_usv,
             rejected_images=self._parts.monitor.rejections,

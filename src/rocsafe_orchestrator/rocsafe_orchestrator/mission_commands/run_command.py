@@ -18,7 +18,6 @@ from rocsafe_orchestrator.company_node import Claim, claimed
 from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
@@ -49,6 +48,7 @@ from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
+from rocsafe_orchestrator.watches.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError

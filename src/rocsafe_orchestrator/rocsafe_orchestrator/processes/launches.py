@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.mission.closing import REPORT
 from rocsafe_orchestrator.parameters.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.process_table import ProcessSpec

@@ -34,10 +34,10 @@ class Decisions:
         """Return new losses, faults, and the phase if it is another."""
         found = [
             Decision(kind='loss', text='lost', severity=WARN, vehicles=(name,), reason=why)
-            for name, why in mission.losses.items()
+            for name, why in mission.fleet.lost.items()
             if name not in self._lost
         ]
-        self._lost = frozenset(mission.losses)
+        self._lost = frozenset(mission.fleet.lost)
         found += [
             Decision(kind='fault', text=text, severity=ERROR)
             for text in mission.faults[self._fault_count :]
