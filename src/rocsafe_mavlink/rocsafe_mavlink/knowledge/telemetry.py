@@ -267,8 +267,6 @@ class VehicleTelemetry:
         Height of the geoid above the ellipsoid; NaN if not known; kept while armed.
     jumped_s
         Steady time at which the position last moved faster than any multicopter flies.
-    boot_unix_s
-        Time of day at its start; NaN if not known.
     is_fence_breached
         Whether it reports a breach of its fence.
     traffic
@@ -297,7 +295,6 @@ class VehicleTelemetry:
     mission: MissionStatus = MissionStatus()
     geoid_separation_m: float = math.nan
     jumped_s: float = NEVER
-    boot_unix_s: float = math.nan
     is_fence_breached: bool = False
     traffic: tuple[Aircraft, ...] = ()
     wind: Wind = Wind()

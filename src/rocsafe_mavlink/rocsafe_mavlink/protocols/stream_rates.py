@@ -19,7 +19,6 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'SYS_STATUS': (1, 2.0),
     'MISSION_CURRENT': (42, 2.0),
     'EXTENDED_SYS_STATE': (245, 2.0),
-    'SYSTEM_TIME': (2, 1.0),
     'HOME_POSITION': (242, 1.0),
     'ADSB_VEHICLE': (246, 2.0),
     'WIND': (168, 1.0),

@@ -76,7 +76,6 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'PARAM_VALUE': {},
     'RADIO_STATUS': {},
     'STATUSTEXT': {'severity': (0, 7)},
-    'SYSTEM_TIME': {},
     'SYS_STATUS': {'battery_remaining': PERCENT},
     'WIND': {'speed': (0.0, 100.0)},
     'WIND_COV': {'wind_x': WIND_MPS, 'wind_y': WIND_MPS},
