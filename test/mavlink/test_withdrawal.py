@@ -16,8 +16,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
 from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
 

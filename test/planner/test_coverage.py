@@ -99,6 +99,7 @@ def test_turned_grids_lose_no_footprint(sides):
         assert coverage.sight.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(
     areas(),

@@ -36,6 +36,7 @@ def test_derailment_plan():
     assert plan.total_length_m == sum(route.length_m for route in plan.routes)
 
 
+@pytest.mark.slow
 def test_lengths_agree_with_the_geodesic():
     """A route's length is the sum of the distances between its places."""
     for route in plan_survey(request(area=FIELD)).routes:

@@ -76,7 +76,7 @@ MEASUREMENTS_KEPT = 50
 PICTURES_KEPT = 8
 # States that a recorder which falls behind does not miss: at full speed several come at once.
 STATES_KEPT = 10
-# All decisions of a mission: whoever comes late reads what happened.
+# All decisions of a mission, so that a late subscriber gets all of them.
 DECISIONS_KEPT = 500
 # Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'

@@ -193,7 +193,7 @@ class SimulationBlock(Block):
     collision_radius_m: float = Field(default=0.4, ge=0.0, le=10.0)
 
 
-# Of a real vehicle whose home the scenario leaves out: it is told by the vehicle.
+# Home of a real vehicle where the scenario leaves it out: the vehicle reports it.
 HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
 # Keys of a vehicle that say where it is found, not what it can do.
 LINK_KEYS = frozenset({'link', 'drone'})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exchange of messages with one vehicle: what it said, what is under way, what to send next.
+"""The exchange of messages with one vehicle: its state, operations under way, messages to send.
 
 All that is sent to the vehicle goes through `VehicleSession.send`. Commands come from the
 sequences of its flight and of its operator, all else only reads.
@@ -133,7 +133,7 @@ class VehicleSession:
         return VehicleCommands(autopilot=self.autopilot(), target=self.target, us=self.us)
 
     def may_hear(self, address: Address, link: Link, now_s: float) -> bool:
-        """Whether `address` may speak for the vehicle: one at a time, until it falls silent.
+        """Whether the vehicle may be heard at `address`: at one address, until it is silent.
 
         With signatures a few seconds of silence suffice, since every sender has the key: a vehicle
         behind a router changes its port. Without them the vehicle has to be lost first.
@@ -255,7 +255,7 @@ class VehicleSession:
             self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
 
     def _look_at(self, now_s: float) -> None:
-        """Withdraw what is under way if somebody took the vehicle over."""
+        """Withdraw the commands under way after a takeover of the vehicle."""
         if self.flight is not None:
             self.flight = self.flight.looked_at(self.telemetry, now_s)
         if self.sequence is not None:

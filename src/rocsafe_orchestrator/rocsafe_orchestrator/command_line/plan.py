@@ -46,7 +46,7 @@ def add_to(commands: Commands) -> None:
 def _plan(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.plan_command import PlanRequest, plan
+    from rocsafe_orchestrator.planning_commands.plan_command import PlanRequest, plan
 
     request = PlanRequest(
         files=tuple(arguments.files),

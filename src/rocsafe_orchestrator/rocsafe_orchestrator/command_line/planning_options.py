@@ -25,7 +25,7 @@ from rocsafe_planner.plan.survey_options import (
 )
 
 _AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
-# By name: what argparse is told.
+# Arguments of argparse, by the name of the option.
 _OPTIONS: dict[str, dict[str, Any]] = {
     'out': {
         'type': Path,
