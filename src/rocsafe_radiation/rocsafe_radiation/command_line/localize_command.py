@@ -46,25 +46,27 @@ LEAST_CLIMB_M = 5.0
 def main(arguments: Sequence[str] | None = None) -> int:
     """Read, localise, print, and return the exit code."""
     options = parser().parse_args(arguments)
+    notes: list[str] = []
     try:
         readings = read_readings(options.file, options.height, options.ground)
+        notes = _notes(readings)
         survey = _survey(readings, options)
         assessment = assess(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
         if options.out is not None:
             write_products(options.out, assessment, readings.frame)
     except (RadiationError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        sys.stderr.write(f'error: {"; ".join([str(error), *notes])}\n')
         return EXIT_REFUSED
     places = suggested_waypoints(assessment, options.next)
     if options.json:
         document = assessment_document(assessment, readings.frame)
-        document['notes'] = _notes(readings)
+        document['notes'] = notes
         document['next_places'] = [
             place_of(np.array(one.position_enu_m), readings.frame) for one in places
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        lines = [*_notes(readings), *_lines(assessment.found, readings)]
+        lines = [*notes, *_lines(assessment.found, readings)]
         lines += _advice(assessment, places, readings)
         sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK

@@ -211,7 +211,7 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     options = options or LocalizationOptions()
     require_enough(survey)
     cell_m = options.search.cell_heights * survey.height_m(options.source_up_m)
-    merged = survey.merged(cell_m)
+    merged = survey.merged(cell_m, options.search.most_readings)
     require_enough(merged)
     setting = Setting(
         kernel=options.kernel,

@@ -16,6 +16,8 @@ class SearchOptions:
     cell_heights
         Side of the cells in which readings are merged before a fit, heights. Smaller cells change
         no result and take longer.
+    most_readings
+        Most cells: they are larger where there are more.
     pitch_heights, margin_heights, most_places
         Grid on which a further source is looked for: distance of its places, how far it reaches
         beyond the readings, both in heights, and the most places. A pitch above half a height
@@ -51,6 +53,7 @@ class SearchOptions:
     """
 
     cell_heights: float = 0.125
+    most_readings: int = 2500
     pitch_heights: float = 0.4
     margin_heights: float = 1.0
     most_places: int = 6000
@@ -78,6 +81,12 @@ class SearchOptions:
         for name in ('cell_heights', 'pitch_heights', 'margin_heights', 'largest_ellipse_share'):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f'{name} = {getattr(self, name)} must be above 0')
-        for name in ('most_places', 'tried_candidates', 'refined_candidates', 'rough_iterations'):
+        for name in (
+            'most_places',
+            'most_readings',
+            'tried_candidates',
+            'refined_candidates',
+            'rough_iterations',
+        ):
             if getattr(self, name) < 1:
                 raise ValueError(f'{name} = {getattr(self, name)} must be at least 1')

@@ -120,7 +120,8 @@ def assess(
     found, belief = FINDERS[options.method](survey, options, agents)
     setting = Setting(kernel=known.kernel, source_up_m=known.source_up_m, rho=found.rho)
     cell_m = 0.25 * survey.height_m(known.source_up_m)
-    evidence = sequential_evidence(survey.merged(cell_m), setting, options.rule.smallest_usvh)
+    merged = survey.merged(cell_m, known.search.most_readings)
+    evidence = sequential_evidence(merged, setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
     dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
     return Assessment(
