@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 from radiation_families import FAMILIES, SPLITS, Drawn, drawn
+from radiation_peers import PEERS
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.decision.sequential_decision import sequential_evidence
@@ -62,7 +63,9 @@ ABLATIONS = {
     'other stds of the field': Ablation(
         {'background_stds': (0.0, 0.1)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
     ),
-    'other errors of fixes': Ablation({'position_factors': (1.0,)}),
+    'other errors of fixes': Ablation(
+        {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
+    ),
     'rho': Ablation({'rhos': (0.0,)}),
     'the wall': Ablation({'lopsidednesses': (0.0,)}),
     'odds of the wall': Ablation({'log_odds_of_wall': 0.0}),
@@ -71,9 +74,8 @@ ABLATIONS = {
         {}, ((starts, '_weightings', lambda likelihood, _: [np.ones(likelihood.survey.size)]),)
     ),
     'mirror images': Ablation({'line_readings': 10**9}),
-    'splits': Ablation({}, ((starts, 'SPLIT_ANGLES_RAD', ()),)),
     'largest ellipse': Ablation({'largest_ellipse_share': 1e9}),
-    'more candidates': Ablation({'tried_candidates': 2, 'refined_candidates': 1}),
+    'more candidates': Ablation({'tried_candidates': 2}),
     'odds of a source': Ablation({'log_odds_of_source': 0.0}),
     'near evidence 2': Ablation({'near_evidence': 2.0}),
     'widening': Ablation({'largest_dispersion': 1e9}),
@@ -99,6 +101,8 @@ class Outcome:
         Whether the evidence was stated to be enough.
     seconds
         Processor time.
+    peers
+        Errors over bounds of each of the peers, which are told the number of sources.
     """
 
     family: str
@@ -112,6 +116,7 @@ class Outcome:
     intervals: list[float]
     is_enough: bool
     seconds: float
+    peers: dict[str, list[float]]
 
 
 def outcome(one: Drawn, search: SearchOptions) -> Outcome:
@@ -141,7 +146,15 @@ def outcome(one: Drawn, search: SearchOptions) -> Outcome:
         intervals=[math.exp(3.92 * estimate.log_std) for _, estimate in pairs],
         is_enough=rule.verdict(found, evidence).is_enough,
         seconds=seconds,
+        peers={},
     )
+
+
+def _peer_errors(one: Drawn, places: FloatArray) -> list[float]:
+    return [
+        float(np.hypot(*(places - source[:2]).T).min() / math.sqrt(np.trace(bound[:2, :2])))
+        for source, bound in zip(one.sources, one.bound_m2, strict=True)
+    ]
 
 
 def _pairs(one: Drawn, found: Localization) -> list[tuple[int, SourceEstimate]]:
@@ -178,7 +191,10 @@ def outcomes(
     for index in range(first, first + trials):
         family = families[index % len(families)]
         order = 1 if family == 'steel' else ORDERS[index // len(families) % len(ORDERS)]
-        yield outcome(drawn(split, index, family, order), search)
+        one = drawn(split, index, family, order)
+        found = {name: find(one) for name, find in PEERS.items()} if order else {}
+        peers = {name: _peer_errors(one, places) for name, places in found.items()}
+        yield replace(outcome(one, search), peers=peers)
 
 
 def summary(name: str, rows: Sequence[Outcome]) -> str:
@@ -227,7 +243,14 @@ def table(rows: Sequence[Outcome]) -> str:
     for order in ORDERS:
         own = [row for row in plain if row.order == order]
         lines += [summary(f'K = {order}', own)] if own else []
-    return '\n'.join([*lines, summary('all', plain)])
+    lines.append(summary('all', plain))
+    for name in PEERS:
+        errors = [v for row in plain for v in row.peers.get(name, [])]
+        lines.append(
+            f'{name:10} told the number: error/bound '
+            f'{math.sqrt(_mean([v * v for v in errors])):.2f}, median {_median(errors):.2f}'
+        )
+    return '\n'.join(lines)
 
 
 def main() -> None:
@@ -239,7 +262,12 @@ def main() -> None:
     parser.add_argument('--families', nargs='+', choices=FAMILIES, default=list(FAMILIES))
     parser.add_argument('--without', choices=ABLATIONS, default='nothing')
     parser.add_argument('--out', type=Path, help='file of JSON lines, appended to')
+    parser.add_argument('--table', type=Path, nargs='+', help='only the table of such files')
     options = parser.parse_args()
+    if options.table:
+        lines = [line for path in options.table for line in path.read_text().splitlines()]
+        sys.stdout.write(table([Outcome(**json.loads(line)) for line in lines]) + '\n')
+        return
     rows = []
     for row in outcomes(
         options.split,

@@ -14,6 +14,7 @@ from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shif
 from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
+from rocsafe_radiation.detection.detector import response_of
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.localization.localize import Localization, LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
@@ -76,7 +77,11 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
     model = options.model
     if model == AUTO:
         model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
-    kernel = Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide)
+    kernel = Kernel(
+        is_lossy=model == AIR_MODEL,
+        nuclide=options.nuclide,
+        response=response_of(options.detector),
+    )
     up_m, up_std_m = options.source_height
     return AssessmentOptions(
         known=LocalizationOptions(

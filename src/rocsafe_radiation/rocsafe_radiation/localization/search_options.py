@@ -22,9 +22,9 @@ class SearchOptions:
         Grid on which a further source is looked for: distance of its places, how far it reaches
         beyond the readings, both in heights, and the most places. A pitch above half a height
         misses sources between its places.
-    tried_candidates, refined_candidates, rough_iterations
-        Places of the grid from which a fit is begun, the best of these that are fitted to the
-        end, and the iterations after which they are compared.
+    tried_candidates, rough_iterations
+        Places of the grid from which a fit is begun, and the iterations after which they are
+        compared: only the best is fitted to the end.
     log_odds_of_source
         Prior evidence of each source: sources are rare.
     log_odds_of_wall
@@ -58,7 +58,6 @@ class SearchOptions:
     margin_heights: float = 1.0
     most_places: int = 6000
     tried_candidates: int = 4
-    refined_candidates: int = 3
     rough_iterations: int = 8
     log_odds_of_source: float = -2.0
     log_odds_of_wall: float = -2.0
@@ -85,7 +84,6 @@ class SearchOptions:
             'most_places',
             'most_readings',
             'tried_candidates',
-            'refined_candidates',
             'rough_iterations',
         ):
             if getattr(self, name) < 1:
