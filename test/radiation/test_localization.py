@@ -153,7 +153,7 @@ def test_counts_win_over_dose_rates():
 
 def test_merging_keeps_counts_and_exposures():
     """And the mean place."""
-    merged = survey([(120.0, 170.0, 925.0)]).merged(40.0)
+    merged = survey([(120.0, 170.0, 925.0)]).merged(40.0, 2500)
     whole = survey([(120.0, 170.0, 925.0)])
     assert merged.counts.sum() == whole.counts.sum()
     assert merged.exposures.sum() == pytest.approx(whole.exposures.sum())

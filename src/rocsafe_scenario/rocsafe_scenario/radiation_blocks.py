@@ -184,6 +184,7 @@ class RadiationBlock(Block):
         search, levels = self.search, self.levels.cordon_levels_usvh
         return (
             f'--model={self.estimator_model}',
+            f'--detector={self.detector}',
             f'--method={search.method}',
             f'--errors={max(search.false_alarm, search.missed)}',
             f'--smallest={search.smallest_source_usvh}',

@@ -108,6 +108,7 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     return {
         'vehicles': list(scenario.vehicle_names),
         'model': radiation.estimator_model,
+        'detector': radiation.detector,
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
