@@ -9,6 +9,7 @@ from rich.table import Table
 from rocsafe_orchestrator.command_line.progress import clock_text
 from rocsafe_planner.plan.objective import OBJECTIVE_UNITS, OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.plan.plan import Route, SurveyPlan
+from rocsafe_planner.plan.survey_options import METHODS, Effort
 
 
 def quality_table(path: Path, plan: SurveyPlan) -> Table:
@@ -16,7 +17,7 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
     effort = plan.request.effort
     table = Table.grid(padding=(0, 2))
     table.add_column(style='dim')
-    table.add_row('plan', f'{path}, method {effort.method}')
+    table.add_row('plan', f'{path}, method {effort.method}{search_text(effort)}')
     table.add_row(
         'viewpoints',
         f'{plan.viewpoint_count}, which see {100.0 * plan.covered_fraction:.1f} % '
@@ -41,6 +42,13 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
         remark = separation_remark(nearest, plan.request.separation.distance_m)
         table.add_row('nearest', text + remark)
     return table
+
+
+def search_text(effort: Effort) -> str:
+    """Return how long a search was, because 0 s means a number of steps."""
+    if effort.method != METHODS[0]:
+        return ''
+    return f', {effort.budget_s:g} s' if effort.budget_s else ', a fixed number of steps'
 
 
 def separation_remark(nearest_m: float, asked_m: float) -> str:

@@ -36,6 +36,8 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
     wanted = set(range(max(counts, default=0) + 1))
     if plan.request.continuation.viewpoints:
         wanted = {view.id for view in plan.request.continuation.viewpoints} - _shut_off(plan)
+    if plan.request.continuation.is_rest:
+        wanted -= set(plan.left_out)
     missing = sorted(wanted.symmetric_difference(counts))
     if not counts:
         yield 'no viewpoint is visited'

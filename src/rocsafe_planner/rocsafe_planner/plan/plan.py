@@ -99,6 +99,8 @@ class SurveyPlan:
         Area of the largest connected part of the regions that no photograph shows.
     minimum_separation_m
         Least distance of any two vehicles in the air; infinite if no two ever are.
+    left_out
+        Ids of viewpoints of the rest of a survey that the batteries do not do for.
     """
 
     plan_id: str
@@ -113,6 +115,7 @@ class SurveyPlan:
     objective_bound: float = math.nan
     largest_hole_m2: float = 0.0
     minimum_separation_m: float = field(default=float('inf'))
+    left_out: tuple[int, ...] = ()
 
     @property
     def makespan_s(self) -> float:

@@ -35,6 +35,7 @@ def plan_document(plan: SurveyPlan) -> Document:
         'spacing_m': plan.spacing_m,
         'spacing_along_m': plan.spacing_along_m,
         'request': _request(plan.request),
+        'left_out': list(plan.left_out),
         'routes': [_route(route) for route in plan.routes],
     }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Viewpoints that a request names instead of a grid."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 import shapely
@@ -21,8 +21,9 @@ def given_coverage(
     frame: LocalFrame,
     polygons: Sequence[shapely.Polygon],
     may_stand: Callable[[FloatArray], BoolArray] | None,
+    left_out: Collection[int] = (),
 ) -> Coverage:
-    """Return the viewpoints that a request names, without those in exclusions.
+    """Return the viewpoints that a request names, without those in exclusions or `left_out`.
 
     `polygon` of the result is the number of the viewpoint in the request. Those visited before
     count as seen.
@@ -41,6 +42,7 @@ def given_coverage(
     kept = np.ones(len(views), dtype=bool) if may_stand is None else may_stand(centres)
     if not kept.any():
         raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    kept &= np.array([view.id not in left_out for view in views])
     numbers = np.flatnonzero(kept)
     footprints = footprints_of(frame, [views[number] for number in numbers])
     seen = np.vstack([footprints, footprints_of(frame, request.continuation.visited)])
