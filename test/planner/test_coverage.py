@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -248,3 +249,24 @@ def test_rows_joined_cover_the_same(seed, turn):
     seen = sight([region], footprints)
     alone = shapely.union_all(shapely.polygons(footprints), grid_size=1e-6)
     assert seen.covered_area_m2 == pytest.approx(region.intersection(alone).area, abs=1e-3)
+
+
+def test_a_narrow_strip_needs_fewer_photographs_by_default():
+    """The usual grid follows a strip of 400 m by 25 m; the paper's rectangle does not."""
+    strip = shapely.affinity.rotate(shapely.box(0.0, 0.0, 400.0, 25.0), 30.0)
+    usual = CoverageOptions(height_agl_m=32.0).grid
+    counts = {
+        grid: len(
+            cover(
+                [strip],
+                CoverageSpec(
+                    footprint_m=(37.0, 28.0),
+                    spacing_m=(24.6, 18.5),
+                    grid=grid,
+                    max_viewpoints=1000,
+                ),
+            ).centres
+        )
+        for grid in (usual, 'axis_aligned')
+    }
+    assert counts[usual] < 0.8 * counts['axis_aligned']

@@ -256,7 +256,9 @@ def test_weak_batteries_do_for_a_part(left_s):
     rest = replan(plan, situation)
     left = set(ids(plan)) - situation.visited
     assert set(ids(rest)) | set(rest.left_out) == left
-    assert ids(rest) and rest.left_out and not set(ids(rest)) & set(rest.left_out)
+    assert ids(rest)
+    assert rest.left_out
+    assert not set(ids(rest)) & set(rest.left_out)
     assert unreachable(rest) == ()
     assert check_plan(rest) == []
     assert replan(plan, situation) == rest

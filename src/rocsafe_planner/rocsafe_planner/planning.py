@@ -13,6 +13,7 @@ from rocsafe_planner.flights.routes import SECONDS_PER_HOUR
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.problem.fleet_problem import Order
+from rocsafe_planner.routing.boustrophedon import boustrophedon_minmax
 from rocsafe_planner.routing.costs import objective_value
 from rocsafe_planner.routing.methods import METHODS, Optimised
 from rocsafe_planner.site.given_viewpoints import footprints_of
@@ -98,7 +99,10 @@ def _served(site: SurveySite, on_progress: Progress) -> tuple[SurveySite, Optimi
     # Loaded when it is asked for: see `_found`.
     from rocsafe_planner.routing import battery_reach as reach
 
-    request, beyond = site.request, reach.beyond_reach(site.problem)
+    request, simple = site.request, boustrophedon_minmax(site.problem)
+    if math.isfinite(objective_value(site.problem, simple, 'longest_time')):
+        return site, _found(site, on_progress, [simple])
+    beyond = reach.beyond_reach(site.problem)
     if beyond and (not request.continuation.is_rest or len(beyond) == len(site.problem.points)):
         raise next(iter(beyond.values()))
     if beyond:
@@ -130,12 +134,10 @@ def _partly_served(
 
 def _shortage(site: SurveySite, needed_s: float) -> str:
     """Return that no plan keeps to the batteries, as one line."""
-    vehicles = site.problem.vehicles
-    longest_s = max(vehicle.first_endurance_s for vehicle in vehicles)
+    longest_s = max(vehicle.first_endurance_s for vehicle in site.problem.vehicles)
     return (
-        f'{len(vehicles)} vehicles cannot visit {len(site.problem.points)} viewpoints without '
-        f'changing batteries: one of them needs {needed_s:.0f} s at least, and endurance_s is '
-        f'{longest_s:.0f} s at most'
+        f'no plan for {len(site.problem.points)} viewpoints keeps to the batteries: the last '
+        f'vehicle needs at least {needed_s:.0f} s, and endurance_s is at most {longest_s:.0f} s'
     )
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_geo.pinhole import PinholeCamera
@@ -156,8 +157,8 @@ def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
     angles = np.concatenate([np.arange(0.0, math.pi, _SEARCH_STEP_RAD), along, along + _RIGHT])
     counts: list[tuple[int, float]] = []
     rotated = _rotated(polygon, spec)
-    rotated_rad = math.atan2(rotated[1, 0], rotated[0, 0])
-    for angle in [*np.unique(np.round(angles % math.pi, 9)).tolist(), rotated_rad]:
+    angles = np.append(angles, math.atan2(rotated[1, 0], rotated[0, 0]))
+    for angle in np.unique(np.round(angles % math.pi, 9)).tolist():
         with contextlib.suppress(TooManyViewpointsError):
             counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
     # Where no angle is possible, the grid that is not rotated names the reason.
@@ -191,13 +192,9 @@ def _tile_centres(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
     bands = shapely.intersection(
         polygon, shapely.box(west - 1.0, edges[:-1], east + 1.0, edges[1:])
     )
-    centres: list[FloatArray] = []
-    for row, band in enumerate(bands):
-        touched = _touched_columns(band, x0, width, columns)
-        x = x0 + width * (touched + 0.5)
-        centres.append(np.column_stack([x, np.full_like(x, y0 + height * (row + 0.5))]))
-    _check_count(sum(len(row) for row in centres), spec)
-    return np.vstack(centres)
+    row, column = _touched(bands, x0, width, columns)
+    _check_count(len(row), spec)
+    return np.column_stack([x0 + width * (column + 0.5), y0 + height * (row + 0.5)])
 
 
 def _tiles(extent: float, tile: float) -> int:
@@ -205,18 +202,28 @@ def _tiles(extent: float, tile: float) -> int:
     return max(1, math.ceil(extent / tile - 1e-9))
 
 
-def _touched_columns(band: shapely.Geometry, x0: float, width: float, columns: int) -> FloatArray:
-    """Return the numbers of the tiles of one row that the area touches, rising.
+def _touched(
+    bands: NDArray[np.object_], x0: float, width: float, columns: int
+) -> tuple[IndexArray, IndexArray]:
+    """Return row and column of each tile that the area touches, row by row, each from the west.
 
     A connected part of a row's band touches exactly the columns that its x-interval meets.
     """
-    parts = shapely.get_parts(shapely.get_parts(band))
-    touched = np.zeros(columns, dtype=bool)
-    for x_min, _, x_max, _ in shapely.bounds(parts[shapely.area(parts) > 0.0]):
-        first = math.floor((x_min + _TOUCH_M - x0) / width)
-        last = math.ceil((x_max - _TOUCH_M - x0) / width)
-        touched[max(first, 0) : max(last, first + 1)] = True
-    return np.flatnonzero(touched).astype(float)
+    parts, row = shapely.get_parts(bands, return_index=True)
+    parts, inner = shapely.get_parts(parts, return_index=True)
+    row = row[inner]
+    solid = shapely.area(parts) > 0.0
+    row, bounds = row[solid], shapely.bounds(parts[solid])
+    first = np.floor((bounds[:, 0] + _TOUCH_M - x0) / width).astype(np.intp)
+    last = np.ceil((bounds[:, 2] - _TOUCH_M - x0) / width).astype(np.intp)
+    first = np.maximum(first, 0)
+    last = np.minimum(np.maximum(last, first + 1), columns)
+    count = np.maximum(last - first, 0)
+    # All columns of all parts, in one sequence; parts of one row may share some.
+    column = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    tile = np.repeat(row * columns + first, count) + column
+    tiles = np.unique(tile)
+    return tiles // columns, tiles % columns
 
 
 def _check_count(needed: int, spec: CoverageSpec) -> None:

@@ -11,6 +11,7 @@ from itertools import islice
 
 import numpy as np
 
+from rocsafe_geo.arrays import BoolArray
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
@@ -43,16 +44,16 @@ def beyond_reach(problem: FleetProblem) -> dict[int, BeyondEnduranceError]:
     return {point: why for point, why in refusals.items() if why is not None}
 
 
-def _is_surely_near(problem: FleetProblem, vehicle: int) -> np.ndarray:
+def _is_surely_near(problem: FleetProblem, vehicle: int) -> BoolArray:
     """Return which points a vehicle reaches for sure with its first battery, shape (n,)."""
     spec, points = problem.vehicles[vehicle], np.arange(len(problem.points))
+    if problem.flight(vehicle).passes:  # its corners are known flight by flight only
+        return np.zeros(len(points), dtype=bool)
     end = problem.end_site(vehicle)
-    needed = problem.first_fixed_s(vehicle) + spec.hover_s
-    needed = needed + problem.legs_s(vehicle, np.array([problem.start_site(vehicle)]), points)
-    if end is not None:
-        needed = needed + problem.legs_s(vehicle, points, np.array([end]))
-    # A vehicle that passes its viewpoints is asked for each of them as it flies.
-    return (needed <= spec.first_endurance_s) & (not problem.flight(vehicle).passes)
+    out = problem.legs_s(vehicle, np.array([problem.start_site(vehicle)]), points)
+    back = 0.0 if end is None else problem.legs_s(vehicle, points, np.array([end]))
+    needed = problem.first_fixed_s(vehicle) + spec.hover_s + out + back
+    return np.asarray(needed <= spec.first_endurance_s)
 
 
 def _refusal(problem: FleetProblem, point: int) -> BeyondEnduranceError | None:

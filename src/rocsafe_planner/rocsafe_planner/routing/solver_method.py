@@ -38,14 +38,15 @@ def optimised(
     watch: Watch = lambda _value, _bound: True,
     known: Sequence[list[Order]] = (),
 ) -> Optimised:
-    """Return routes that are no worse than `known` ones and those of any survey tool's method.
+    """Return routes that are no worse than those of any survey tool's method.
 
-    The search knows corners that are flown round, and batteries that are changed, by estimates
+    They are no worse than those `known`, of which the first may be `boustrophedon_minmax`'s. The
+    search knows corners that are flown round, and batteries that are changed, by estimates
     only: in the end all are compared as they are flown.
     """
     options = search_options(len(problem.points), effort)
     watcher = _Watcher(watch, options.clock)
-    starts = [boustrophedon_minmax(problem), *known]
+    starts = [*known] or [boustrophedon_minmax(problem)]
     value = objective_value(problem, starts[0], effort.objective)
     if math.isfinite(value):  # tables of legs may take seconds: there is a plan already
         none = Bound(value=0.0, name='none')
