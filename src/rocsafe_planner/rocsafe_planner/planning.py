@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import shapely
+
 from rocsafe_planner.coverage.sight import Sight, sight
 from rocsafe_planner.errors import BeyondEnduranceError, PlanningCancelledError
 from rocsafe_planner.flights.keeping_apart import KeptApart, kept_apart
@@ -79,6 +81,7 @@ def plan_survey(
         lower_bound_method=bound.method,
         objective_bound=min(bound.makespan_s, makespan) if is_time else found.bound,
         region_area_m2=sight.region_area_m2,
+        forbidden_area_m2=sight.forbidden_area_m2,
         covered_area_m2=sight.covered_area_m2,
         largest_hole_m2=sight.largest_hole_m2,
         minimum_separation_m=apart.separation_m,
@@ -172,7 +175,8 @@ def _sight(site: SurveySite, apart: KeptApart) -> Sight:
         return site.coverage.sight
     views = [view for route in apart.routes for view in route.viewpoints]
     seen = footprints_of(site.frame, (*views, *site.request.continuation.visited))
-    return sight(site.polygons, seen)
+    zones = [zone.polygon(site.frame) for zone in site.request.exclusions]
+    return sight(site.polygons, seen, shapely.union_all(zones) if zones else None)
 
 
 def _found(

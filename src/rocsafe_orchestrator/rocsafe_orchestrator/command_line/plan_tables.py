@@ -21,8 +21,15 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
     table.add_row(
         'viewpoints',
         f'{plan.viewpoint_count}, which see {100.0 * plan.covered_fraction:.1f} % '
-        f'of {plan.region_area_m2 / 1e4:.2f} ha',
+        f'of {(plan.region_area_m2 - plan.forbidden_area_m2) / 1e4:.2f} ha',
     )
+    if plan.forbidden_area_m2:
+        table.add_row('exclusions', f'{plan.forbidden_area_m2 / 1e4:.2f} ha of the regions')
+    unseen_m2 = (1.0 - plan.covered_fraction) * (plan.region_area_m2 - plan.forbidden_area_m2)
+    if plan.largest_hole_m2:
+        table.add_row(
+            'unseen', f'{unseen_m2:.0f} m2, the largest part {plan.largest_hole_m2:.0f} m2'
+        )
     above = f', at most {100.0 * plan.gap_fraction:.1f} % above optimal'
     table.add_row(
         'makespan',

@@ -16,11 +16,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_planner.coverage.beside_exclusions import Views, with_views_beside
 from rocsafe_planner.coverage.sight import Sight, sight
-from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.errors import TooManyViewpointsError
 from rocsafe_planner.plan.survey_options import CoverageOptions, spacing_m
+from rocsafe_planner.problem.airspace import Airspace
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
@@ -86,12 +88,12 @@ def coverage_spec(camera: PinholeCamera, options: CoverageOptions) -> CoverageSp
 def cover(
     polygons: Sequence[shapely.Polygon],
     spec: CoverageSpec,
-    may_stand: Callable[[FloatArray], BoolArray] | None = None,
+    airspace: Airspace | None = None,
 ) -> Coverage:
     """Return the viewpoints that photograph `polygons` (east, north; metres).
 
-    Each polygon has a grid of its own. Viewpoints for which `may_stand` says False are left out;
-    the ground that only they see is not covered.
+    Each polygon has a grid of its own. Viewpoints in exclusions are left out; ground outside that
+    only they see is photographed from places beside the exclusions, as far as it can be.
 
     Raises
     ------
@@ -106,15 +108,18 @@ def cover(
     footprints = np.vstack([_footprints(*tiling, spec) for tiling in tilings])
     counts = [len(centres) for centres, _ in tilings]
     yaws = np.repeat([math.atan2(axes[1, 1], axes[0, 1]) for _, axes in tilings], counts)
-    kept = np.ones(len(centres), dtype=bool) if may_stand is None else may_stand(centres)
-    if not kept.any():
-        raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    owners = np.repeat(np.arange(len(polygons)), counts)
+    grid = Views(centres=centres, yaw_rad=yaws, footprints=footprints, polygon=owners)
+    forbidden = None if airspace is None else airspace.zones
+    if airspace is not None:
+        grid = with_views_beside(grid, polygons, airspace)
+        _check_count(len(grid.centres), spec)
     return Coverage(
-        centres=centres[kept],
-        yaw_rad=yaws[kept],
-        footprints=footprints[kept],
-        polygon=np.repeat(np.arange(len(polygons)), counts)[kept],
-        sight=sight(polygons, footprints[kept]),
+        centres=grid.centres,
+        yaw_rad=grid.yaw_rad,
+        footprints=grid.footprints,
+        polygon=grid.polygon,
+        sight=sight(polygons, grid.footprints, forbidden),
     )
 
 

@@ -72,6 +72,7 @@ def quality_document(plan: SurveyPlan) -> Document:
         'lower_bound_method': plan.lower_bound_method,
         'gap_fraction': plan.gap_fraction,
         'region_area_m2': plan.region_area_m2,
+        'forbidden_area_m2': plan.forbidden_area_m2,
         'covered_area_m2': plan.covered_area_m2,
         'covered_fraction': plan.covered_fraction,
         'largest_hole_m2': plan.largest_hole_m2,

@@ -101,11 +101,10 @@ def survey_site(request: SurveyRequest, left_out: tuple[int, ...] = ()) -> Surve
     zones = [zone.polygon(frame) for zone in request.exclusions]
     airspace = Airspace(zones, request.airspace.clearance_m) if zones else None
     spec = coverage_spec(request.camera, request.coverage)
-    may_stand = airspace.holds if airspace else None
     if request.continuation.viewpoints:
-        coverage = given_coverage(request, frame, polygons, may_stand, left_out)
+        coverage = given_coverage(request, frame, polygons, airspace, left_out)
     else:
-        coverage = cover(polygons, spec, may_stand)
+        coverage = cover(polygons, spec, airspace)
     problem = _problem_of(request, coverage, frame, airspace)
     return SurveySite(
         request=request,
