@@ -8,6 +8,7 @@ from rich.table import Table
 
 from rocsafe_planner.plan.objective import OBJECTIVE_UNITS, OBJECTIVE_VALUES, objective_gap
 from rocsafe_planner.plan.plan import Route, SurveyPlan
+from rocsafe_planner.plan.survey_options import METHODS, Effort
 from rocsafe_view.formats import clock
 
 
@@ -16,12 +17,19 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
     effort = plan.request.effort
     table = Table.grid(padding=(0, 2))
     table.add_column(style='dim')
-    table.add_row('plan', f'{path}, method {effort.method}')
+    table.add_row('plan', f'{path}, method {effort.method}{search_text(effort)}')
     table.add_row(
         'viewpoints',
         f'{plan.viewpoint_count}, which see {100.0 * plan.covered_fraction:.1f} % '
-        f'of {plan.region_area_m2 / 1e4:.2f} ha',
+        f'of {(plan.region_area_m2 - plan.forbidden_area_m2) / 1e4:.2f} ha',
     )
+    if plan.forbidden_area_m2:
+        table.add_row('exclusions', f'{plan.forbidden_area_m2 / 1e4:.2f} ha of the regions')
+    unseen_m2 = (1.0 - plan.covered_fraction) * (plan.region_area_m2 - plan.forbidden_area_m2)
+    if plan.largest_hole_m2:
+        table.add_row(
+            'unseen', f'{unseen_m2:.0f} m2, the largest part {plan.largest_hole_m2:.0f} m2'
+        )
     above = f', at most {100.0 * plan.gap_fraction:.1f} % above optimal'
     table.add_row(
         'makespan',
@@ -41,6 +49,13 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
         remark = separation_remark(nearest, plan.request.separation.distance_m)
         table.add_row('nearest', text + remark)
     return table
+
+
+def search_text(effort: Effort) -> str:
+    """Return how long a search was, because 0 s means a number of steps."""
+    if effort.method != METHODS[0]:
+        return ''
+    return f', {effort.budget_s:g} s' if effort.budget_s else ', a fixed number of steps'
 
 
 def separation_remark(nearest_m: float, asked_m: float) -> str:

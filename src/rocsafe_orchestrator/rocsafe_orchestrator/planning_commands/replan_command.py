@@ -72,10 +72,13 @@ def replan(request: ReplanRequest, console: Console) -> int:
         raise OrchestratorError(f'{request.plan}: {error}') from error
     console.print(quality_table(request.plan, rest))
     console.print(route_table(rest))
-    left_out = unreachable(rest)
-    if left_out:
-        ids = ', '.join(map(str, left_out))
-        console.print(f'in exclusions, and left out: viewpoints {ids}', soft_wrap=True)
+    for why, left_out in (
+        ('in exclusions', unreachable(rest)),
+        ('beyond the batteries', rest.left_out),
+    ):
+        if left_out:
+            ids = ', '.join(map(str, left_out))
+            console.print(f'{why}, and left out: viewpoints {ids}', soft_wrap=True)
     for name, way_m in leaving_exclusions_m(rest).items():
         text = f'{name} is in an exclusion: leaves it the shortest way, {way_m:.1f} m'
         console.print(text, soft_wrap=True, highlight=False)
