@@ -94,6 +94,8 @@ class NeighbourOptions:
     nearest
         Photographs of the nearest fixes that are neighbours where heights, hence footprints, are
         unknown.
+    alike_features
+        Strongest features that show which photographs look alike where there is no fix.
     """
 
     most: int = 9
@@ -102,6 +104,7 @@ class NeighbourOptions:
     least_overlap_share: float = 0.08
     disc_sides: int = 4
     nearest: int = 5
+    alike_features: int = 300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -264,6 +267,42 @@ class InitialOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PathOptions:
+    """Step 6: fixes from the track of a vehicle.
+
+    Attributes
+    ----------
+    horizontal_std_m
+        Standard deviation of a track's point: that of a GNSS receiver without corrections.
+    exposure_std_s
+        The same of a time of exposure: most cameras tell whole seconds.
+    least_photos, least_share
+        Photographs without a fix whose clock can be found, and the share of them that must lie
+        on the track.
+    step_s, most_steps, candidates
+        Offsets tried, and how many of the best of them are compared.
+    largest_misfit
+        What a similarity may leave of the track, over its spread.
+    same_s, rival_factor
+        Another offset, so much farther away, must leave this many times as much.
+    least_spread_m
+        Of the track at the photographs.
+    """
+
+    horizontal_std_m: float = 2.5
+    exposure_std_s: float = 0.3
+    least_photos: int = 5
+    least_share: float = 0.8
+    step_s: float = 0.5
+    most_steps: int = 50_000
+    candidates: int = 4
+    largest_misfit: float = 0.15
+    same_s: float = 5.0
+    rival_factor: float = 1.5
+    least_spread_m: float = 10.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GroundOptions:
     """Step 8: the grid of ground heights.
 
@@ -326,6 +365,8 @@ class AdjustmentOptions:
         Fixes from which their scatter is estimated.
     smallest_factor, largest_factor
         Limits of that scatter over what fixes claim.
+    least_marks, largest_mark_factor
+        The same for surveyed marks: 100 times 3 cm is a receiver without corrections.
     samples
         Random solutions from which the stated error is computed.
     most_ties, most_local_ties
@@ -355,6 +396,8 @@ class AdjustmentOptions:
     least_fixes: int = 6
     smallest_factor: float = 0.15
     largest_factor: float = 8.0
+    least_marks: int = 4
+    largest_mark_factor: float = 100.0
     samples: int = 48
     most_ties: int = 150_000
     most_local_ties: int = 1200
@@ -402,6 +445,7 @@ class AlignmentOptions:
     parallax: ParallaxOptions = field(default_factory=ParallaxOptions)
     refinement: RefinementOptions = field(default_factory=RefinementOptions)
     initial: InitialOptions = field(default_factory=InitialOptions)
+    path: PathOptions = field(default_factory=PathOptions)
     adjustment: AdjustmentOptions = field(default_factory=AdjustmentOptions)
     ground: GroundOptions = field(default_factory=GroundOptions)
     clock: ClockOptions = field(default_factory=ClockOptions)

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
-from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS, Placement
+from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
+from rocsafe_mapping.mosaic.survey import FoundPoint
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
@@ -24,6 +26,9 @@ FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
+LARGEST_CHECK_FACTOR = 3.0
+# Of a fix, where no photograph has one.
+HORIZONTAL_STD_M = 2.5
 # Of the image's width.
 LARGEST_TIE_SHARE = 0.002
 LARGEST_SCALE_OFF = 0.15
@@ -32,6 +37,10 @@ LARGEST_FOCAL_STDS = 3.5
 LARGEST_RADIAL = 0.3
 LEAST_TIED_SHARE = 0.5
 LEAST_FIXES = 3
+NO_SCALE = (
+    'nothing tells where the photographs were taken: the map has neither scale nor north, its '
+    'unit is a hundredth of the flying height'
+)
 
 
 def quality(
@@ -62,7 +71,9 @@ def quality(
         'format': FORMAT,
         'is_georeferenced': not reasons,
         'why_not_georeferenced': reasons,
-        'epsg_code': renderer.grid.epsg,
+        'is_local': alignment.is_local,
+        'unit': 'hundredth of the flying height' if alignment.is_local else 'm',
+        'epsg_code': None if alignment.is_local else renderer.grid.epsg,
         'ground_resolution_m': resolution_m,
         'photographs': {
             'total': len(alignment.photos),
@@ -72,6 +83,7 @@ def quality(
         'held_out_ties': _ties(alignment.held_out_px, resolution_of(alignment)),
         'seams': _seams(alignment, renderer),
         'fixes': _fixes(alignment),
+        'control': control_facts(alignment),
         'stated_error_m': _stated(alignment),
         'stated_error_with_what_stands_m': errors.facts(),
         'ground': _ground(state),
@@ -98,7 +110,7 @@ def resolution_of(alignment: Alignment) -> float:
 def violations(alignment: Alignment, state: State) -> list[str]:
     """Return why the map must not be called georeferenced; empty if it may."""
     tied = [n for n, p in alignment.placements.items() if p.placed_by == BY_FEATURES]
-    found = []
+    found = [NO_SCALE] if alignment.is_local else []
     count = len(alignment.photos)
     if len(tied) < LEAST_TIED_SHARE * count or len(tied) < LEAST_FIXES:
         found.append(
@@ -110,7 +122,7 @@ def violations(alignment: Alignment, state: State) -> list[str]:
             f'the photographs fall into {len(alignment.groups)} groups that are not tied to each '
             f'other; the largest has {max(alignment.groups)} of {count}'
         )
-    found += _inexact(alignment)
+    found += _inexact(alignment) + _loose(alignment)
     if state.noise.fix_factor > LARGEST_FIX_FACTOR:
         found.append(
             f'fixes scatter {state.noise.fix_factor:.1f} times as far as they claim, more than '
@@ -137,6 +149,66 @@ def violations(alignment: Alignment, state: State) -> list[str]:
     return found
 
 
+def _loose(alignment: Alignment) -> list[str]:
+    """Return why fixes and control points do not hold the map."""
+    found = []
+    placing = [point for point in alignment.control if not point.is_check]
+    anchors = sum(photo.has_fix for photo in alignment.photos.values()) + len(placing)
+    if anchors < LEAST_FIXES and not alignment.is_local:
+        found.append(f'{anchors} fixes and control points hold the map, fewer than {LEAST_FIXES}')
+    checks = [point for point in alignment.control if point.is_check]
+    if checks:
+        off_m = _rms([point.off_m for point in checks])
+        stated_m = float(np.mean([_stated_at(alignment, point) for point in checks]))
+        if off_m > LARGEST_CHECK_FACTOR * stated_m:
+            found.append(
+                f'{len(checks)} check points are off by {off_m:.2f} m, more than '
+                f'{LARGEST_CHECK_FACTOR:g} times the stated {stated_m:.2f} m'
+            )
+    return found
+
+
+def control_facts(alignment: Alignment) -> dict[str, Any]:
+    """Return how far control and check points are off, with the stated error beside."""
+    kinds = {
+        'placing': [point for point in alignment.control if not point.is_check],
+        'check': [point for point in alignment.control if point.is_check],
+    }
+    facts: dict[str, Any] = {
+        kind: {
+            'count': len(points),
+            'rmse_m': round(_rms([point.off_m for point in points]), 4),
+            'stated_error_m': round(
+                _rms([np.array([_stated_at(alignment, point), 0.0]) for point in points]), 4
+            ),
+        }
+        for kind, points in kinds.items()
+        if points
+    }
+    facts['points'] = [
+        {
+            'name': point.name,
+            'is_check': point.is_check,
+            'off_east_m': round(float(point.off_m[0]), 4),
+            'off_north_m': round(float(point.off_m[1]), 4),
+            'stated_error_m': round(_stated_at(alignment, point), 4),
+            'photographs': len(point.photos),
+        }
+        for point in alignment.control
+    ]
+    return facts
+
+
+def _rms(values: list[FloatArray]) -> float:
+    return float(np.sqrt(np.mean(np.sum(np.array(values) ** 2, axis=1))))
+
+
+def _stated_at(alignment: Alignment, point: FoundPoint) -> float:
+    """Return the stated error where a control point lies, on the mean of its photographs."""
+    place = point.place_m[np.newaxis]
+    return float(np.mean([alignment.errors_at_m(name, place)[0] for name in point.photos]))
+
+
 def _inexact(alignment: Alignment) -> list[str]:
     """Return why the ties or the stated error forbid to call the map georeferenced."""
     found = []
@@ -149,8 +221,9 @@ def _inexact(alignment: Alignment) -> list[str]:
                 f'{LARGEST_TIE_SHARE * width_px:.1f}'
             )
     stated_m = _stated(alignment)['rms']
-    usual_m = float(np.median([photo.horizontal_std_m for photo in alignment.photos.values()]))
-    if stated_m > LARGEST_FIX_FACTOR * usual_m:
+    stds = [photo.horizontal_std_m for photo in alignment.photos.values() if photo.has_fix]
+    usual_m = float(np.median(stds)) if stds and not alignment.is_local else HORIZONTAL_STD_M
+    if not alignment.is_local and stated_m > LARGEST_FIX_FACTOR * usual_m:
         found.append(
             f'the map may be off by {stated_m:.0f} m, more than {LARGEST_FIX_FACTOR:g} times the '
             f'{usual_m:.1f} m of a fix'
@@ -198,9 +271,11 @@ def _quantiles(values: FloatArray) -> dict[str, float]:
 
 def _fixes(alignment: Alignment) -> dict[str, Any]:
     """Return how far the fixes are from where the photographs were put, by vehicle."""
+    if alignment.is_local:
+        return {}
     by_vehicle: dict[str, list[FloatArray]] = {}
     for name, placement in sorted(alignment.placements.items()):
-        if placement.placed_by == BY_FEATURES:
+        if placement.placed_by == BY_FEATURES and alignment.photos[name].has_fix:
             photo = alignment.photos[name]
             off = photo.prior.centre - placement.pose.centre
             by_vehicle.setdefault(photo.vehicle, []).append(off)
@@ -246,17 +321,16 @@ def _placements(alignment: Alignment) -> list[dict[str, Any]]:
             'name': name,
             'placed_by': placement.placed_by,
             'error_m': round(alignment.error_m(name), 3),
-            'fix_off_m': round(
-                float(
-                    np.linalg.norm(
-                        (placement.pose.centre - alignment.photos[name].prior.centre)[:2]
-                    )
-                ),
-                3,
-            ),
+            'fix_off_m': _fix_off_m(alignment.photos[name], placement),
         }
         for name, placement in sorted(alignment.placements.items())
     ]
+
+
+def _fix_off_m(photo: Photo, placement: Placement) -> float | None:
+    if not photo.has_fix:
+        return None
+    return round(float(np.linalg.norm((placement.pose.centre - photo.prior.centre)[:2])), 3)
 
 
 def _tiles(alignment: Alignment, renderer: Renderer, errors: ErrorMap) -> list[dict[str, Any]]:

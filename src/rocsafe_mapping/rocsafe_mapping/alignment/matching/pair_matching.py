@@ -190,6 +190,11 @@ def _points(
     )
 
 
+def matches_of(features: Features, others: Features, options: MatchingOptions) -> int:
+    """Return how many features of two photographs match, whatever they show."""
+    return len(_mutual(features, others, options))
+
+
 def _mutual(features: Features, others: Features, options: MatchingOptions) -> NDArray[np.int64]:
     """Return index pairs (n, 2) that pass the ratio test, each feature at most once."""
     if len(features) < 2 or len(others) < 2:
