@@ -303,6 +303,83 @@ class PathOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StructureOptions:
+    """Structure from motion, for photographs that look in any direction.
+
+    Attributes
+    ----------
+    count, search_side_px
+        SIFT features of a photograph, and the long side of the picture that they are found in.
+    neighbours
+        Photographs of the nearest fixes that each is matched with; up to `all_up_to` photographs,
+        or without fixes, all are.
+    least_matches, least_share, least_front_share
+        Matches that fit the epipolar geometry, their share, and that of those before both cameras.
+    epipolar_px, pose_px, point_px, knee_px
+        Largest distance of a match from its epipolar line, of a point from a new photograph and
+        from adjusted ones; residual from which a sighting loses weight.
+    least_seen, least_pose_share
+        Known points that a new photograph must show, and the share of them that must fit.
+    least_angle_rad
+        Between two rays, for a point to be used.
+    good_angle_rad, widest_rad, seeds, least_seed_points
+        Of the pair that the scene begins with; pairs tried, and points that it must give.
+    growth
+        The scene is adjusted when it has grown by this factor.
+    least_for_lens
+        Photographs from which the lens is adjusted, too.
+    bundle_steps, first_damping, largest_damping, least_gain
+        Of Levenberg-Marquardt.
+    plane_trials, plane_share
+        Planes tried for the ground, and how far off it a point of the ground may lie, over the
+        height of the cameras.
+    ground_share, longest_reach, least_ties, most_ties
+        Points so near to the ground, over the height, seen at most so many heights away, become
+        ties; a pair has so many.
+    tilt_std_rad, focal_std_share
+        How certain the tilts and the focal length are that were found.
+    least_tied_share, most_photos
+        Structure from motion is tried where a smaller share of at most so many photographs, whose
+        attitude no gimbal tells, is tied in one group.
+    """
+
+    count: int = 2000
+    search_side_px: int = 1600
+    neighbours: int = 14
+    all_up_to: int = 40
+    least_matches: int = 20
+    least_share: float = 0.2
+    least_front_share: float = 0.7
+    epipolar_px: float = 4.0
+    pose_px: float = 10.0
+    point_px: float = 8.0
+    knee_px: float = 2.0
+    least_seen: int = 15
+    least_pose_share: float = 0.25
+    least_angle_rad: float = math.radians(1.5)
+    good_angle_rad: float = math.radians(12.0)
+    widest_rad: float = math.radians(45.0)
+    seeds: int = 10
+    least_seed_points: int = 40
+    growth: float = 1.15
+    least_for_lens: int = 6
+    bundle_steps: int = 12
+    first_damping: float = 1e-4
+    largest_damping: float = 1e8
+    least_gain: float = 1e-4
+    plane_trials: int = 400
+    plane_share: float = 0.02
+    ground_share: float = 0.08
+    longest_reach: float = 4.0
+    least_ties: int = 12
+    most_ties: int = 150
+    tilt_std_rad: float = math.radians(1.0)
+    focal_std_share: float = 0.02
+    least_tied_share: float = 0.9
+    most_photos: int = 400
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GroundOptions:
     """Step 8: the grid of ground heights.
 
@@ -445,6 +522,7 @@ class AlignmentOptions:
     parallax: ParallaxOptions = field(default_factory=ParallaxOptions)
     refinement: RefinementOptions = field(default_factory=RefinementOptions)
     initial: InitialOptions = field(default_factory=InitialOptions)
+    structure: StructureOptions = field(default_factory=StructureOptions)
     path: PathOptions = field(default_factory=PathOptions)
     adjustment: AdjustmentOptions = field(default_factory=AdjustmentOptions)
     ground: GroundOptions = field(default_factory=GroundOptions)

@@ -19,6 +19,7 @@ from rocsafe_mapping.alignment.initial.flown_path import FlownPath, clock_offset
 from rocsafe_mapping.alignment.initial.flying_height import with_heights
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
 from rocsafe_mapping.alignment.initial.location import locate
+from rocsafe_mapping.alignment.initial.pair_graph import groups_of
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.matching.pair_table import PairTable, ReadGray
 from rocsafe_mapping.alignment.model.mark import Mark
@@ -31,6 +32,7 @@ from rocsafe_mapping.alignment.steps import (
     solve_block,
     without_yaw,
 )
+from rocsafe_mapping.alignment.structure.step import find_structure
 from rocsafe_mapping.alignment_options import AlignmentOptions
 from rocsafe_mapping.errors import PlacementError
 
@@ -117,16 +119,45 @@ class Block:
         PlacementError
             If heights above the ground are unknown and cannot be found.
         """
-        lost: tuple[str, ...] = ()
         self._follow_path(())
-        if not all(photo.has_height and photo.is_located for photo in self._photos.values()):
-            self.pair_table.match_nearest()
-            pairs = tuple(self.pair_table.found.values())
-            self._follow_path(pairs)
-            lost = self._locate(pairs)
-            self._find_heights(pairs)
-        find_pairs(self.pair_table)
+        if all(photo.has_height and photo.is_located for photo in self._photos.values()):
+            find_pairs(self.pair_table)
+            return ()
+        self.pair_table.match_nearest()
+        is_oblique = self._find_tilts()
+        pairs = tuple(self.pair_table.found.values())
+        self._follow_path(pairs)
+        lost = self._locate(pairs)
+        self._find_heights(pairs)
+        if not is_oblique:
+            find_pairs(self.pair_table)
         return lost
+
+    def _find_tilts(self) -> bool:
+        """Where too few photographs are tied as if they looked down, find how they look.
+
+        Returns whether that was necessary and possible.
+        """
+        options = self.options.structure
+        pairs = tuple(self.pair_table.found.values())
+        tied = len(groups_of(pairs)[0]) if pairs else 0
+        count = len(self._photos)
+        level = sum(
+            p.tilt_std_rad < self.options.prior.tilt_std_rad for p in self._photos.values()
+        )
+        if (
+            tied >= options.least_tied_share * count
+            or 2 * level > count
+            or not 2 < count <= options.most_photos
+        ):
+            return False
+        found = find_structure(self._photos, self.pair_table.read_gray, self.options)
+        if found is None or len(found.photos) <= tied:
+            return False
+        for photo in found.photos.values():
+            self.replace(photo)
+        self.pair_table.adopt(found.pairs)
+        return True
 
     def _follow_path(self, pairs: Sequence[Pair]) -> None:
         """Give photographs the fixes of the track, if the offset of their clock is known.

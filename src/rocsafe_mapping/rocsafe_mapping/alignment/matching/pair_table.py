@@ -15,7 +15,7 @@ from rocsafe_mapping.alignment.matching.features import (
     sift_features,
 )
 from rocsafe_mapping.alignment.matching.neighbours import Neighbourhood
-from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match, matches_of
+from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match, mutual_matches
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment_options import AlignmentOptions
 
@@ -35,7 +35,7 @@ class PairTable:
     """
 
     def __init__(self, read_gray: ReadGray, options: AlignmentOptions) -> None:
-        self._read_gray = read_gray
+        self.read_gray = read_gray
         self._options = options
         self._photos: dict[str, Photo] = {}
         self._features: dict[str, Features] = {}
@@ -74,7 +74,7 @@ class PairTable:
 
     def extract(self, name: str) -> None:
         """Find the features of a photograph. Raises what reading it raises."""
-        self._features[name] = orb_features(self._read_gray(name), self._options.features)
+        self._features[name] = orb_features(self.read_gray(name), self._options.features)
 
     def match_new(self, name: str) -> int:
         """Match a photograph with its neighbours that have features; return with how many."""
@@ -119,7 +119,7 @@ class PairTable:
         counts: dict[str, list[tuple[int, str]]] = {name: [] for name in wanted}
         for one, other in itertools.combinations(sorted(few), 2):
             if one in wanted or other in wanted:
-                count = matches_of(few[one], few[other], self._options.matching)
+                count = len(mutual_matches(few[one], few[other], self._options.matching))
                 for name, partner in ((one, other), (other, one)):
                     if name in wanted:
                         counts[name].append((-count, partner))
@@ -128,6 +128,10 @@ class PairTable:
             for name, found in counts.items()
             for _, other in sorted(found)[: options.most]
         }
+
+    def adopt(self, pairs: Sequence[Pair]) -> None:
+        """Take over pairs that were found otherwise, in place of all others."""
+        self._pairs = {(pair.first, pair.second): pair for pair in pairs}
 
     def match_all(self) -> None:
         """Match all pairs that the full set of photographs suggests.
@@ -162,7 +166,7 @@ class PairTable:
     def _match_sift(self, first: str, second: str) -> Pair | None:
         for name in (first, second):
             if name not in self._sift:
-                gray = self._read_gray(name)
+                gray = self.read_gray(name)
                 self._sift[name] = sift_features(gray, self._options.features)
         views = [
             dataclasses.replace(self._view(name), features=self._sift[name])
@@ -174,5 +178,5 @@ class PairTable:
         return View(
             photo=self._photos[name],
             features=self._features[name],
-            gray=lambda: self._read_gray(name),
+            gray=lambda: self.read_gray(name),
         )
