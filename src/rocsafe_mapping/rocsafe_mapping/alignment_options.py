@@ -354,8 +354,8 @@ class StructureOptions:
     pose_px: float = 10.0
     point_px: float = 8.0
     knee_px: float = 2.0
-    least_seen: int = 15
-    least_pose_share: float = 0.25
+    least_seen: int = 10
+    least_pose_share: float = 0.15
     least_angle_rad: float = math.radians(1.5)
     good_angle_rad: float = math.radians(12.0)
     widest_rad: float = math.radians(45.0)

@@ -46,6 +46,13 @@ class PixelMap:
         """Squared cosines of the angles off nadir, (height, width)."""
         return spread_lattice(self.steepness, self.window)
 
+    def squares(self, camera: Intrinsics) -> Shares:
+        """Return the squared distances from the middle of the image, 1 in its corners."""
+        across = self.across - np.float32(0.5 * (camera.width_px - 1))
+        down = self.down - np.float32(0.5 * (camera.height_px - 1))
+        half = 0.25 * (camera.width_px**2 + camera.height_px**2)
+        return ((across**2 + down**2) / half).astype(np.float32)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlacedPhoto:
