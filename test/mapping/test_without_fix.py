@@ -22,7 +22,7 @@ from rocsafe_mapping.photographs.exif import with_exif
 from rocsafe_mapping.photographs.geolocation import read_geolocations
 from rocsafe_mapping.photographs.ground_control import read_control
 from rocsafe_mapping.photographs.track import read_track
-from rocsafe_mapping.products.quality import control_facts
+from rocsafe_mapping.products.quality import control_facts, violations
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')
@@ -317,3 +317,21 @@ def test_lists_of_another_place_are_refused(flight, tmp_path, capsys, arguments,
     errors = capsys.readouterr().err
     assert says in errors
     assert errors.count('\n') == 1
+
+
+def test_control_points_that_contradict_each_other_forbid_to_trust_the_map(flight, tmp_path):
+    """Pixels of another photograph: the map is made, but must not be called georeferenced."""
+    lines = gcp_text(flight).splitlines()
+    shuffled = [line.split('\t') for line in lines[1:]]
+    labels = sorted({words[6] for words in shuffled})
+    for words in shuffled:
+        other = labels[(labels.index(words[6]) + 2) % len(labels)]
+        east, north = POINTS[other]
+        x, y = TO_UTM.transform(*place_of(3.0 * east, 3.0 * north))
+        words[:2] = [f'{x:.3f}', f'{y:.3f}']
+    path = tmp_path / 'gcp_list.txt'
+    path.write_text('\n'.join([lines[0], *('\t'.join(words) for words in shuffled)]))
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    maker, alignment, _ = aligned(shots, Survey(control=read_control(path)))
+    reasons = violations(alignment, maker.block.state)
+    assert [reason for reason in reasons if 'points are off by' in reason]

@@ -27,6 +27,7 @@ QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
 LARGEST_CHECK_FACTOR = 3.0
+LARGEST_CONTROL_OFF_M = 10.0
 # Of a fix, where no photograph has one.
 HORIZONTAL_STD_M = 2.5
 # Of the image's width.
@@ -156,6 +157,11 @@ def _loose(alignment: Alignment) -> list[str]:
     anchors = sum(photo.has_fix for photo in alignment.photos.values()) + len(placing)
     if anchors < LEAST_FIXES and not alignment.is_local:
         found.append(f'{anchors} fixes and control points hold the map, fewer than {LEAST_FIXES}')
+    if placing and (off_m := _rms([point.off_m for point in placing])) > LARGEST_CONTROL_OFF_M:
+        found.append(
+            f'{len(placing)} control points are off by {off_m:.0f} m, more than '
+            f'{LARGEST_CONTROL_OFF_M:g} m: places or pixels of some are wrong'
+        )
     checks = [point for point in alignment.control if point.is_check]
     if checks:
         off_m = _rms([point.off_m for point in checks])
