@@ -87,7 +87,7 @@ def test_ground_is_the_plane_of_most_points():
     assert np.quantile(np.abs(found.points[:, 2]), 0.9) < 3.0
 
 
-def oblique_flight(seed=7, count=14):
+def oblique_flight(seed=7, count=10):
     """Return photographs from a circle that look 40 degrees off nadir, and some from above.
 
     The records tell fixes only: neither attitude nor height.

@@ -22,7 +22,8 @@ from rocsafe_mapping.photographs.exif import with_exif
 from rocsafe_mapping.photographs.geolocation import read_geolocations
 from rocsafe_mapping.photographs.ground_control import read_control
 from rocsafe_mapping.photographs.track import read_track
-from rocsafe_mapping.products.quality import control_facts, violations
+from rocsafe_mapping.products.control_points import control_facts
+from rocsafe_mapping.products.quality import violations
 
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')

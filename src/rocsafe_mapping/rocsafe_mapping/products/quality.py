@@ -17,7 +17,11 @@ from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
-from rocsafe_mapping.mosaic.survey import FoundPoint
+from rocsafe_mapping.products.control_points import (
+    LEAST_FIXES,
+    control_facts,
+    control_violations,
+)
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
@@ -26,8 +30,6 @@ FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
-LARGEST_CHECK_FACTOR = 3.0
-LARGEST_CONTROL_OFF_M = 10.0
 # Of a fix, where no photograph has one.
 HORIZONTAL_STD_M = 2.5
 # Of the image's width.
@@ -37,7 +39,6 @@ LARGEST_TILT_RAD = math.radians(12.0)
 LARGEST_FOCAL_STDS = 3.5
 LARGEST_RADIAL = 0.3
 LEAST_TIED_SHARE = 0.5
-LEAST_FIXES = 3
 NO_SCALE = (
     'nothing tells where the photographs were taken: the map has neither scale nor north, its '
     'unit is a hundredth of the flying height'
@@ -123,7 +124,7 @@ def violations(alignment: Alignment, state: State) -> list[str]:
             f'the photographs fall into {len(alignment.groups)} groups that are not tied to each '
             f'other; the largest has {max(alignment.groups)} of {count}'
         )
-    found += _inexact(alignment) + _loose(alignment)
+    found += _inexact(alignment) + control_violations(alignment)
     if state.noise.fix_factor > LARGEST_FIX_FACTOR:
         found.append(
             f'fixes scatter {state.noise.fix_factor:.1f} times as far as they claim, more than '
@@ -148,71 +149,6 @@ def violations(alignment: Alignment, state: State) -> list[str]:
         if max(abs(lens.k1), abs(lens.k2)) > LARGEST_RADIAL:
             found.append(f'{name}: distortion k1 {lens.k1:.2f}, k2 {lens.k2:.2f} is not credible')
     return found
-
-
-def _loose(alignment: Alignment) -> list[str]:
-    """Return why fixes and control points do not hold the map."""
-    found = []
-    placing = [point for point in alignment.control if not point.is_check]
-    anchors = sum(photo.has_fix for photo in alignment.photos.values()) + len(placing)
-    if anchors < LEAST_FIXES and not alignment.is_local:
-        found.append(f'{anchors} fixes and control points hold the map, fewer than {LEAST_FIXES}')
-    if placing and (off_m := _rms([point.off_m for point in placing])) > LARGEST_CONTROL_OFF_M:
-        found.append(
-            f'{len(placing)} control points are off by {off_m:.0f} m, more than '
-            f'{LARGEST_CONTROL_OFF_M:g} m: places or pixels of some are wrong'
-        )
-    checks = [point for point in alignment.control if point.is_check]
-    if checks:
-        off_m = _rms([point.off_m for point in checks])
-        stated_m = float(np.mean([_stated_at(alignment, point) for point in checks]))
-        if off_m > LARGEST_CHECK_FACTOR * stated_m:
-            found.append(
-                f'{len(checks)} check points are off by {off_m:.2f} m, more than '
-                f'{LARGEST_CHECK_FACTOR:g} times the stated {stated_m:.2f} m'
-            )
-    return found
-
-
-def control_facts(alignment: Alignment) -> dict[str, Any]:
-    """Return how far control and check points are off, with the stated error beside."""
-    kinds = {
-        'placing': [point for point in alignment.control if not point.is_check],
-        'check': [point for point in alignment.control if point.is_check],
-    }
-    facts: dict[str, Any] = {
-        kind: {
-            'count': len(points),
-            'rmse_m': round(_rms([point.off_m for point in points]), 4),
-            'stated_error_m': round(
-                _rms([np.array([_stated_at(alignment, point), 0.0]) for point in points]), 4
-            ),
-        }
-        for kind, points in kinds.items()
-        if points
-    }
-    facts['points'] = [
-        {
-            'name': point.name,
-            'is_check': point.is_check,
-            'off_east_m': round(float(point.off_m[0]), 4),
-            'off_north_m': round(float(point.off_m[1]), 4),
-            'stated_error_m': round(_stated_at(alignment, point), 4),
-            'photographs': len(point.photos),
-        }
-        for point in alignment.control
-    ]
-    return facts
-
-
-def _rms(values: list[FloatArray]) -> float:
-    return float(np.sqrt(np.mean(np.sum(np.array(values) ** 2, axis=1))))
-
-
-def _stated_at(alignment: Alignment, point: FoundPoint) -> float:
-    """Return the stated error where a control point lies, on the mean of its photographs."""
-    place = point.place_m[np.newaxis]
-    return float(np.mean([alignment.errors_at_m(name, place)[0] for name in point.photos]))
 
 
 def _inexact(alignment: Alignment) -> list[str]:

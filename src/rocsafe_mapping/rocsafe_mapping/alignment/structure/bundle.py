@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import bsr_matrix, csr_matrix
+from scipy.sparse import bsr_matrix, csr_matrix, hstack
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.projection import (
@@ -165,41 +165,15 @@ def _system(
     by_pose[seen.photos == 0] = 0.0
     by_lens[:, :, lens_std == 0.0] = 0.0
     size = POSE_SIZE * len(scene.centres)
-    lines = np.arange(2 * len(residual)).reshape(-1, 2, 1)
-    columns = POSE_SIZE * seen.photos[:, np.newaxis, np.newaxis] + np.arange(POSE_SIZE)
-    lens_columns = size + np.broadcast_to(np.arange(LENS_SIZE), by_lens.shape)
-    jacobian = csr_matrix(
-        (
-            np.concatenate([by_pose.ravel(), by_lens.ravel()]),
-            (
-                np.concatenate([
-                    np.broadcast_to(lines, by_pose.shape).ravel(),
-                    np.broadcast_to(lines, by_lens.shape).ravel(),
-                ]),
-                np.concatenate([
-                    np.broadcast_to(columns, by_pose.shape).ravel(), lens_columns.ravel()
-                ]),
-            ),
-        ),
-        shape=(2 * len(residual), size + LENS_SIZE),
-    )  # fmt: skip
-    point_columns = POINT_SIZE * seen.points[:, np.newaxis, np.newaxis] + np.arange(POINT_SIZE)
-    point_jacobian = csr_matrix(
-        (
-            by_point.ravel(),
-            (
-                np.broadcast_to(lines, by_point.shape).ravel(),
-                np.broadcast_to(point_columns, by_point.shape).ravel(),
-            ),
-        ),
-        shape=(2 * len(residual), POINT_SIZE * len(scene.points)),
-    )
+    jacobian = hstack([
+        _block_column(by_pose, seen.photos, size),
+        csr_matrix(by_lens.reshape(-1, LENS_SIZE)),
+    ]).tocsr()  # fmt: skip
+    point_jacobian = _block_column(by_point, seen.points, POINT_SIZE * len(scene.points))
     blocks = np.zeros((len(scene.points), POINT_SIZE, POINT_SIZE))
     np.add.at(blocks, seen.points, np.einsum('nij,nik->njk', by_point, by_point))
     cameras = (jacobian.T @ jacobian).toarray()
-    free = np.flatnonzero(lens_std > 0.0)
-    prior = np.zeros(LENS_SIZE)
-    prior[free] = lens_std[free] ** -2.0
+    prior = np.where(lens_std > 0.0, np.maximum(lens_std, 1e-9) ** -2.0, 0.0)
     at = size + np.arange(LENS_SIZE)
     cameras[at, at] += prior
     right = -(jacobian.T @ residual.ravel())
@@ -211,6 +185,14 @@ def _system(
         camera_right=right,
         point_right=-(point_jacobian.T @ residual.ravel()),
     )
+
+
+def _block_column(blocks: FloatArray, index: Index, width: int) -> csr_matrix:
+    """Return a sparse matrix of blocks (n, 2, k), two rows each, the k columns from k `index`."""
+    count, lines, size = blocks.shape
+    columns = np.repeat(size * index[:, np.newaxis] + np.arange(size), lines, axis=0)
+    starts = size * np.arange(lines * count + 1)
+    return csr_matrix((blocks.ravel(), columns.ravel(), starts), shape=(lines * count, width))
 
 
 def _step(system: _System, damping: float) -> tuple[FloatArray, FloatArray]:
