@@ -17,6 +17,7 @@ from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
+from rocsafe_orchestrator.fleet_verbs_node import FleetVerbsOptions
 from rocsafe_orchestrator.mission.mission import REPORT
 from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.field_parameters import field_parameters
@@ -55,6 +56,7 @@ OPTIONS: dict[str, Any] = {
     'collector': CollectorOptions,
     'mosaic': MosaicOptions,
     'recorder': RecorderOptions,
+    'fleet_verbs': FleetVerbsOptions,
 }
 MISSION = new_identity('run')
 FLEET = {'simulation.processes': 'fleet'}
@@ -114,7 +116,8 @@ def test_vehicles_are_processes_of_their_own_or_one(
     each = process_table(read_scenario(small()), run)
     one = process_table(read_scenario(small(FLEET)), run)
     fleet_level = {
-        'recorder', 'planner', 'world', 'radiation_field', 'localizer', 'collector', 'mosaic'
+        'recorder', 'planner', 'world', 'fleet_verbs', 'radiation_field', 'localizer', 'collector',
+        'mosaic',
     }  # fmt: skip
     assert {spec.name for spec in each} == fleet_level | {'rav1', 'rav2'}
     assert {spec.name for spec in one} == fleet_level | {'fleet'}
