@@ -94,8 +94,8 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         ('photographs', str(photographs['total'])),
         ('placed by image features', str(photographs['placed_by_features'])),
         ('placed by their fix only', str(len(photographs['placed_by_gps']))),
-        ('pixel on the ground', f'{100 * document["ground_resolution_m"]:.1f} cm'),
-        ('grid', f'EPSG:{document["epsg_code"]}'),
+        ('pixel on the ground', _pixel(document)),
+        ('grid', 'local' if document['is_local'] else f'EPSG:{document["epsg_code"]}'),
         (f'covered of the {cover["of"]}', f'{100 * cover["share"]:.1f} %'),
         ('largest hole', f'{cover["largest_hole_m2"]:.0f} m²'),
     ]
@@ -117,6 +117,14 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         # Adding 0 turns -0.00 into 0.00.
         bias = [f'{round(off[f"bias_{axis}_m"], 2) + 0.0:.2f}' for axis in ('east', 'north', 'up')]
         rows.append(('mean offset from the fixes east, north, up', ', '.join(bias) + ' m'))
+    for kind, facts in document['control'].items():
+        if kind != 'points':
+            rows.append(
+                (
+                    f'{facts["count"]} {"check" if kind == "check" else "control"} points, RMSE',
+                    f'{facts["rmse_m"]:.2f} m (stated {facts["stated_error_m"]:.2f} m)',
+                )
+            )
     for vehicle, off in fixes.get('vehicles', {}).items():
         if off['clock_lag_s']:
             rows.append(
@@ -127,12 +135,19 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
+def _pixel(document: Mapping[str, Any]) -> str:
+    size = document['ground_resolution_m']
+    return f'{size:.4f} x {document["unit"]}' if document['is_local'] else f'{100 * size:.1f} cm'
+
+
 def _row(name: str, value: str) -> str:
     return f'<tr><td>{html.escape(name)}</td><td class="n">{html.escape(value)}</td></tr>'
 
 
 def _photograph(row: Mapping[str, Any]) -> str:
+    off_m = row['fix_off_m']
+    off = '' if off_m is None else f'{off_m:.2f}'
     return (
         f'<tr><td>{html.escape(row["name"])}</td><td>{row["placed_by"]}</td>'
-        f'<td class="n">{row["error_m"]:.2f}</td><td class="n">{row["fix_off_m"]:.2f}</td></tr>'
+        f'<td class="n">{row["error_m"]:.2f}</td><td class="n">{off}</td></tr>'
     )
