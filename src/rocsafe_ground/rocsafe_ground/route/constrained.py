@@ -6,15 +6,17 @@ near the budget, and a lower bound on the time of every path within it. The labe
 what is left between the two.
 """
 
+import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rocsafe_geo.arrays import IndexArray
 from rocsafe_geo.limits import require_count, require_not_negative, require_positive
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
-from rocsafe_ground.route.edges import Edges, Searcher
+from rocsafe_ground.route.edges import Edges, Searcher, Tree
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
 # Relative difference below which two costs are the same but for rounding.
@@ -34,11 +36,15 @@ class SearchEffort:
         of 300 x 300 cells need up to 1.5 million.
     most_duals
         Steps of the dual; 5 to 9 are usual.
+    prices
+        Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
+        bounds labels are dropped.
     """
 
     is_exact: bool = True
     most_labels: int = 8_000_000
     most_duals: int = 40
+    prices: tuple[float, ...] = (1.0, 0.5, 2.0)
 
     def __post_init__(self) -> None:
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
@@ -132,9 +138,10 @@ class RouteSearch:
         dual = self._dual(budget_usv, effort)
         if dual.gap_fraction <= ROUNDING:
             return _proven(dual.path, dual.price_s_per_usv)
+        joined, back = self._joined(budget_usv, dual, effort.prices)
         if not effort.is_exact:
-            return dual
-        return self._exact(budget_usv, dual, effort)
+            return joined
+        return self._exact(budget_usv, joined, back, effort)
 
     def _dual(self, budget: float, effort: SearchEffort) -> BoundedPath:
         """Return the best path on the convex hull of time and dose, with the dual's bound."""
@@ -160,10 +167,41 @@ class RouteSearch:
             path=under, bound_s=min(bound, under.time_s), price_s_per_usv=price, label_count=0
         )
 
-    def _exact(self, budget: float, dual: BoundedPath, effort: SearchEffort) -> BoundedPath:
+    def _joined(
+        self, budget: float, dual: BoundedPath, prices: Sequence[float]
+    ) -> tuple[BoundedPath, tuple['_Priced', ...]]:
+        """Return the best path with one price up to some cell and another from there on.
+
+        Two prices on one path come closer to the budget than one. Also returns the trees from the
+        goal by their prices, which are `prices` times that of the dual.
+        """
+        there = self._trees(self._start, dual.price_s_per_usv, prices)
+        back = self._trees(self._goal, dual.price_s_per_usv, prices)
+        best = dual.path
+        for (_, first), (_, last) in itertools.product(
+            there, (*back, (0.0, self._quick), (math.inf, self._clean))
+        ):
+            seconds = np.where(
+                first.doses_usv + last.doses_usv <= budget, first.times_s + last.times_s, math.inf
+            )
+            middle = int(seconds.argmin())
+            if seconds[middle] < best.time_s * (1.0 - ROUNDING):
+                cells = [first.path_to(middle), last.path_to(middle)[-2::-1]]
+                best = self._priced(np.concatenate(cells))
+        return replace(dual, path=best, bound_s=min(dual.bound_s, best.time_s)), back
+
+    def _trees(self, origin: int, price: float, shares: Sequence[float]) -> tuple['_Priced', ...]:
+        prices = (price * share for share in shares)
+        return tuple((one, self._searcher.tree(origin, (1.0, one))) for one in prices)
+
+    def _exact(
+        self,
+        budget: float,
+        known: BoundedPath,
+        back: Sequence['_Priced'],
+        effort: SearchEffort,
+    ) -> BoundedPath:
         """Return the optimum, or the best known if there are too many labels."""
-        price = dual.price_s_per_usv
-        lagrangian = self._searcher.tree(self._goal, (1.0, price)).costs
         room = effort.most_labels
         labels = (
             np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room), np.empty(room)
@@ -172,21 +210,21 @@ class RouteSearch:
             (self._edges.times_s, self._edges.doses_usv),
             self._edges.offsets,
             (self._start, self._goal),
-            (budget * (1.0 + ROUNDING), dual.path.time_s * (1.0 + ROUNDING), price),
-            (self._quick.costs, self._clean.costs, lagrangian),
+            (budget * (1.0 + ROUNDING), known.path.time_s * (1.0 + ROUNDING)),
+            (self._quick.costs, self._clean.costs),
+            (np.array([price for price, _ in back]), np.stack([tree.costs for _, tree in back])),
             np.full(self._edges.cells, math.inf),
             labels,
             (np.empty(room), np.empty(room, np.int64)),
         )
+        price, path = known.price_s_per_usv, known.path
         if status == FOUND:
             best = self._priced(_path_of(labels[0], labels[1], last))
-            if best.time_s > dual.path.time_s:
-                best = dual.path
-            return _proven(best, price, count)
-        bound = dual.path.time_s if status == NONE_FOUND else max(dual.bound_s, reached)
+            return _proven(min(best, path, key=lambda one: one.time_s), price, int(count))
+        bound = path.time_s if status == NONE_FOUND else max(known.bound_s, float(reached))
         return BoundedPath(
-            path=dual.path, bound_s=min(bound, dual.path.time_s), price_s_per_usv=price,
-            label_count=count,
+            path=path, bound_s=min(bound, path.time_s), price_s_per_usv=price,
+            label_count=int(count),
         )  # fmt: skip
 
     def trade_off(
@@ -194,13 +232,18 @@ class RouteSearch:
     ) -> tuple[tuple[float, BoundedPath], ...]:
         """Return budgets from the cleanest to the fastest path with the best path of each.
 
-        The budgets are spaced evenly in logarithm.
+        The budgets are spaced evenly in logarithm. Without `effort` the dual is enough, whose gap
+        is mostly below a percent.
         """
         require_count('count', count, 2, 1000)
         low, high = self.cleanest.dose_usv, self.fastest.dose_usv
         require_positive('dose of the cleanest path', low, 'uSv')
+        effort = effort or SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
+
+
+_Priced = tuple[float, Tree]
 
 
 def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:

@@ -109,10 +109,20 @@ def edges_of(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """Least costs from one cell, (cells,), infinite where unreached, and the cells before."""
+    """The cheapest paths from one cell to each cell.
+
+    Attributes
+    ----------
+    costs, times_s, doses_usv : (cells,)
+        Of the paths, infinite where unreached.
+    parents : (cells,)
+        The cell before, -1 at the origin.
+    """
 
     costs: FloatArray
     parents: IndexArray
+    times_s: FloatArray
+    doses_usv: FloatArray
 
     def path_to(self, cell: int) -> IndexArray:
         """Return the cells from the origin to `cell`."""
@@ -147,7 +157,8 @@ class Searcher:
         found = self._empty_tree()
         shortest_tree(
             self._arrays, weights, self._offsets, origin,
-            (is_target, int(is_target.sum())), (found.costs, found.parents), self._heap,
+            (is_target, int(is_target.sum())),
+            (found.costs, found.parents, found.times_s, found.doses_usv), self._heap,
         )  # fmt: skip
         return found
 
@@ -167,4 +178,5 @@ class Searcher:
 
     def _empty_tree(self) -> Tree:
         cells = self.edges.cells
-        return Tree(np.full(cells, math.inf), np.full(cells, -1, np.int64))
+        costs, times, doses = (np.full(cells, math.inf) for _ in range(3))
+        return Tree(costs, np.full(cells, -1, np.int64), times, doses)

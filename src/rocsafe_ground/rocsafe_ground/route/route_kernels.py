@@ -97,7 +97,7 @@ def shortest_tree(
     offsets: IndexArray,
     origin: int,
     targets: tuple[BoolArray, int],
-    tree: tuple[FloatArray, IndexArray],
+    tree: tuple[FloatArray, IndexArray, FloatArray, FloatArray],
     heap: tuple[FloatArray, IndexArray],
 ) -> int:
     """Fill the least cost from `origin` to each cell, and the cell before it (Dijkstra 1959).
@@ -116,7 +116,8 @@ def shortest_tree(
         Cells marked True and their number: the search ends when they are all settled; number 0:
         it goes on to the end.
     tree
-        Costs, infinite everywhere, and predecessors, -1 everywhere; filled.
+        Costs, infinite everywhere; predecessors, -1 everywhere; time and dose of the cheapest
+        path, infinite everywhere; filled.
     heap
         Keys and cells, each (8 * cells + 8,); overwritten.
 
@@ -126,10 +127,10 @@ def shortest_tree(
         Number of settled cells.
     """
     times, doses = edges
-    costs, parents = tree
+    costs, parents, sum_times, sum_doses = tree
     keys, items = heap
     is_target, left = targets
-    costs[origin] = 0.0
+    costs[origin], sum_times[origin], sum_doses[origin] = 0.0, 0.0, 0.0
     _push(keys, items, 0, 0.0, origin)
     size = 1
     settled = 0
@@ -153,6 +154,8 @@ def shortest_tree(
             if cost < costs[neighbour]:
                 costs[neighbour] = cost
                 parents[neighbour] = k
+                sum_times[neighbour] = sum_times[k] + time
+                sum_doses[neighbour] = sum_doses[k] + doses[k, m]
                 _push(keys, items, size, cost, neighbour)
                 size += 1
     return settled
@@ -205,13 +208,26 @@ def guided_path(
     return math.inf
 
 
+@inlined
+def _least_time(
+    time: float, excess: float, prices: tuple[FloatArray, FloatArray], cell: int
+) -> float:
+    """Return the largest of the bounds on the time at the goal, by the prices of dose."""
+    multipliers, lagrangian = prices
+    bound = 0.0
+    for p in range(len(multipliers)):
+        bound = max(bound, time + lagrangian[p, cell] + multipliers[p] * excess)
+    return bound
+
+
 @kernel
 def label_search(
     edges: tuple[FloatArray, FloatArray],
     offsets: IndexArray,
     ends: tuple[int, int],
-    limits: tuple[float, float, float],
-    least: tuple[FloatArray, FloatArray, FloatArray],
+    limits: tuple[float, float],
+    least: tuple[FloatArray, FloatArray],
+    prices: tuple[FloatArray, FloatArray],
     lowest: FloatArray,
     labels: tuple[IndexArray, IndexArray, FloatArray, FloatArray],
     heap: tuple[FloatArray, IndexArray],
@@ -230,9 +246,12 @@ def label_search(
     ends
         Start and goal.
     limits
-        Largest dose; time of the best path known; multiplier of the Lagrangian cost.
+        Largest dose; time of the best path known.
     least
-        Least time, dose and Lagrangian cost from each cell to the goal.
+        Least time and least dose from each cell to the goal.
+    prices
+        Multipliers, (n,), and the least Lagrangian cost of each from each cell to the goal,
+        (n, cells).
     lowest : (cells,)
         Infinite everywhere; overwritten with the least dose of the labels that left.
     labels
@@ -249,7 +268,7 @@ def label_search(
     times, doses = edges
     cells, befores, label_times, label_doses = labels
     keys, items = heap
-    budget, best, multiplier = limits
+    budget, best = limits
     start, goal = ends
     cells[0], befores[0], label_times[0], label_doses[0] = start, -1, 0.0, 0.0
     _push(keys, items, 0, least[0][start], 0)
@@ -278,7 +297,7 @@ def label_search(
                 continue
             if time + least[0][n] > best:
                 continue
-            if time + least[2][n] + multiplier * (new_dose - budget) > best:
+            if _least_time(time, new_dose - budget, prices, n) > best:
                 continue
             cells[count], befores[count] = n, label
             label_times[count], label_doses[count] = time, new_dose

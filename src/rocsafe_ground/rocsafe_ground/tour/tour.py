@@ -24,7 +24,7 @@ from rocsafe_ground.tour.ways import DOSE_ONLY, Ways
 # Prices that are tried; four to seven are usual.
 MOST_PRICES = 12
 # Gap between bound and trip at which no further price is tried.
-SMALL_GAP = 1e-3
+SMALL_GAP = 4e-3
 # No limit of time.
 AMPLE_S = 1e12
 
