@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'ground = rocsafe_ground.command_line.ground_command:main',
+            'router = rocsafe_ground.router_node:main',
         ],
     },
 )
