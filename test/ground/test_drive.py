@@ -21,18 +21,21 @@ from test.ground.villages import (
     WATER,
     position,
     text,
+    write_labels,
     write_village,
 )
 
 from rocsafe_ground.command_line.ground_command import main
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.ground_classes import GroundClass, ground_classes
+from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DriveRequest
 from rocsafe_ground.drive.ground_map import MapFiles, read_ground_map
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import BeyondBudgetError, NoMapError, NoWayError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.evidence.labelled_things import labelled_things
 
 CELL_M = 0.5
 TURN_BACK = 1e5
@@ -265,6 +268,25 @@ def test_mistake_on_the_command_line_gives_one_line(village, capsys, words, code
     assert said.count('\n') == 1
     assert said.startswith('error: ')
     assert re.search(match, said), said
+
+
+def test_labels_count_instead_of_colours_and_propose_things(tmp_path, capsys):
+    """A pond that colours do not show is an obstacle; drums are evidence, the larger one first."""
+    folder = write_village(tmp_path)
+    labels = write_labels(folder)
+    files = MapFiles(folder=folder, labels=labels)
+    ground = read_ground_map(files, GroundVehicle(), CELL_M, TURN_BACK)
+    assert not ground.is_free.ravel()[ground.grid.cell_of(25.0, -25.0)]
+    assert ground.is_free.ravel()[ground.grid.cell_of(-10.0, 20.0)]
+    first, second = labelled_things(read_labels(labels), ground.grid, 12)
+    assert ground.grid.enu_of(first.position) == pytest.approx((-10.0, 0.0), abs=0.05)
+    assert ground.grid.enu_of(second.position) == pytest.approx((5.0, -15.0), abs=0.05)
+    assert labelled_things(read_labels(labels), ground.grid, 1) == [first]
+    words = [str(folder), '--from', text(*START), '--to', 'objects', '--dose-budget', '500']
+    assert main([*words, '--labels', str(labels)]) == 0
+    assert 'drum-' in capsys.readouterr().out
+    assert main(words) == 2
+    assert '--to objects: needs --labels' in capsys.readouterr().err
 
 
 def test_map_without_dose_rates_is_refused(tmp_path):

@@ -87,3 +87,19 @@ def _write(path: Path, bands, pixel_m: float) -> None:
         transform=from_origin(-HALF_M, HALF_M, pixel_m, pixel_m),
     ) as file:  # fmt: skip
         file.write(bands)
+
+
+def write_labels(folder: Path) -> Path:
+    """Write labels of the village: meadow with two drums, a pond in the way of colours."""
+    east, north = _axes(PIXEL_M)
+    labels = np.full((1, *east.shape), 1, np.uint8)
+    labels[0][np.hypot(east + 10.0, north) < 0.5] = 2
+    labels[0][np.hypot(east - 5.0, north + 15.0) < 0.4] = 2
+    labels[0][np.hypot(east - 25.0, north + 25.0) < 5.0] = 3
+    _write(folder / 'labels.tif', labels, PIXEL_M)
+    rows = [
+        {'value': value, 'class': name}
+        for value, name in ((1, 'meadow'), (2, 'drum'), (3, 'water'))
+    ]
+    (folder / 'labels.json').write_text(json.dumps({'classes': rows}))
+    return folder / 'labels.tif'

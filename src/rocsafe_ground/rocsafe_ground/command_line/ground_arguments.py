@@ -48,7 +48,8 @@ def _add_task(found: argparse.ArgumentParser) -> None:
     )
     found.add_argument(
         '--to', required=True, action='append', metavar='EVIDENCE',
-        help='LAT,LON, a GeoJSON file of points, or the word sources; may be repeated',
+        help='LAT,LON, a GeoJSON file of points, or a word: sources, or with --labels objects '
+        '(drums, flasks, wagons); may be repeated',
     )  # fmt: skip
     found.add_argument(
         '--dose-budget', required=True, type=number('dose-budget', 1e-6, 1e12), metavar='USV',
@@ -93,6 +94,13 @@ def _add_map(group: argparse._ArgumentGroup) -> None:
     )  # fmt: skip
     group.add_argument('--dose-map', type=Path, metavar='FILE', help='dose rates (GeoTIFF)')
     group.add_argument('--sources', type=Path, metavar='FILE', help='sources (sources.json)')
+    group.add_argument(
+        '--labels',
+        type=Path,
+        metavar='FILE',
+        help='classes of the ground and things (GeoTIFF, names in the .json beside it), which '
+        'count instead of colours',
+    )
     group.add_argument('--terrain', type=Path, metavar='FILE', help='elevation model (GeoTIFF)')
     group.add_argument(
         '--keep-out', type=Path, action='append', default=[], metavar='FILE',

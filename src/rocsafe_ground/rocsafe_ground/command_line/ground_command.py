@@ -9,14 +9,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_ground.command_line.ground_arguments import parser
+from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
-from rocsafe_ground.drive.ground_map import MapFiles, read_ground_map, read_posterior
+from rocsafe_ground.drive.ground_map import GroundMap, MapFiles, read_ground_map, read_posterior
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError, NoMapError
-from rocsafe_ground.evidence.evidence_file import evidence_of, place_of
+from rocsafe_ground.evidence.evidence_file import FROM_OBJECTS, evidence_of, place_of
+from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.evidence.labelled_things import labelled_things
 from rocsafe_ground.products.document import drive_document, duration_text
 from rocsafe_ground.products.files import write_drive
+from rocsafe_ground.tour.orders import MOST_POINTS
 
 EXIT_OK, EXIT_NO_ROUTE, EXIT_REFUSED = 0, 1, 2
 
@@ -41,6 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     files = MapFiles(
+        labels=options.labels,
         folder=options.folder, dose_map=options.dose_map, sources=options.sources,
         terrain=options.terrain, keep_outs=tuple(options.keep_out),
     )  # fmt: skip
@@ -48,19 +53,27 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     vehicle = GroundVehicle(**{name: getattr(options, name) for name in names})
     if not options.folder.is_dir():
         raise NoMapError(f'{options.folder}: no such folder')
+    ground = read_ground_map(files, vehicle, options.cell, options.turn_back)
     request = DriveRequest(
         start=place_of(options.start),
-        evidence=evidence_of(options.to, read_posterior(files)),
+        evidence=evidence_of(options.to, read_posterior(files), _objects(options, ground)),
         dose_budget_usv=options.dose_budget,
         vehicle=vehicle,
         turn_back_usvh=options.turn_back,
         confidence=options.confidence,
     )
-    ground = read_ground_map(files, vehicle, options.cell, options.turn_back)
     plan = plan_drive(request, ground)
     folder = options.out or options.folder / 'ground'
     write_drive(folder, plan, ground)
     return plan, folder
+
+
+def _objects(options: argparse.Namespace, ground: GroundMap) -> list[EvidencePoint] | None:
+    """Return the things that labels propose, as many as a tour takes beside the others."""
+    if options.labels is None:
+        return None
+    room = MOST_POINTS - sum(text != FROM_OBJECTS for text in options.to)
+    return labelled_things(read_labels(options.labels), ground.grid, max(room, 1))
 
 
 def lines_of(plan: DrivePlan) -> list[str]:

@@ -17,6 +17,7 @@ from scipy.ndimage import distance_transform_edt, label
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.terrain.terrain import Terrain
 from rocsafe_ground.drivable.ground_classes import ColourRules, GroundClass, ground_classes
+from rocsafe_ground.drivable.labels import LabelMap
 from rocsafe_ground.drivable.raster import Bands
 from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.drivable.vehicle import GroundVehicle
@@ -97,6 +98,8 @@ class Layers:
     ----------
     mosaic
         Red, green, blue and opacity, 0 to 255.
+    labels
+        Classes that somebody or something labelled: they count instead of colours.
     heights
         Height of things above the ground, one band, metres.
     terrain
@@ -106,6 +109,7 @@ class Layers:
     """
 
     mosaic: Bands
+    labels: LabelMap | None = None
     heights: Bands | None = None
     terrain: Terrain | None = None
     keep_outs: Sequence[shapely.Polygon] = ()
@@ -116,14 +120,16 @@ def drivable_ground(
 ) -> DrivableGround:
     """Return where `vehicle` can drive on `grid`."""
     rules = rules or GroundRules()
-    shares = _class_shares(layers.mosaic, grid, rules.colours)
+    shares = _class_shares(layers, grid, rules.colours)
     driven = shares[: len(DRIVEN)]
     seen, blocked = shares[-1], shares[-2]
     reasons = np.full(grid.shape, Reason.FREE, np.uint8)
     slope, is_step = _slope(layers.terrain, grid, vehicle)
     reasons[(slope > math.radians(vehicle.largest_slope_deg)) | is_step] = Reason.STEEP
     is_blocked = blocked > rules.most_blocked * seen
-    reasons[is_blocked | _is_small_patch(driven, is_blocked, grid, rules)] = Reason.OBSTACLE
+    if layers.labels is None:
+        is_blocked |= _is_small_patch(driven, is_blocked, grid, rules)
+    reasons[is_blocked] = Reason.OBSTACLE
     if layers.heights is not None:
         # A cell is as high as the highest thing in it.
         tall = layers.heights.on(grid, Resampling.max)[0]
@@ -137,19 +143,23 @@ def drivable_ground(
     return DrivableGround(reasons=reasons, slowness_spm=_slowness(driven, slope, vehicle, rules))
 
 
-def _class_shares(mosaic: Bands, grid: RouteGrid, rules: ColourRules) -> FloatArray:
+def _class_shares(layers: Layers, grid: RouteGrid, rules: ColourRules) -> FloatArray:
     """Return the share of each driven class, of all others, and of what was seen, in each cell."""
-    red, green, blue, opacity = mosaic.values[:4]
-    is_seen = opacity >= OPAQUE
-    classes = np.where(is_seen, ground_classes(red, green, blue, rules), 0.0)
+    if layers.labels is not None:
+        pixels = layers.labels.bands
+        classes = layers.labels.classes()
+        is_seen = classes > 0.0
+    else:
+        pixels = layers.mosaic
+        red, green, blue, opacity = pixels.values[:4]
+        is_seen = opacity >= OPAQUE
+        classes = np.where(is_seen, ground_classes(red, green, blue, rules), 0.0)
     driven = [classes == kind for kind in DRIVEN]
     blocked = classes > max(DRIVEN)
-    layers = np.stack([*driven, blocked, is_seen]).astype(np.float64)
-    bands = Bands(
-        values=layers, crs=mosaic.crs, transform=mosaic.transform, pixel_m=mosaic.pixel_m
-    )
+    shown = np.stack([*driven, blocked, is_seen]).astype(np.float64)
+    bands = Bands(values=shown, crs=pixels.crs, transform=pixels.transform, pixel_m=pixels.pixel_m)
     # Pixels finer than cells are averaged; the nearest of coarser ones counts.
-    is_fine = mosaic.pixel_m < grid.cell_m
+    is_fine = pixels.pixel_m < grid.cell_m
     found = bands.on(grid, Resampling.average if is_fine else Resampling.nearest)
     return np.nan_to_num(found)
 

@@ -11,7 +11,7 @@ import numpy as np
 import rasterio
 from rasterio.errors import NotGeoreferencedWarning, RasterioError
 from rasterio.transform import from_origin
-from rasterio.warp import Resampling, reproject, transform_bounds
+from rasterio.warp import Resampling, reproject, transform, transform_bounds
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_ground.drivable.route_grid import RouteGrid
@@ -45,6 +45,12 @@ class Bands:
         west, south, east, north = rasterio.transform.array_bounds(rows, columns, self.transform)
         found: Bounds = transform_bounds(self.crs, projection, west, south, east, north)
         return found
+
+    def place_in(self, projection: str, row: float, column: float) -> tuple[float, float]:
+        """Return the place of a pixel in another coordinate system; 0, 0 is its first middle."""
+        x, y = rasterio.transform.xy(self.transform, row, column)
+        xs, ys = transform(self.crs, projection, [float(x)], [float(y)])
+        return float(xs[0]), float(ys[0])
 
     def on(self, grid: RouteGrid, resampling: Resampling = Resampling.average) -> FloatArray:
         """Return the bands on the cells of a grid, (bands, rows, columns), row 0 in the south."""

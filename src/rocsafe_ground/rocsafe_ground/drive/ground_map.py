@@ -15,6 +15,7 @@ from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_ground.dose.dose_field import DoseField, dose_field, origin_of
 from rocsafe_ground.dose.source_posterior import SourcePosterior, read_sources
 from rocsafe_ground.drivable.drivable_ground import DrivableGround, Layers, Reason, drivable_ground
+from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.raster import Bands, read_bands
 from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.drivable.vehicle import GroundVehicle
@@ -35,6 +36,8 @@ class MapFiles:
         Of a run, or with a mosaic.
     dose_map, sources
         Files; None: those of the folder.
+    labels
+        GeoTIFF of labelled ground; None: colours tell what the ground is.
     terrain
         Elevation model; None: the ground is taken for level.
     keep_outs
@@ -44,6 +47,7 @@ class MapFiles:
     folder: Path
     dose_map: Path | None = None
     sources: Path | None = None
+    labels: Path | None = None
     terrain: Path | None = None
     keep_outs: tuple[Path, ...] = ()
 
@@ -122,6 +126,7 @@ def read_ground_map(
     grid = _grid(mosaic, doses, cell_m)
     layers = Layers(
         mosaic=mosaic,
+        labels=read_labels(files.labels) if files.labels else None,
         heights=_heights(files.folder / HEIGHTS),
         terrain=read_terrain(files.terrain) if files.terrain else None,
         keep_outs=[

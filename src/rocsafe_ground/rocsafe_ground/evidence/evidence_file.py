@@ -2,6 +2,7 @@
 """Evidence points of an operator, from GeoJSON or from text, and those that sources propose."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,18 +10,24 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.evidence.evidence_point import MARK, SOURCE, EvidencePoint
 
-FROM_SOURCES = 'sources'
+FROM_SOURCES, FROM_OBJECTS = 'sources', 'objects'
 
 
-def evidence_of(texts: list[str], posterior: SourcePosterior | None) -> tuple[EvidencePoint, ...]:
+def evidence_of(
+    texts: list[str],
+    posterior: SourcePosterior | None,
+    objects: Sequence[EvidencePoint] | None = None,
+) -> tuple[EvidencePoint, ...]:
     """Return the evidence points that words of a command line name.
 
     Parameters
     ----------
     texts
-        Each ``LAT,LON``, the path of a GeoJSON file of points, or ``sources``.
+        Each ``LAT,LON``, the path of a GeoJSON file of points, ``sources`` or ``objects``.
     posterior
         The sources that a survey found.
+    objects
+        The things that labels propose; None: there are no labels.
 
     Raises
     ------
@@ -31,6 +38,8 @@ def evidence_of(texts: list[str], posterior: SourcePosterior | None) -> tuple[Ev
     for text in texts:
         if text == FROM_SOURCES:
             found += _of_sources(posterior)
+        elif text == FROM_OBJECTS:
+            found += _of_objects(objects)
         elif Path(text).suffix.lower() in ('.geojson', '.json'):
             found += read_evidence(Path(text))
         else:
@@ -89,6 +98,14 @@ def _of_feature(path: Path, number: int, feature: dict[str, Any]) -> EvidencePoi
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f'{path}: point {number}: {error}') from error
+
+
+def _of_objects(objects: Sequence[EvidencePoint] | None) -> Sequence[EvidencePoint]:
+    if objects is None:
+        raise ValueError(f'--to {FROM_OBJECTS}: needs --labels')
+    if not objects:
+        raise ValueError(f'--to {FROM_OBJECTS}: the labels show no drum, flask, wagon or marker')
+    return objects
 
 
 def _of_sources(posterior: SourcePosterior | None) -> list[EvidencePoint]:
