@@ -61,6 +61,7 @@ DOMAINS = {
     'rocsafe_sim',
     'rocsafe_radiation',
     'rocsafe_dispersion',
+    'rocsafe_ground',
     'rocsafe_mapping',
     'rocsafe_mavlink',
 }
@@ -70,6 +71,8 @@ MAY_IMPORT = {
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
+    # Compilation of loops; the order of more than twelve evidence points.
+    'rocsafe_ground': {'rocsafe_planner.solver'},
     'rocsafe_orchestrator': {
         'rocsafe_scenario',
         'rocsafe_view',
