@@ -68,6 +68,8 @@ DOMAINS = {
 # Packages that may import cores of others, and whose: a package, or a room or module of one.
 # Everybody may import rocsafe_geo.
 MAY_IMPORT = {
+    'rocsafe_radiation': {'rocsafe_hazard'},
+    'rocsafe_dispersion': {'rocsafe_hazard'},
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
@@ -86,7 +88,13 @@ MAY_IMPORT = {
     },
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
-WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view'}
+WITHOUT_ROS = DOMAINS | {
+    'rocsafe_geo',
+    'rocsafe_hazard',
+    'rocsafe_dataset',
+    'rocsafe_scenario',
+    'rocsafe_view',
+}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',

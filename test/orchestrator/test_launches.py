@@ -12,6 +12,8 @@ import pytest
 import yaml
 from test.planner.terrains import write_terrain
 
+from rocsafe_dispersion.air_field.air_options import AirOptions
+from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
@@ -47,6 +49,8 @@ from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
+    'air': AirOptions,
+    'estimator': EstimatorOptions,
     'planner': PlannerOptions,
     'world': WorldOptions,
     'rav': RavOptions,
@@ -60,6 +64,7 @@ OPTIONS: dict[str, Any] = {
 }
 MISSION = new_identity('run')
 FLEET = {'simulation.processes': 'fleet'}
+GAS = {'air.gas_sensors': ['pid_10_6_ev'], 'air.search.extra_rounds': 1}
 
 
 @pytest.fixture
@@ -87,7 +92,7 @@ def workspace(
     return install
 
 
-@pytest.mark.parametrize('changes', [{}, FLEET], ids=['per_vehicle', 'fleet'])
+@pytest.mark.parametrize('changes', [{}, FLEET, GAS], ids=['per_vehicle', 'fleet', 'gas'])
 def test_every_parameter_is_an_option_of_its_node(
     changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
 ) -> None:

@@ -16,6 +16,7 @@ from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.leases_node import Leases
+from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
@@ -32,6 +33,7 @@ SERVICES = (
     topics.WORLD_RUN,
     topics.SAVE_MOSAIC,
     topics.SUGGEST_VIEWPOINTS,
+    topics.SUGGEST_GAS_VIEWPOINTS,
     topics.FLEET_HOLD,
     topics.FLEET_RETURN_HOME,
 )
@@ -40,11 +42,24 @@ _VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
 BROKEN_OFF = 'broke off with an error, see its log'
 
 
+def searches_of(scenario: Scenario) -> dict[str, Search]:
+    """Return the searches of a scenario by the name of the service that says where to go."""
+    blocks = {
+        topics.SUGGEST_VIEWPOINTS.name: scenario.radiation.search,
+        topics.SUGGEST_GAS_VIEWPOINTS.name: scenario.air.search,
+    }
+    return {
+        name: Search(extra_rounds=block.extra_rounds, viewpoints_a_round=block.viewpoints_a_round)
+        for name, block in blocks.items()
+    }
+
+
 class Requests:
-    """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
+    """Clients of the planner, the vehicles, the world, the map maker, localizer and estimator.
 
     Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
-    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``.
+    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``,
+    ``hazard/suggest_gas_viewpoints``.
 
     Parameters
     ----------
@@ -69,6 +84,7 @@ class Requests:
         self._plan: SurveyPlan | None = None
         self._routes: dict[tuple[str, str], Route] = {}
         self._viewpoints: list[GeoPoint] = []
+        self._advice: Advice[GeoPoint] = Advice(searches_of(scenario))
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
@@ -236,20 +252,20 @@ class Requests:
         elif self._mission is not None:
             self._mission.answered(order)
 
-    def _send_advise(self, order: Order) -> None:
-        request = SuggestViewpoints.Request(
-            count=self._scenario.radiation.search.viewpoints_a_round
-        )
-        client = self._services[topics.SUGGEST_VIEWPOINTS.name]
-        client.call_async(request).add_done_callback(partial(self._on_advice, order))
+    def _send_advise(self, _order: Order) -> None:
+        for name, count in self._advice.open_questions:
+            answer = self._services[name].call_async(SuggestViewpoints.Request(count=count))
+            answer.add_done_callback(partial(self._on_advice, name))
 
-    def _on_advice(self, _order: Order, future: Any) -> None:
+    def _on_advice(self, name: str, future: Any) -> None:
         answer = future.result()
-        # The localizer is still working: the request is repeated.
+        # It is still working: the request is repeated.
         if self._mission is None or answer is None or answer.status == answer.NOT_YET:
             return
-        self._viewpoints = list(answer.viewpoints)
-        self._mission.advised(len(self._viewpoints), answer.reason)
+        joined = self._advice.add(name, list(answer.viewpoints), answer.reason)
+        if joined is not None:
+            self._viewpoints, reason = joined
+            self._mission.advised(len(self._viewpoints), reason)
 
     def _send_goal(
         self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]

@@ -197,7 +197,7 @@ class _Run:
                 node.deadlines,
                 planning_budget_s=self.scenario.survey.effort.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
-                extra_rounds=self.scenario.radiation.search.extra_rounds,
+                extra_rounds=self.scenario.extra_rounds,
                 replans=self.scenario.replan == 'on_loss',
             )
             parts = Parts(
