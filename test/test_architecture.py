@@ -31,6 +31,8 @@ MESSAGES = {
 }
 # Import name of a library and its rosdep key, where they are not the same.
 ROSDEP_KEYS = {
+    'aiohttp': 'python3-aiohttp',
+    'cryptography': 'python3-cryptography',
     'PIL': 'python3-pil',
     'cv2': 'python3-opencv',
     # The key that brings the pure reader and writer of MCAP along; it has none of its own.
@@ -70,6 +72,7 @@ MAY_IMPORT = {
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
+    'rocsafe_console': {'rocsafe_view'},
     'rocsafe_orchestrator': {
         'rocsafe_scenario',
         'rocsafe_view',
@@ -83,7 +86,9 @@ MAY_IMPORT = {
     },
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
-WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view'}
+WITHOUT_ROS = DOMAINS | {
+    'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view', 'rocsafe_console',
+}  # fmt: skip
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',
@@ -106,6 +111,10 @@ EXEMPT_CLOCKS = {
     'rocsafe_scene.graphics.pipe': {'os.environ'},
     # tells the renderers of its workers how many threads each may use
     'rocsafe_dataset.worker_pool': {'os.environ'},
+    # A command: tells the server which clock it goes by.
+    'rocsafe_console.console_command': {'time.time', 'time.time_ns'},
+    # the time and the owner's folder of keys
+    'rocsafe_console.seal_command': {'time.time', 'os.environ'},
     # A command that waits until vehicles are heard.
     'rocsafe_mavlink.preflight_command': {'time.monotonic', 'time.time', 'time.sleep'},
     'rocsafe_mavlink.signing_command': {'time.monotonic', 'time.time', 'time.sleep'},
