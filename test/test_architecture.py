@@ -112,7 +112,7 @@ EXEMPT_CLOCKS = {
     # tells the renderers of its workers how many threads each may use
     'rocsafe_dataset.worker_pool': {'os.environ'},
     # A command: tells the server which clock it goes by.
-    'rocsafe_console.console_command': {'time.time', 'time.time_ns'},
+    'rocsafe_console.console_command': {'time.time', 'time.time_ns', 'os.environ'},
     # the time and the owner's folder of keys
     'rocsafe_console.seal_command': {'time.time', 'os.environ'},
     # A command that waits until vehicles are heard.

@@ -2,6 +2,7 @@
 """A console without ROS: a mission that flies on a stage, and vehicles that answer orders."""
 
 import math
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -26,6 +27,7 @@ TOKEN = 'token-of-the-stage'  # noqa: S105 - of tests
 ORIGIN = (53.2800, -9.0633)
 M_PER_DEG = 111_320.0
 CELLS = 80
+SCENARIOS = Path(__file__).parents[2] / 'config' / 'scenarios'
 
 
 class Crew:
@@ -62,12 +64,17 @@ class Stage:
         self.state = dict.fromkeys(self.names, 4)
         self.context = Context(
             options=WebOptions(
-                port=0, runs=folder, token='' if users else TOKEN, token_user='anna'  # noqa: S106
+                port=0,
+                runs=folder,
+                scenarios=SCENARIOS,
+                token='' if users else TOKEN,
+                token_user='anna',  # noqa: S106
             ),
             live=Live(Picture(1000)),
             desk=Desk(folder),
             users=Users(users or {}),
             clock=time.time,
+            environment=dict(os.environ),
             fleet=self.crew,
         )
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_console.errors import EvidenceError
-from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked
+from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, read_log
 from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk, Event
 from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run, verify_run
 from rocsafe_console.seal_command import main as seal_main
@@ -42,6 +42,21 @@ def test_a_log_goes_on_where_it_ended(tmp_path):
     log_of(tmp_path / 'log', 2)
     entries = checked((tmp_path / 'log').read_bytes().split(b'\n')[:-1])
     assert [entry['n'] for entry in entries] == [1, 2, 3, 4, 5]
+
+
+def test_several_writers_make_one_chain(tmp_path):
+    """Two consoles of one folder; a line that one left torn is cut off."""
+    path = tmp_path / 'log'
+    first, second = EvidenceLog(path), EvidenceLog(path)
+    for number in range(6):
+        (first, second)[number % 2].add(float(number), 'order', 'anna')
+    with path.open('ab') as file:
+        file.write(b'{"torn')
+    second.add(9.0, 'order', 'bert')
+    assert [entry['n'] for entry in read_log(path)] == list(range(1, 8))
+    path.write_bytes(b'')
+    with pytest.raises(EvidenceError, match='have been removed'):
+        first.add(10.0, 'order', 'anna')
 
 
 @given(st.data())

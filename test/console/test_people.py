@@ -6,6 +6,7 @@ import pytest
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.people.passwords import hash_of, is_right
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role, require
+from rocsafe_console.people.session_file import load_sessions, save_sessions
 from rocsafe_console.people.sessions import LONGEST_S, AttemptLimit, Sessions
 from rocsafe_console.people.users import User, Users, read_users, write_users
 
@@ -117,3 +118,21 @@ def test_attempts_are_limited_by_key():
     assert limit.wait_s('anna', 61.0) == 0.0
     limit.forgive('anna')
     assert limit.wait_s('anna', 5.0) == 0.0
+
+
+def test_sessions_outlive_the_server_but_not_their_role(tmp_path):
+    """Of users who are gone or have another role, none; a file that others can read is none."""
+    sessions = Sessions()
+    secret, _ = sessions.begin('anna', Role.OPERATOR, '127.0.0.1', 0.0)
+    save_sessions(tmp_path, sessions)
+    assert secret not in (tmp_path / 'console-sessions.json').read_text()
+    for roles, is_there in (
+        ({'anna': Role.OPERATOR}, True), ({'anna': Role.VIEWER}, False), ({}, False),
+    ):  # fmt: skip
+        after = Sessions()
+        load_sessions(tmp_path, after, roles)
+        assert (after.of_secret(secret, 1.0) is not None) == is_there
+    (tmp_path / 'console-sessions.json').chmod(0o644)
+    after = Sessions()
+    load_sessions(tmp_path, after, {'anna': Role.OPERATOR})
+    assert after.of_secret(secret, 1.0) is None

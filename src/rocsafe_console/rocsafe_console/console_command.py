@@ -3,12 +3,16 @@
 
 import argparse
 import getpass
+import os
 import secrets
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_console.evidence.desk import Desk
+from rocsafe_console.people.roles import Role
+from rocsafe_console.people.session_file import load_sessions
+from rocsafe_console.people.sessions import Sessions
 from rocsafe_console.people.users import Users, read_users
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.picture import Picture
@@ -33,6 +37,7 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
     """
     given = _parser().parse_args(arguments)
     users = read_users(given.users) if given.users else {}
+    roles = {name: user.role for name, user in users.items()}
     options = WebOptions(
         host=given.host,
         port=given.port,
@@ -40,18 +45,23 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
         key=given.key,
         names=tuple(given.name),
         runs=given.runs.resolve(),
+        scenarios=given.scenarios.resolve(),
         token='' if users else secrets.token_urlsafe(24),
         token_user=getpass.getuser(),
     )
     require_safe(options, len(users))
     options.runs.mkdir(parents=True, exist_ok=True)
+    sessions = Sessions()
+    load_sessions(options.runs, sessions, roles or {options.token_user: Role.COMMANDER})
     first_revision = time.time_ns() // 1_000_000 % 2**_REVISION_BITS
     return Context(
         options=options,
         live=Live(Picture(first_revision)),
         desk=Desk(options.runs),
         users=Users(users),
+        sessions=sessions,
         clock=time.time,
+        environment=dict(os.environ),
     )
 
 
@@ -60,6 +70,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         '--runs', type=Path, default=Path('runs'), metavar='DIR', help='folder of the runs [runs]'
     )
+    parser.add_argument(
+        '--scenarios', type=Path, default=Path('config/scenarios'), metavar='DIR',
+        help='scenarios to begin a new mission with [config/scenarios]',
+    )  # fmt: skip
     parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
     parser.add_argument('--port', type=int, default=8600, help='[8600]; 0: any')
     parser.add_argument(

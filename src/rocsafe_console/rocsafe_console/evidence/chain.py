@@ -6,14 +6,17 @@ changes, removes or inserts a line breaks the chain from there on; whoever remov
 is found by the seal, which has the number of lines and the last hash.
 """
 
+import errno
+import fcntl
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from rocsafe_console.errors import EvidenceError
-from rocsafe_geo.storage.durable import AppendOnlyFile
 from rocsafe_geo.storage.json_values import finite
 
 LOG_NAME = 'evidence.jsonl'
@@ -33,8 +36,15 @@ def chained(number: int, before: str, entry: Mapping[str, Any]) -> dict[str, Any
     return {**content, 'hash': hashlib.sha256(line_of(content)).hexdigest()}
 
 
-def checked(lines: Iterable[bytes], name: str = LOG_NAME) -> list[dict[str, Any]]:
+def checked(
+    lines: Iterable[bytes], name: str = LOG_NAME, after: tuple[int, str] = (0, NOTHING)
+) -> list[dict[str, Any]]:
     """Return the entries of a log.
+
+    Parameters
+    ----------
+    after
+        Number and hash of the line before the first one.
 
     Raises
     ------
@@ -42,8 +52,9 @@ def checked(lines: Iterable[bytes], name: str = LOG_NAME) -> list[dict[str, Any]
         Naming the first line that is not as it was written.
     """
     entries: list[dict[str, Any]] = []
-    before = NOTHING
-    for number, line in enumerate(lines, start=1):
+    number, before = after
+    for line in lines:
+        number += 1
         try:
             entry = json.loads(line)
             content = {key: value for key, value in entry.items() if key != 'hash'}
@@ -60,8 +71,16 @@ def checked(lines: Iterable[bytes], name: str = LOG_NAME) -> list[dict[str, Any]
     return entries
 
 
+def read_log(path: Path) -> list[dict[str, Any]]:
+    """Return the entries of a log file, none if there is no file; raises `EvidenceError`."""
+    return checked(path.read_bytes().split(b'\n')[:-1], str(path)) if path.is_file() else []
+
+
 class EvidenceLog:
     """The log of one run. A line is safely on disk when `add` returns.
+
+    Several processes may write one log: each locks it for a line, and first reads what the others
+    have added. A line that a process left torn is cut off.
 
     Raises
     ------
@@ -72,19 +91,16 @@ class EvidenceLog:
     """
 
     def __init__(self, path: Path) -> None:
-        self._file = AppendOnlyFile(path)
+        self._path = path
+        self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        self._length = 0
+        self._last = (0, NOTHING)
         try:
-            entries = checked(self._file.lines(), str(path))
+            with self._locked():
+                self._catch_up()
         except EvidenceError:
-            self._file.close()
+            self.close()
             raise
-        self._number = len(entries)
-        self._last = entries[-1]['hash'] if entries else NOTHING
-
-    @property
-    def last(self) -> tuple[int, str]:
-        """Number of lines, and the hash of the last one."""
-        return self._number, self._last
 
     def add(self, time_s: float, kind: str, by: str, **what: Any) -> dict[str, Any]:
         """Add a line and return it.
@@ -102,16 +118,50 @@ class EvidenceLog:
 
         Raises
         ------
+        EvidenceError
+            If somebody has changed the log.
         OSError
             If it cannot be written; the log is then unchanged.
         """
-        entry = chained(
-            self._number + 1, self._last, {**what, 'time_s': time_s, 'kind': kind, 'by': by}
-        )
-        self._file.append(line_of(entry))
-        self._number, self._last = entry['n'], entry['hash']
+        with self._locked():
+            self._catch_up()
+            number, before = self._last
+            named = {**what, 'time_s': time_s, 'kind': kind, 'by': by}
+            entry = chained(number + 1, before, named)
+            data = line_of(entry) + b'\n'
+            try:
+                if os.write(self._descriptor, data) != len(data):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
+                os.fsync(self._descriptor)
+            except OSError:
+                os.ftruncate(self._descriptor, self._length)
+                raise
+            self._length += len(data)
+            self._last = (entry['n'], entry['hash'])
         return entry
 
     def close(self) -> None:
         """Close the file."""
-        self._file.close()
+        os.close(self._descriptor)
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        fcntl.flock(self._descriptor, fcntl.LOCK_EX)
+        try:
+            yield
+        finally:
+            fcntl.flock(self._descriptor, fcntl.LOCK_UN)
+
+    def _catch_up(self) -> None:
+        """Read the lines of others."""
+        size = os.fstat(self._descriptor).st_size
+        if size < self._length:
+            raise EvidenceError(f'{self._path}: lines have been removed')
+        data = os.pread(self._descriptor, size - self._length, self._length)
+        whole = data[: data.rfind(b'\n') + 1]
+        if len(whole) < len(data):
+            os.ftruncate(self._descriptor, self._length + len(whole))
+        entries = checked(whole.split(b'\n')[:-1], str(self._path), self._last)
+        self._length += len(whole)
+        if entries:
+            self._last = (entries[-1]['n'], entries[-1]['hash'])

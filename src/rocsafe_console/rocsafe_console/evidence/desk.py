@@ -7,7 +7,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, line_of
+from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, line_of, read_log
 
 CONSOLE_LOG = 'console.jsonl'
 MOST_WAITING = 100_000
@@ -112,7 +112,7 @@ class Desk:
 
 
 def _told(path: Path) -> set[bytes]:
-    entries = checked(path.read_bytes().split(b'\n')[:-1], str(path))
+    entries = read_log(path)
     return {
         line_of({key: value for key, value in entry.items() if key not in _OWN_KEYS})
         for entry in entries

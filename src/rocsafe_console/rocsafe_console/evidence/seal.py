@@ -18,7 +18,7 @@ from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
 from rocsafe_console.errors import EvidenceError
-from rocsafe_console.evidence.chain import LOG_NAME, checked, line_of
+from rocsafe_console.evidence.chain import LOG_NAME, line_of, read_log
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 
@@ -87,8 +87,7 @@ def seal_run(
         faults = [line for line in _differences(_content(before[-1]), files) if line[0] == 'raw']
         if faults:
             raise EvidenceError('; '.join(text for _, text in faults))
-    log = run / LOG_NAME
-    entries = checked(log.read_bytes().split(b'\n')[:-1], str(log)) if log.is_file() else []
+    entries = read_log(run / LOG_NAME)
     content: dict[str, Any] = {
         'format': FORMAT,
         'run': run.name,
@@ -146,8 +145,7 @@ def signer_of(seal: Path) -> str:
 
 def _log_faults(run: Path, content: dict[str, Any]) -> list[str]:
     """Return what is wrong with the log: lines may have been added since the seal."""
-    log, sealed = run / LOG_NAME, content['log']
-    entries = checked(log.read_bytes().split(b'\n')[:-1], str(log)) if log.is_file() else []
+    entries, sealed = read_log(run / LOG_NAME), content['log']
     if len(entries) < sealed['lines']:
         return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
     if sealed['lines'] and entries[sealed['lines'] - 1]['hash'] != sealed['last']:

@@ -4,7 +4,9 @@
 import hashlib
 import secrets
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from rocsafe_console.people.roles import Role
 
@@ -65,6 +67,25 @@ class Sessions:
         for key in keys:
             del self._sessions[key]
         return bool(keys)
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return the sessions by the hashes of their secrets, fit for JSON."""
+        return {
+            key: {**asdict(one), 'role': one.role.value} for key, one in self._sessions.items()
+        }
+
+    def restore(self, plain: Mapping[str, Any], roles: Mapping[str, Role]) -> None:
+        """Take over sessions of an earlier process, of users who still have their role.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError
+            If `plain` is not what `to_plain` has returned.
+        """
+        for key, one in plain.items():
+            session = Session(**{**one, 'role': Role(one['role'])})
+            if roles.get(session.user) is session.role:
+                self._sessions[key] = session
 
     def all(self, now_s: float) -> list[Session]:
         """Return the sessions that are not over."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the handlers of requests work with."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
@@ -11,6 +12,7 @@ from aiohttp import web
 from rocsafe_console.evidence.desk import Desk, Event
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.people.roles import Action, Role, require
+from rocsafe_console.people.session_file import save_sessions
 from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
 from rocsafe_console.people.users import Users
 from rocsafe_console.picture.live import Live
@@ -45,6 +47,8 @@ class WebOptions:
         Further host names under which the page is reached.
     runs
         Folder of the runs.
+    scenarios
+        Folder of scenarios to begin a new mission with.
     token
         Opens a session of `token_user` without users; empty: users log in.
     """
@@ -55,6 +59,7 @@ class WebOptions:
     key: Path | None = None
     names: tuple[str, ...] = ()
     runs: Path = Path('runs')
+    scenarios: Path = Path('config/scenarios')
     token: str = ''
     token_user: str = ''
 
@@ -77,6 +82,8 @@ class Context:
     ----------
     clock
         Returns the time on the wall, seconds since 1970.
+    environment
+        Of the commands that are run for the page.
     fleet
         None until ROS has started.
     """
@@ -86,11 +93,17 @@ class Context:
     desk: Desk
     users: Users
     clock: Callable[[], float]
+    environment: Mapping[str, str] = field(default_factory=dict)
     fleet: Fleet | None = None
     sessions: Sessions = field(default_factory=Sessions)
     orders: OrderBook = field(default_factory=OrderBook)
     logins: AttemptLimit = field(default_factory=AttemptLimit)
     order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
+
+    def save_sessions(self) -> None:
+        """Keep the sessions for the next process; what hinders it costs a log-in, no more."""
+        with contextlib.suppress(OSError):
+            save_sessions(self.options.runs, self.sessions)
 
     def write(self, kind: str, by: str, **what: object) -> None:
         """Write to the evidence log: safely on disk on return."""

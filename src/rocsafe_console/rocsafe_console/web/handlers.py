@@ -80,6 +80,7 @@ async def log_out(request: web.Request) -> web.Response:
     """End the session."""
     context, session = context_of(request), session_of(request, Action.SEE)
     context.sessions.end(session.public_id)
+    context.save_sessions()
     context.write('logout', session.user)
     answer = web.json_response({})
     answer.del_cookie(context.options.cookie)
@@ -103,6 +104,7 @@ async def revoke(request: web.Request) -> web.Response:
     context.write('revoke', session.user, session=public_id)
     if not context.sessions.end(public_id):
         raise ConsoleError(f'session {public_id}: there is none')
+    context.save_sessions()
     return web.json_response({})
 
 
@@ -292,6 +294,7 @@ def _session_plain(session: Session | None) -> dict[str, Any]:
 
 
 def _with_cookie(context: Context, secret: str, session: Session) -> web.Response:
+    context.save_sessions()
     answer = web.json_response(_session_plain(session))
     answer.set_cookie(
         context.options.cookie,

@@ -13,7 +13,8 @@ from threading import Thread
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
-from rocsafe_console.web import handlers
+from rocsafe_console.runs.drafts import Drafts
+from rocsafe_console.web import draft_handlers, handlers
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
@@ -76,6 +77,15 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/api/coordinates', handlers.coordinates)
     get('/api/image/{name}', handlers.image)
     get('/api/photograph/{shot}', handlers.photograph)
+    app[draft_handlers.DRAFTS] = Drafts(
+        context.options.runs, context.options.scenarios, context.environment
+    )
+    get('/api/drafts', draft_handlers.list_drafts)
+    get('/api/drafts/{kind}/{name}', draft_handlers.draft_text)
+    post('/api/drafts', draft_handlers.save_draft)
+    post('/api/drafts/{name}/plan', draft_handlers.plan_draft)
+    post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft)
+    post('/api/drafts/{name}/launch', draft_handlers.launch_draft)
     get('/api/runs', handlers.list_runs)
     get('/api/runs/{run}/replay', handlers.replay)
     get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
