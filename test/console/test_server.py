@@ -59,7 +59,7 @@ class Caller:
             self.cookie = f'{name}={morsel.value}'
             self.set_cookie = answer.headers['Set-Cookie']
         data = answer.read()
-        is_json = answer.headers.get_content_type() == 'application/json'
+        is_json = answer.headers.get_content_type() in ('application/json', 'application/geo+json')
         return answer.status, json.loads(data) if is_json else {}
 
     def order(self, verb: str, revisions: dict[str, int], **more: object) -> tuple[int, dict]:

@@ -44,6 +44,7 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
         certificate=given.certificate,
         key=given.key,
         names=tuple(given.name),
+        cursor_on_target=given.cursor_on_target,
         runs=given.runs.resolve(),
         scenarios=given.scenarios.resolve(),
         token='' if users else secrets.token_urlsafe(24),
@@ -65,6 +66,13 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
     )
 
 
+def _target(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(':')
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise argparse.ArgumentTypeError(f'{text!r} must be HOST:PORT')
+    return host, int(port)
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog='rocsafe console', description=DESCRIPTION)
     parser.add_argument(
@@ -76,6 +84,10 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
     parser.add_argument('--port', type=int, default=8600, help='[8600]; 0: any')
+    parser.add_argument(
+        '--cursor-on-target', type=_target, metavar='HOST:PORT',
+        help='send Cursor on Target events there, such as 239.2.3.1:6969, which ATAK hears',
+    )  # fmt: skip
     parser.add_argument(
         '--users', type=Path, metavar='FILE', help='who may log in; made by `rocsafe users`'
     )

@@ -128,21 +128,25 @@ class EvidenceLog:
             number, before = self._last
             named = {**what, 'time_s': time_s, 'kind': kind, 'by': by}
             entry = chained(number + 1, before, named)
-            data = line_of(entry) + b'\n'
-            try:
-                if os.write(self._descriptor, data) != len(data):
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
-                os.fsync(self._descriptor)
-            except OSError:
-                os.ftruncate(self._descriptor, self._length)
-                raise
-            self._length += len(data)
+            self._append(line_of(entry) + b'\n')
             self._last = (entry['n'], entry['hash'])
         return entry
 
     def close(self) -> None:
         """Close the file."""
         os.close(self._descriptor)
+
+    def _append(self, data: bytes) -> None:
+        try:
+            written = os.write(self._descriptor, data)
+            os.fsync(self._descriptor)
+        except OSError:
+            os.ftruncate(self._descriptor, self._length)
+            raise
+        if written < len(data):
+            os.ftruncate(self._descriptor, self._length)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
+        self._length += len(data)
 
     @contextmanager
     def _locked(self) -> Iterator[None]:

@@ -65,7 +65,8 @@ export class Draft {
   async load() {
     const { text } = await ask(`/api/drafts/${this.template.value}`);
     this.text.value = text;
-    const names = [...text.matchAll(/^\s*-?\s*name:\s*([A-Za-z0-9_-]+)/gm)].map((match) => match[1]).slice(1);
+    const fleet = /^vehicles:\n((?:[ #-].*\n|\n)*)/m.exec(text)?.[1] ?? '';
+    const names = [...fleet.matchAll(/^\s*- name:\s*([A-Za-z0-9_-]+)/gm)].map((match) => match[1]);
     this.homes.replaceChildren(...names.slice(0, 12).map((name) => make('button', { type: 'button', class: 'small', text: `${t('draft_home')}: ${name}`, onclick: () => this.draw('home', name) })));
     this.changed();
   }

@@ -22,7 +22,9 @@ export class Runs {
       make('span', { class: 'run-buttons' },
         make('button', { type: 'button', class: 'small', text: t('run_replay'), onclick: () => this.replay(run.name) }),
         run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : '')));
-    this.panel.replaceChildren(make('h2', { text: t('runs_title') }), rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }));
+    const address = make('output', { class: 'note' });
+    const link = make('button', { type: 'button', class: 'small', text: t('link_make'), onclick: async () => { address.textContent = (await ask('/api/links', {})).url; } });
+    this.panel.replaceChildren(make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address, rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }));
   }
 
   async replay(name) {

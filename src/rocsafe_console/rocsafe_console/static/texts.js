@@ -33,7 +33,7 @@ export const TEXTS = {
   layer_mosaic: 'Mosaic', layer_dose: 'Dose map', layer_cordons: 'Cordons', layer_routes: 'Planned routes', layer_tracks: 'Flown tracks', layer_footprints: 'Footprints', layer_region: 'Region', layer_exclusions: 'Exclusions', layer_sources: 'Sources, 95 %', layer_homes: 'Homes', layer_marks: 'Marks', layer_grid: 'Grid', layer_base: 'Base map',
   legend: 'Dose rate, µSv/h', decisions: 'What was decided',
   help_title: 'Keys', help: 'h Hold · r Resume · b Return · l Land · Enter Confirm · Esc Cancel · a Seen · t Theme · 1 2 3 Views · f Show all · ? Keys',
-  draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import GeoJSON',
+  link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import GeoJSON',
   draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario',
   state_unknown: 'unknown', state_disarmed: 'disarmed', state_armed: 'armed', state_taking_off: 'taking off', state_flying: 'flying', state_holding: 'holding', state_returning: 'returning', state_landing: 'landing', state_landed: 'landed', state_lost: 'lost', state_crashed: 'crashed', state_waiting: 'waiting',
   critical: 'critical', warning: 'warning', refused: 'Refused: {why}',

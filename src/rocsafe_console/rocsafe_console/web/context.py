@@ -49,6 +49,8 @@ class WebOptions:
         Folder of the runs.
     scenarios
         Folder of scenarios to begin a new mission with.
+    cursor_on_target
+        Host and port that events are sent to; None: nowhere.
     token
         Opens a session of `token_user` without users; empty: users log in.
     """
@@ -60,6 +62,7 @@ class WebOptions:
     names: tuple[str, ...] = ()
     runs: Path = Path('runs')
     scenarios: Path = Path('config/scenarios')
+    cursor_on_target: tuple[str, int] | None = None
     token: str = ''
     token_user: str = ''
 

@@ -8,6 +8,7 @@ from typing import Any
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.people.roles import Role
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
 
 LOOPBACK_NAMES = ('127.0.0.1', 'localhost', '[::1]')
@@ -87,12 +88,17 @@ def _refusal(request: web.Request) -> web.Response | None:
             return refused(403, 'the request does not come from this page')
         if not is_socket and request.content_type != 'application/json':
             return refused(415, 'the body must be application/json')
-    if not request.path.startswith('/api/') or request.path in OPEN:
+    is_link = request.path.startswith('/ogc/')
+    if not (is_link or request.path.startswith('/api/')) or request.path in OPEN:
         return None
-    secret = request.cookies.get(context.options.cookie, '')
+    cookie = request.cookies.get(context.options.cookie, '')
+    # A link is for programs that cannot log in; it is a session of a viewer.
+    secret = request.path.split('/')[2] if is_link else cookie
     session = context.sessions.of_secret(secret, context.clock())
     if session is None:
         return refused(401, 'log in first')
+    if is_link and session.role is not Role.VIEWER:
+        return refused(401, 'this is no link')
     request[SESSION] = session
     return None
 

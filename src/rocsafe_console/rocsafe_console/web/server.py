@@ -4,7 +4,7 @@
 import asyncio
 import ipaddress
 import ssl
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from importlib import resources
 from pathlib import Path
 from threading import Event as Flag
@@ -14,7 +14,7 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
-from rocsafe_console.web import draft_handlers, handlers
+from rocsafe_console.web import draft_handlers, handlers, outward_handlers
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
@@ -86,6 +86,12 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     post('/api/drafts/{name}/plan', draft_handlers.plan_draft)
     post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft)
     post('/api/drafts/{name}/launch', draft_handlers.launch_draft)
+    post('/api/links', outward_handlers.make_link)
+    get('/ogc/{secret}', outward_handlers.landing)
+    get('/ogc/{secret}/conformance', outward_handlers.conformance)
+    get('/ogc/{secret}/collections', outward_handlers.collections)
+    get('/ogc/{secret}/collections/{name}', outward_handlers.collection)
+    get('/ogc/{secret}/collections/{name}/items', outward_handlers.items)
     get('/api/runs', handlers.list_runs)
     get('/api/runs/{run}/replay', handlers.replay)
     get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
@@ -141,12 +147,16 @@ class ServerThread:
         await site.start()
         self.port[0] = runner.addresses[0][1]
         self._ready.set()
-        tasks = [asyncio.create_task(work) for work in (app[PUSHER].run(), self._drain())]
+        tasks = [asyncio.create_task(work) for work in self._work_of(app)]
         await self._stop.wait()
         for task in tasks:
             task.cancel()
         await app[PUSHER].close()
         await runner.cleanup()
+
+    def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
+        events = outward_handlers.send_events(self._context, self._say)
+        return app[PUSHER].run(), self._drain(), events
 
     async def _drain(self) -> None:
         """Write events to the evidence log, beside the loop."""
