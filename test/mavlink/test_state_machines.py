@@ -41,7 +41,7 @@ from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_plan import mission_of
 from rocsafe_mavlink.wire.authority import COMMANDS
 
-RUNS = int(os.environ.get('ROCSAFE_STATE_RUNS', '300'))
+RUNS = int(os.environ.get('ROCSAFE_STATE_RUNS', '100'))
 SHARDS = 10
 STEP_S, FLIGHT_S = 0.25, 60.0
 # No operation may take longer: a start with 13 items, with every answer at the last moment.

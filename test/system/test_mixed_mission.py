@@ -80,6 +80,7 @@ def field(rocsafe, ros_domain_id, tmp_path):
     made.close()
 
 
+@pytest.mark.all
 def test_real_and_simulated_fly_one_mission(field):
     """Looked at before, flown by the clock, photographed by both, reported as one."""
     looked = field.rocsafe('preflight', field.scenario)

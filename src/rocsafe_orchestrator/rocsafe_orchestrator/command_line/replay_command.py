@@ -46,6 +46,8 @@ NODES = frozenset({'localizer', 'collector', 'mosaic'})
 # Wall time within which the next input must be taken in, and the last readings be localized.
 STANDSTILL_S = 60.0
 LOCALIZE_S = 120.0
+# Products are rounded to less than this.
+SAME_M = 0.01
 
 
 def replay(path: Path, parent: Path | None, console: Console) -> int:
@@ -106,15 +108,15 @@ def _comparison(
     found: tuple[tuple[float, float, float], ...],
 ) -> str:
     """Return in words how the sources found differ from those recorded."""
-    if recorded == found:
-        return f'sources: {len(found)}, the same as recorded'
     if len(recorded) != len(found):
         return f'sources: {len(found)}, where {len(recorded)} were recorded'
-    apart = (
-        distance_m(GeoPosition(*a[:2]), GeoPosition(*b[:2]))
-        for a, b in zip(recorded, found, strict=True)
+    pairs = zip(recorded, found, strict=True)
+    apart_m = max(
+        (distance_m(GeoPosition(*a[:2]), GeoPosition(*b[:2])) for a, b in pairs), default=0.0
     )
-    return f'sources: {len(found)}, up to {max(apart):.2f} m from those recorded'
+    if apart_m <= SAME_M:
+        return f'sources: {len(found)}, the same as recorded'
+    return f'sources: {len(found)}, up to {apart_m:.2f} m from those recorded'
 
 
 @dataclass(kw_only=True)
@@ -171,7 +173,7 @@ class _Replay:
             what = f'the next of {left} inputs was not taken in'
             if not waits.until(partial(node.feed.has_less_than, left), what, STANDSTILL_S):
                 return False
-        if not waits.until(lambda: node.is_localized, 'not localized', LOCALIZE_S):
+        if not waits.until(node.is_localized, 'not localized', LOCALIZE_S):
             return False
         saved, limit_s = node.save(), Deadlines().map_timeout_s
         return waits.until(saved.done, 'the mosaic was not written', limit_s)
