@@ -135,7 +135,8 @@ class Stage:
                 angle = self.steps * 0.02 + number * 2 * math.pi / len(self.names)
                 east, north = 100 * math.cos(angle), 60 * math.sin(angle)
                 place = place_of(east, north)
-                picture.on_report(self._report(name, now_s), now_s)
+                if self.steps % 10 == number % 10 or self.state[name] != 4:
+                    picture.on_report(self._report(name, now_s), now_s)
                 picture.on_fix(name, (*place, 90.0), now_s, now_s)
                 rate = 0.1 + 9e4 / (400.0 + (east - 20) ** 2 + (north - 10) ** 2)
                 picture.on_reading(

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 from shapely.geometry import shape
+from test.console.caller import Caller
 from test.console.stage import TOKEN, Stage, served
-from test.console.test_server import Caller
 
 from rocsafe_console.outward.cursor_on_target import STALE_S, events_of
 from rocsafe_console.outward.features import COLLECTIONS

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server refuses what does not come from its page and from somebody who may."""
 
-import json
-import random
 import secrets
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
-from http.cookies import SimpleCookie
 
 import pytest
+from test.console.caller import FORGED, Caller, forge_many, revisions_of
 from test.console.stage import TOKEN, Stage, served
 
 from rocsafe_console.errors import ConsoleError
@@ -29,49 +25,6 @@ LAYERS = (
 )
 
 
-class Caller:
-    """Asks the server as a page does."""
-
-    def __init__(self, address: str) -> None:
-        self.address = address.rstrip('/')
-        self.cookie = ''
-
-    def ask(self, path: str, body: object = None, **headers: str) -> tuple[int, dict]:
-        """Return status and answer; None of `body`: GET."""
-        given = {'Origin': self.address, 'Cookie': self.cookie, **headers}
-        data = None
-        if body is not None:
-            data = body if isinstance(body, bytes) else json.dumps(body).encode()
-            given = {'Content-Type': 'application/json', **given}
-        given = {name: value for name, value in given.items() if value != 'none'}
-        request = urllib.request.Request(self.address + path, data=data, headers=given)  # noqa: S310
-        try:
-            with urllib.request.urlopen(request, timeout=20) as answer:  # noqa: S310
-                return self._read(answer)
-        except urllib.error.HTTPError as error:
-            return self._read(error)
-
-    def _read(self, answer) -> tuple[int, dict]:
-        self.headers = answer.headers
-        jar = SimpleCookie(answer.headers.get('Set-Cookie', ''))
-        if jar:
-            name, morsel = next(iter(jar.items()))
-            self.cookie = f'{name}={morsel.value}'
-            self.set_cookie = answer.headers['Set-Cookie']
-        data = answer.read()
-        is_json = answer.headers.get_content_type() in ('application/json', 'application/geo+json')
-        return answer.status, json.loads(data) if is_json else {}
-
-    def order(self, verb: str, revisions: dict[str, int], **more: object) -> tuple[int, dict]:
-        """Prepare and confirm an order."""
-        request_id = secrets.token_hex(16)
-        body = {'request_id': request_id, 'verb': verb, 'revisions': revisions, **more}
-        status, answer = self.ask('/api/orders', body)
-        if status != 201:
-            return status, answer
-        return self.ask(f'/api/orders/{request_id}/confirm', {})
-
-
 @pytest.fixture
 def stage(tmp_path) -> Stage:
     """Return a mission of three vehicles."""
@@ -87,11 +40,6 @@ def caller(stage) -> Iterator[Caller]:
         caller = Caller(address)
         assert caller.ask('/api/token', {'token': TOKEN})[0] == 200
         yield caller
-
-
-def revisions_of(stage: Stage) -> dict[str, int]:
-    """Return the revision of each vehicle now."""
-    return {name: one.revision for name, one in stage.context.live.picture.vehicles.items()}
 
 
 def test_an_order_is_written_down_and_sent_and_answered(stage, caller, tmp_path):
@@ -141,18 +89,6 @@ def test_a_confirmation_that_is_sent_twice_sends_the_order_once(stage, caller):
     assert len(stage.crew.sent) == 1
 
 
-FORGED = [
-    {'Origin': 'http://evil.example'},
-    {'Origin': 'none'},
-    {'Origin': 'null'},
-    {'Host': 'evil.example'},
-    {'Content-Type': 'text/plain'},
-    {'Content-Type': 'application/x-www-form-urlencoded'},
-    {'Cookie': 'none'},
-    {'Cookie': 'rocsafe=x'},
-]
-
-
 @pytest.mark.parametrize('headers', FORGED, ids=lambda headers: str(headers))
 def test_a_request_that_is_not_of_the_page_is_refused(stage, caller, headers):
     """Another origin or host, a form, or nobody's session: orders and alarms alike."""
@@ -167,23 +103,6 @@ def test_none_of_many_forged_requests_is_accepted(stage, caller):
     """Random verbs, ids, cookies and origins; ROCSAFE's benchmark tries 100 000."""
     forge_many(caller, stage, 300)
     assert not stage.crew.sent
-
-
-def forge_many(caller: Caller, stage: Stage, count: int) -> None:
-    """Send forged confirmations and orders, each with at least one thing wrong."""
-    source = random.Random(1)
-    right = caller.cookie
-    for _ in range(count):
-        headers = dict(source.choice(FORGED[:-2]))
-        caller.cookie = source.choice((right, f'{right}x', right[:-1], ''))
-        body = {
-            'request_id': f'{source.getrandbits(128):032x}',
-            'verb': source.choice(sorted(verb.value for verb in VERBS)),
-            'revisions': revisions_of(stage),
-        }
-        path = source.choice(('/api/orders', f'/api/orders/{body["request_id"]}/confirm'))
-        assert caller.ask(path, body, **headers)[0] >= 400
-    caller.cookie = right
 
 
 def test_what_is_not_json_is_refused_in_one_line(caller):

@@ -8,6 +8,7 @@ import { STALE_S } from './link.js';
 const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
 const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
+const ROWS_AT_ONCE = 30;
 const M_PER_WORLD = 40075016;
 
 // Replaces children only if the text differs, so that nothing flickers and focus stays.
@@ -32,8 +33,11 @@ export class Facts {
       element.append(box);
     }
     this.rows = new Map();
-    link.addEventListener('sections', () => this.draw());
+    // Alarms at once, all else twice a second: 300 vehicles are told as often as that.
+    link.addEventListener('sections', ({ detail }) => { if (detail.isHello) this.draw(); else if (detail.names.includes('alarms')) this.drawAlarms(link.sections.alarms ?? []); });
     setInterval(() => this.draw(), 500);
+    // Only the rows that can be seen are drawn.
+    this.watch = new IntersectionObserver((entries) => { for (const entry of entries) entry.target.isSeen = entry.isIntersecting; });
   }
 
   draw() {
@@ -150,11 +154,15 @@ export class Facts {
     const box = this.boxes.vehicles;
     if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
     if (!this.rows.size) { delete box.dataset.made; box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
-    for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.rows.get(name).remove(); this.rows.delete(name); }
+    for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
+    // A large fleet is listed some at a time, so that the page can be used at once.
+    let room = ROWS_AT_ONCE;
     for (const vehicle of this.link.vehicles.values()) {
       let row = this.rows.get(vehicle.name);
-      if (!row) { row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); }
-      this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
+      if (!row && !room) break;
+      if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); this.watch.observe(row); }
+      row.classList.toggle('grey', this.link.isStale(vehicle));
+      if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
     }
   }
 
@@ -169,8 +177,10 @@ export class Facts {
   drawRow(row, vehicle, facts) {
     const frame = vehicle.frame;
     const isStale = this.link.isStale(vehicle);
+    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), Object.values(facts)].join();
+    if (row.told === told) return;
+    row.told = told;
     const state = STATES[frame?.state ?? vehicle.facts.state] ?? 'unknown';
-    row.classList.toggle('grey', isStale);
     row.classList.toggle('bad', state === 'lost' || state === 'crashed');
     row.querySelector('input').checked = this.actions.isSelected(vehicle.name);
     const heard = this.link.ageOf(vehicle);

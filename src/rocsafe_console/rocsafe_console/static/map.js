@@ -46,8 +46,11 @@ const CanvasLayer = L.Layer.extend({
     context.clearRect(0, 0, whole.x, whole.y);
     const scale = map.options.crs.scale(map.getZoom());
     const origin = map.getPixelBounds().min.subtract(pad);
-    this.drawing(context, (world) => [world[0] * scale - origin.x, world[1] * scale - origin.y], whole);
+    this.toPixel = (world) => [world[0] * scale - origin.x, world[1] * scale - origin.y];
+    this.drawing(context, this.toPixel, whole, false);
   },
+  // Draws on what is there: for what has only grown.
+  extend() { if (this.toPixel && this._map) this.drawing(this.canvas.getContext('2d'), this.toPixel, null, true); },
 });
 
 // Web Mercator with the world from 0 to 1, so that a zoom is one multiplication.
@@ -236,7 +239,7 @@ export class MissionMap {
       const last = track.at(-1);
       if (!last || Math.hypot(vehicle.world[0] - last[0], vehicle.world[1] - last[1]) > 4e-8) {
         track.push([...vehicle.world, frame.doseRate]);
-        if (track.length > MOST_TRACK) track.splice(1, 1);
+        if (track.length > MOST_TRACK) { track.splice(0, MOST_TRACK / 4); this.drawn?.delete(vehicle.name); }
         this.tracks.set(vehicle.name, track);
         hasNew = true;
       }
@@ -255,7 +258,7 @@ export class MissionMap {
       if (this.isTrackNew && time - (this.trackDrawn ?? 0) > 1000) {
         this.trackDrawn = time;
         this.isTrackNew = false;
-        this.trackLayer.redraw();
+        this.trackLayer.extend();
       }
     });
   }
@@ -281,11 +284,16 @@ export class MissionMap {
     context.stroke();
   }
 
-  drawTracks(context, toPixel) {
+  drawTracks(context, toPixel, _size, isMore) {
+    this.drawn ??= new Map();
+    if (!isMore) this.drawn.clear();
     context.lineJoin = 'round';
     context.lineCap = 'round';
-    for (const track of this.tracks.values()) {
-      const pixels = track.map(toPixel);
+    for (const [name, track] of this.tracks) {
+      const from = Math.max((this.drawn.get(name) ?? 1) - 1, 0);
+      this.drawn.set(name, track.length);
+      if (track.length - from < 2) continue;
+      const pixels = track.slice(from).map(toPixel);
       context.strokeStyle = 'rgb(11 16 14 / 55%)';
       context.lineWidth = 7;
       context.beginPath();
@@ -294,7 +302,7 @@ export class MissionMap {
       context.lineWidth = 4;
       let colour = null;
       pixels.forEach(([x, y], index) => {
-        const next = this.doseColour(track[index][2]) ?? '#dfe6e2';
+        const next = this.doseColour(track[from + index][2]) ?? '#dfe6e2';
         if (next !== colour) {
           if (colour) { context.lineTo(x, y); context.stroke(); }
           context.beginPath();

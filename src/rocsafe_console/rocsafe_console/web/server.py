@@ -137,6 +137,12 @@ class ServerThread:
             self._fault = error
         finally:
             self._ready.set()
+            rest = asyncio.all_tasks(self._loop)
+            for task in rest:
+                task.cancel()
+            if rest:
+                self._loop.run_until_complete(asyncio.wait(rest, timeout=STOP_S))
+            self._loop.close()
 
     async def _serve(self) -> None:
         options = self._context.options
