@@ -33,6 +33,7 @@ from rocsafe_orchestrator.parameters.config_file import require_parameter_file
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
 from rocsafe_orchestrator.planning_commands.preflight_command import cleared
 from rocsafe_orchestrator.processes.company import needed_names
+from rocsafe_orchestrator.processes.console_process import operators_page, seal
 from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
@@ -74,6 +75,7 @@ class RunRequest:
     config: Path | None = None
     is_quiet: bool = False
     confirmed: frozenset[str] = frozenset()
+    has_console: bool = False
 
 
 def run_scenario(request: RunRequest, console: Console) -> int:
@@ -135,8 +137,9 @@ def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim
         claim=claim,
     )
     display.say(f'run directory: {directory.path}')
-    with flight.processes(), display:
+    with flight.processes(), operators_page(request.has_console, directory), display:
         phase = flight.fly(display)
+    seal(directory)
     if not request.is_quiet:
         closing = _closing(directory, flight.monitor, flight.text, phase)
         console.print(closing, soft_wrap=True)
