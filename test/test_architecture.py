@@ -53,7 +53,7 @@ ROSDEP_KEYS = {
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
 # files of a map work without. Areas of threat zones need contourpy.
-OPTIONAL = {'contourpy', 'panda3d', 'pmtiles'}
+OPTIONAL = {'contourpy', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
@@ -69,6 +69,7 @@ DOMAINS = {
 MAY_IMPORT = {
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
+    'rocsafe_learning': {'rocsafe_dispersion', 'rocsafe_radiation'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
     'rocsafe_orchestrator': {
         'rocsafe_scenario',
@@ -83,7 +84,13 @@ MAY_IMPORT = {
     },
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
-WITHOUT_ROS = DOMAINS | {'rocsafe_geo', 'rocsafe_dataset', 'rocsafe_scenario', 'rocsafe_view'}
+WITHOUT_ROS = DOMAINS | {
+    'rocsafe_geo',
+    'rocsafe_dataset',
+    'rocsafe_learning',
+    'rocsafe_scenario',
+    'rocsafe_view',
+}
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {
     'time.time',
