@@ -55,7 +55,7 @@ ROSDEP_KEYS = {
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
 # files of a map work without. Areas of threat zones need contourpy.
-OPTIONAL = {'contourpy', 'panda3d', 'pmtiles'}
+OPTIONAL = {'contourpy', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
@@ -74,6 +74,7 @@ MAY_IMPORT = {
     'rocsafe_dispersion': {'rocsafe_hazard'},
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
+    'rocsafe_learning': {'rocsafe_dispersion', 'rocsafe_radiation'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
     # Compilation of loops; the order of more than twelve evidence points.
     'rocsafe_ground': {'rocsafe_planner.solver'},
@@ -95,6 +96,7 @@ WITHOUT_ROS = DOMAINS | {
     'rocsafe_geo',
     'rocsafe_hazard',
     'rocsafe_dataset',
+    'rocsafe_learning',
     'rocsafe_scenario',
     'rocsafe_view',
     'rocsafe_console',
