@@ -84,6 +84,7 @@ def check_whole(folder):
 
 
 @pytest.mark.timeout(300 + 30 * KILLS)
+@pytest.mark.all
 def test_a_killed_map_maker_leaves_whole_files_and_the_next_makes_the_same_map(store, tmp_path):
     """At random moments of its work; the GeoTIFF is the same to the byte in the end."""
     duration_s = made(store, tmp_path / 'whole')

@@ -52,6 +52,7 @@ def test_one_source_is_found_within_its_ellipse(seed):
     assert source.detection_llr > 100.0
 
 
+@pytest.mark.slow
 def test_three_sources_are_told_apart():
     """One strong, two weaker ones 58 m and more away."""
     truth = [(200.0, 60.0, 3000.0), (100.0, 170.0, 900.0), (160.0, 230.0, 600.0)]

@@ -90,6 +90,7 @@ def test_errors_of_the_fixes_upwards_scatter_readings_of_a_source():
     assert math.dist(source.position_enu_m[:2], (140.0, 150.0)) < 2.0
 
 
+@pytest.mark.slow
 def test_the_evidence_is_the_integral_of_likelihood_and_prior():
     """Of a background alone, by a sum over its level: all else is nearly fixed."""
     flown = survey([])

@@ -20,6 +20,7 @@ SCENARIO = Path(__file__).with_name('loss.yaml')
 Fly = Callable[..., Flight]
 
 
+@pytest.mark.all
 def test_others_take_over_from_two_that_are_lost(fly: Fly) -> None:
     """One's process keeps dying, the other's battery fails: the last photographs the rest.
 

@@ -101,6 +101,7 @@ def test_node_that_keeps_dying_ends_the_mission(fly: Fly) -> None:
     assert flight.run.report.is_file()
 
 
+@pytest.mark.all
 def test_node_that_hangs_is_named(fly: Fly, tmp_path: Path) -> None:
     """A node that neither works nor ends holds up time: the mission fails and says who."""
     config = tmp_path / 'config.yaml'
@@ -114,7 +115,11 @@ def test_node_that_hangs_is_named(fly: Fly, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ('number', 'code'), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=['SIGINT', 'SIGTERM']
+    ('number', 'code'),
+    [
+        pytest.param(signal.SIGINT, 130, id='SIGINT'),
+        pytest.param(signal.SIGTERM, 143, id='SIGTERM', marks=pytest.mark.all),
+    ],
 )
 def test_interrupted_mission_ends_in_order(fly: Fly, number: signal.Signals, code: int) -> None:
     """Ctrl-C and SIGTERM end every process; what was recorded is handed over."""
@@ -208,6 +213,7 @@ def test_second_mission_in_a_domain_is_refused(fly: Fly) -> None:
     assert first.end() == 130
 
 
+@pytest.mark.all
 def test_foreign_clock_and_steps_move_nothing(complete: Any, fly: Fly, intruder: Any) -> None:
     """Another program's /clock, years ahead, and its reports of steps: the same mission."""
     flight = fly(*SPEED)

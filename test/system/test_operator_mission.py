@@ -100,6 +100,7 @@ def flying(rocsafe: Path, ros_domain_id: int, tmp_path: Path, request: Any) -> I
         field.close()
 
 
+@pytest.mark.all
 @pytest.mark.parametrize('flying', ['hold_then_return'], indirect=True)
 def test_ctrl_c_asks_and_watches_until_the_landing(flying: Terminal) -> None:
     """Told to return, the run ends when all have landed; twice is not urgent."""

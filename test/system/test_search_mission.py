@@ -120,6 +120,7 @@ def localizer_comes_back(ros: Any, flight: Flight) -> Iterator[None]:
         node.destroy_node()
 
 
+@pytest.mark.all
 def test_a_field_killed_in_the_air_costs_no_reading(
     complete: Any, disturbed: Callable[..., Flight]
 ) -> None:

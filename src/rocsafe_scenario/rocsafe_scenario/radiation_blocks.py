@@ -151,7 +151,7 @@ class LevelsBlock(Block):
 
 
 class CrewBlock(Block):
-    """Somebody at a place, and the dose that is not to be exceeded, microsievert."""
+    """A person at a place, with the largest dose allowed, microsievert."""
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
     position: LatLon
