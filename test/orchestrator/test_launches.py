@@ -314,6 +314,18 @@ def test_the_ground_of_a_scenario_reaches_field_localizer_and_command(
             assert given.get('terrain_shift_m', 0.0) == pytest.approx(expected)
 
 
+def test_the_kind_of_detector_reaches_field_localizer_and_command(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """One that counts scattered photons must be known to whoever reads its counts."""
+    level = read_scenario(small())
+    radiation = level.radiation.model_copy(update={'detector': 'nai_2x2'})
+    scenario = level.model_copy(update={'radiation': radiation})
+    assert field_parameters(scenario, run)['detector'] == 'nai_2x2'
+    assert localizer_parameters(scenario, run)['detector'] == 'nai_2x2'
+    assert '--detector=nai_2x2' in radiation.localize_options
+
+
 def test_a_terrain_that_misses_a_home_is_a_matter_of_setup(
     small: Callable[..., Path], run: RunDirectory, tmp_path: Path
 ) -> None:

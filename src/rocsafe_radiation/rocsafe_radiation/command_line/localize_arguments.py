@@ -72,7 +72,10 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         metavar='M',
         help='height above the ground of a file without altitudes, metres',
     )
+    _add_measurement(group)
 
+
+def _add_measurement(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         '--detector',
         choices=DETECTOR_NAMES,
