@@ -24,7 +24,8 @@ from rocsafe_planner.plan.survey_options import (
 CORNERS = ([-9.07, 53.28], [-9.069, 53.28], [-9.069, 53.281])
 OPTIONS = (
     '--method strips --budget 3 --height 50 --home 53.2805 -9.071 --objective energy '
-    '--grid best --overlap 0.5 --front-overlap 0.7 --spacing-rule linear --clearance 4 '
+    '--grid rotated --max-viewpoints 900 --overlap 0.5 --front-overlap 0.7 '
+    '--spacing-rule linear --clearance 4 '
     '--wind 1 -2 --separation 10 --separation-by layers --terrain dem.tif '
     '--terrain-clearance 6 --seed 5 --speed 7 --hover 0 --endurance 600 --swap 90 --open'
 )
@@ -75,7 +76,8 @@ def test_every_option_reaches_the_planner(
     (request,) = asked
     assert request.coverage == CoverageOptions(
         height_agl_m=50.0,
-        grid='best',
+        grid='rotated',
+        max_viewpoints=900,
         overlap_fraction=0.5,
         front_overlap_fraction=0.7,
         spacing_rule='linear',

@@ -87,3 +87,18 @@ def test_a_situation_without_a_plan_is_told(
     request = ReplanRequest(**{'plan': plan_file, **changes})  # type: ignore[arg-type]
     with pytest.raises(OrchestratorError, match=message):
         replan(request, Console())
+
+
+def test_what_batteries_do_not_do_for_is_named(
+    plan: SurveyPlan, plan_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two are lost, and the third has little left: it does a part, and the rest is named."""
+    home = plan.request.vehicles[0].home
+    used_s = plan.request.vehicles[0].endurance_s - 300.0
+    request = ReplanRequest(
+        plan=plan_file,
+        lost=('rav2', 'rav3'),
+        aloft=(('rav1', str(home.latitude_deg), str(home.longitude_deg), str(used_s)),),
+    )
+    assert replan(request, Console()) == 0
+    assert 'beyond the batteries, and left out: viewpoints ' in capsys.readouterr().out
