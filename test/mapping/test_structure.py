@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
+from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import StructureOptions
@@ -136,3 +137,32 @@ def test_oblique_photographs_are_placed():
         turned.append(math.degrees(math.acos(min(cosine, 1.0))))
     assert np.linalg.norm(off, axis=1).max() < 1.0
     assert max(turned) < 2.0
+
+
+@pytest.mark.parametrize(('fix_off_m', 'placed_by'), [(0.0, 'features'), (90.0, 'gps')])
+def test_a_photograph_that_shows_no_ground_nearby_lies_beside_the_others(fix_off_m, placed_by):
+    """Its pose of structure from motion, in a frame of its own, is laid on the tied ones."""
+    shots = texture.flight(3, rows=2, columns=3, spacing_m=(13.0, 13.0), fix_m=0.5)
+    maker = Mapmaker(MapOptions())
+    maker.add_all(
+        [Shot(name=str(n), record=s.record, read=lambda j=s.jpeg: j) for n, s in enumerate(shots)]
+    )
+    maker.align()
+    block = maker.block
+    found = block.state.poses['4']
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    loose = {
+        name: Pose(centre=3.0 * turn @ pose.centre, rotation=turn @ pose.rotation)
+        for name, pose in block.state.poses.items()
+    }
+    poses = {name: pose for name, pose in block.state.poses.items() if name != '4'}
+    block.state = dataclasses.replace(block.state, poses=poses)
+    block._structure = loose
+    photo = block._photos['4']
+    block._photos['4'] = photo.at(
+        photo.prior.centre[:2] + np.array([fix_off_m, 0.0]), photo.horizontal_std_m
+    )
+    placement = block.placements()['4']
+    assert placement.placed_by == placed_by
+    if placed_by == 'features':
+        assert np.abs(placement.pose.centre - found.centre).max() < 1e-6

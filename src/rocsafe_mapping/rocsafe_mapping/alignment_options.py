@@ -330,12 +330,15 @@ class StructureOptions:
         Photographs from which the lens is adjusted, too.
     bundle_steps, first_damping, largest_damping, least_gain
         Of Levenberg-Marquardt.
-    plane_trials, plane_share
-        Planes tried for the ground, and how far off it a point of the ground may lie, over the
-        height of the cameras.
+    plane_trials, plane_share, below_share
+        Planes tried for the ground; how far off it a point of the ground may lie, over the height
+        of the cameras; share of cameras, wrongly placed, that may lie below it.
     ground_share, longest_reach, least_ties, most_ties
         Points so near to the ground, over the height, seen at most so many heights away, become
         ties; a pair has so many.
+    beside, largest_off_stds
+        A photograph that shows no ground nearby lies beside so many that do, unless its fix lies
+        so many standard deviations away.
     tilt_std_rad, focal_std_share
         How certain the tilts and the focal length are that were found.
     least_tied_share, most_photos
@@ -369,10 +372,13 @@ class StructureOptions:
     least_gain: float = 1e-4
     plane_trials: int = 400
     plane_share: float = 0.02
+    below_share: float = 0.05
     ground_share: float = 0.08
     longest_reach: float = 4.0
     least_ties: int = 12
     most_ties: int = 150
+    beside: int = 4
+    largest_off_stds: float = 6.0
     tilt_std_rad: float = math.radians(1.0)
     focal_std_share: float = 0.02
     least_tied_share: float = 0.9

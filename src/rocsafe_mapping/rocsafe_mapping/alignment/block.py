@@ -78,6 +78,7 @@ class Block:
         self.path: FlownPath | None = None
         self.clock_offset_s = math.nan
         self.is_local = False
+        self._structure: Mapping[str, Pose] = {}
 
     def __len__(self) -> int:
         return len(self._photos)
@@ -157,6 +158,7 @@ class Block:
         for photo in found.photos.values():
             self.replace(photo)
         self.pair_table.adopt(found.pairs)
+        self._structure = found.poses
         return True
 
     def _follow_path(self, pairs: Sequence[Pair]) -> None:
@@ -267,9 +269,28 @@ class Block:
         return {
             name: Placement(pose=self.state.poses[name], placed_by=BY_FEATURES)
             if name in self.state.poses
-            else Placement(pose=self._corrected(name), placed_by=BY_GPS)
+            else self._untied(name)
             for name in (self._photos if names is None else names)
         }
+
+    def _untied(self, name: str) -> Placement:
+        """Return where a photograph without ties is.
+
+        One that structure from motion placed, but that shows no ground nearby, lies beside those
+        that are tied, if its fix does not contradict that.
+        """
+        loose, options = self._structure, self.options.structure
+        tied = sorted(loose.keys() & self.state.poses.keys())
+        if name not in loose or len(tied) < options.beside:
+            return Placement(pose=self._corrected(name), placed_by=BY_GPS)
+        away = [float(np.linalg.norm(loose[other].centre - loose[name].centre)) for other in tied]
+        near = {tied[at] for at in np.argsort(away)[: options.beside]}
+        pose, photo = pose_beside(loose, self.state.poses, name, near), self._photos[name]
+        off_m = float(np.linalg.norm((pose.centre - photo.prior.centre)[:2]))
+        std_m = photo.horizontal_std_m * max(self.state.noise.fix_factor, 1.0)
+        if photo.has_fix and off_m > options.largest_off_stds * std_m:
+            return Placement(pose=self._corrected(name), placed_by=BY_GPS)
+        return Placement(pose=pose, placed_by=BY_FEATURES)
 
     def _corrected(self, name: str) -> Pose:
         """Return the prior pose, moved as the fixes of tied photographs nearby were wrong.

@@ -48,7 +48,7 @@ def _ground(scene: Scene, options: StructureOptions) -> tuple[FloatArray, float]
         heights = scene.centres @ normal - chosen[0] @ normal
         if np.median(heights) < 0.0:
             normal, heights = -normal, -heights
-        if heights.min() <= 0.0:
+        if np.quantile(heights, options.below_share) <= 0.0:
             continue
         off = np.abs(points @ normal - chosen[0] @ normal)
         near = off < options.plane_share * float(np.median(heights))

@@ -36,10 +36,13 @@ class Structure:
         With their tilts, by name.
     pairs
         Ties between them, on or near the ground.
+    poses
+        That fit each other, but lie anywhere; also of photographs that show no ground nearby.
     """
 
     photos: Mapping[str, Photo]
     pairs: tuple[Pair, ...]
+    poses: Mapping[str, Pose]
 
 
 def find_structure(
@@ -65,7 +68,14 @@ def find_structure(
         return None
     grown = dataclasses.replace(grown, scene=scene)
     return Structure(
-        photos=_tilted(chosen, grown, structure), pairs=_ties(chosen, grown, structure)
+        photos=_tilted(chosen, grown, structure),
+        pairs=_ties(chosen, grown, structure),
+        poses={
+            names[number]: Pose(centre=centre, rotation=rotation)
+            for number, centre, rotation in zip(
+                grown.names, scene.centres, scene.rotations, strict=True
+            )
+        },
     )
 
 
