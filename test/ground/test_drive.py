@@ -253,6 +253,8 @@ def test_command_writes_every_file(village, tmp_path, capsys):
         (['{village}', '--dose-map', 'nothing.tif'], 2, 'nothing.tif: no such file'),
         (['{village}', '--from', '9.06,53.28'], 2, 'is it latitude,longitude in WGS84'),
         (['{village}', '--dose-budget', '0.001'], 1, 'takes .* uSv'),
+        (['{village}', '--from', '-33.9,18.4'], 2, 'beyond the map'),
+        (['{village}', '--to', '-33.9,18.4'], 1, 'beyond the map'),
     ],
 )
 def test_mistake_on_the_command_line_gives_one_line(village, capsys, words, code, match):
