@@ -46,6 +46,7 @@ from rocsafe_interfaces.msg import (
     ParticleReading,
     RadiationReading,
     Region,
+    ReleaseEstimateArray,
     ShotReceipt,
     StepDone,
     SurveyPlan,
@@ -78,7 +79,7 @@ MEASUREMENTS_KEPT = 50
 PICTURES_KEPT = 8
 # States that a recorder which falls behind does not miss: at full speed several come at once.
 STATES_KEPT = 10
-# All decisions of a mission: whoever comes late reads what happened.
+# All decisions of a mission, so that a late subscriber gets all of them.
 DECISIONS_KEPT = 500
 # Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'
@@ -293,6 +294,13 @@ GROUND_PATH = _fleet('ground/path', Path, _latched(), 'on change', 'the same, po
 GROUND_COSTS = _fleet(
     'ground/costs', OccupancyGrid, _latched(), 'on change', 'where it can drive; dose rate, log'
 )
+RELEASES = _fleet(
+    'hazard/release', ReleaseEstimateArray, _latched(), 'on change', 'estimated releases of gas'
+)
+PLUME = _fleet('hazard/plume', OccupancyGrid, _latched(), 'on change', 'concentration, log ppm')
+THREAT_ZONES = _fleet(
+    'hazard/threat_zones', MarkerArray, _latched(), 'on change', 'ground above response levels'
+)
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
@@ -334,6 +342,13 @@ QUERY_FIELD = _call(
 )
 SUGGEST_VIEWPOINTS = _call(
     'hazard/suggest_viewpoints', SuggestViewpoints, 'service', Scope.FLEET, 'where to measure next'
+)
+SUGGEST_GAS_VIEWPOINTS = _call(
+    'hazard/suggest_gas_viewpoints',
+    SuggestViewpoints,
+    'service',
+    Scope.FLEET,
+    'where to measure gas next',
 )
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
 FLEET_HOLD = _call('fleet/hold', FleetCommand, 'service', Scope.FLEET, 'hold of all vehicles')

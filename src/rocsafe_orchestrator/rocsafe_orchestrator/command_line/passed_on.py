@@ -38,6 +38,10 @@ PASSED_ON = (
     PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),
     PassedOn('changes', 'rocsafe_mapping', 'find changes between two flights'),
     PassedOn('import', 'rocsafe_mapping', 'import photographs into an image store'),
+    PassedOn('console', 'rocsafe_console', "serve the operator's page"),
+    PassedOn('users', 'rocsafe_console', 'add and remove users of the console'),
+    PassedOn('seal', 'rocsafe_console', 'seal a run, or make the key that signs seals'),
+    PassedOn('verify', 'rocsafe_console', 'find what has been changed in a sealed run'),
     PassedOn('repository', 'rocsafe_mapping', 'receive photographs over HTTP and store them'),
 )
 
