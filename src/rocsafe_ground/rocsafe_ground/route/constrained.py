@@ -44,7 +44,7 @@ class SearchEffort:
     is_exact: bool = True
     most_labels: int = 8_000_000
     most_duals: int = 40
-    prices: tuple[float, ...] = (1.0, 0.5, 2.0)
+    prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
 
     def __post_init__(self) -> None:
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
