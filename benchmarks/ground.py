@@ -275,7 +275,7 @@ def part_replan(count: int, side: int) -> Figures:
             is_free, slowness, rates = grid
             search = RouteSearch(Searcher(edges_of(is_free, slowness, rates, 1.0)), *both)
             return search.within(max(budget, search.cleanest.dose_usv * (1 + 1e-9)),
-                                 SearchEffort(is_exact=False))  # fmt: skip
+                                 SearchEffort(is_exact=False, prices=()))  # fmt: skip
 
         seconds.append(timed(work)[0])
     return {

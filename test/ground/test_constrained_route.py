@@ -160,6 +160,17 @@ def test_nonsense_has_no_edges(change, name):
         edges_of(**{**good, **change})
 
 
+def test_dual_alone_is_a_whole_search():
+    """Without prices nothing is joined; an exact search refuses that."""
+    search = search_of(random_edges(30, 30, 1, blocked=0.0))
+    budget = budget_between(search, 0.4)
+    found = search.within(budget, SearchEffort(is_exact=False, prices=()))
+    assert found.path.dose_usv <= budget
+    assert found.bound_s <= search.within(budget).path.time_s * (1.0 + ROUNDING)
+    with pytest.raises(ValueError, match='prices is empty'):
+        SearchEffort(prices=())
+
+
 def test_curve_of_trade_off_falls():
     """More dose never costs more time; its ends are the cleanest and the fastest path."""
     search = search_of(random_edges(40, 40, 7))

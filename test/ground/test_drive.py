@@ -10,7 +10,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import rasterio
 import shapely
+from rasterio.transform import from_origin
 from test.ground.villages import (
     DARK,
     GRASS,
@@ -251,6 +253,8 @@ def test_command_writes_every_file(village, tmp_path, capsys):
         (['{village}', '--dose-map', 'nothing.tif'], 2, 'nothing.tif: no such file'),
         (['{village}', '--from', '9.06,53.28'], 2, 'is it latitude,longitude in WGS84'),
         (['{village}', '--dose-budget', '0.001'], 1, 'takes .* uSv'),
+        (['{village}', '--from', '-33.9,18.4'], 2, 'beyond the map'),
+        (['{village}', '--to', '-33.9,18.4'], 1, 'beyond the map'),
     ],
 )
 def test_mistake_on_the_command_line_gives_one_line(village, capsys, words, code, match):
@@ -287,6 +291,15 @@ def test_labels_count_instead_of_colours_and_propose_things(tmp_path, capsys):
     assert 'drum-' in capsys.readouterr().out
     assert main(words) == 2
     assert '--to objects: needs --labels' in capsys.readouterr().err
+
+
+def test_dose_map_of_another_place_is_refused(tmp_path):
+    """It lies beyond the mosaic: nothing is known of the dose rates there."""
+    folder = write_village(tmp_path)
+    with rasterio.open(folder / 'dose_map.tif', 'r+') as file:
+        file.transform = from_origin(5000.0, 5000.0, 2.0, 2.0)
+    with pytest.raises(NoMapError, match='does not overlap'):
+        ground_of(folder)
 
 
 def test_map_without_dose_rates_is_refused(tmp_path):

@@ -4,13 +4,16 @@
 import argparse
 import dataclasses
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DEFAULT_TURN_BACK_USVH, DriveRequest
 
 DEFAULT_CELL_M = 0.5
+PLACE_OPTIONS = ('--from', '--to')
+SOUTHERN = re.compile(r'-[0-9.]+,')
 EPILOG = """\
 The folder is a run directory, or has at least mosaic.tif and dose_map.tif. Ground that was not
 seen is not free; colours do not tell a grey roof from a road: name such places by --keep-out.
@@ -106,6 +109,21 @@ def _add_map(group: argparse._ArgumentGroup) -> None:
         '--keep-out', type=Path, action='append', default=[], metavar='FILE',
         help='zones not to be entered: GeoJSON, KML; may be repeated',
     )  # fmt: skip
+
+
+def joined(words: Sequence[str]) -> list[str]:
+    """Return words of a command line in which southern places are no options.
+
+    ``--from -33.9,18.4`` becomes ``--from=-33.9,18.4``: argparse takes for an option what begins
+    with a dash and is no plain number.
+    """
+    found: list[str] = []
+    for word in words:
+        if found and found[-1] in PLACE_OPTIONS and SOUTHERN.match(word):
+            found[-1] += f'={word}'
+        else:
+            found.append(word)
+    return found
 
 
 def number(name: str, low: float, high: float) -> Callable[[str], float]:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rocsafe_ground.command_line.ground_arguments import parser
+from rocsafe_ground.command_line.ground_arguments import joined, parser
 from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
@@ -27,7 +27,7 @@ EXIT_OK, EXIT_NO_ROUTE, EXIT_REFUSED = 0, 1, 2
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Read, plan, write, print, and return the exit code."""
-    options = parser().parse_args(arguments)
+    options = parser().parse_args(joined(sys.argv[1:] if arguments is None else arguments))
     try:
         plan, folder = _planned(options)
     except (NoMapError, ValueError, OSError) as error:

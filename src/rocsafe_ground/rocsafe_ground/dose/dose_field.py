@@ -3,10 +3,9 @@
 
 The cells of a dose map are wide where it reaches far: near a source the rate changes much within
 one. The rate at a cell is therefore that of the sources by 1 / r^2, times the ratio of the map to
-the same law, which varies slowly: it holds what air and shields absorb and scatter.
+the same law, which varies slowly: it holds what air and shields absorb and scatter, and heights.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,8 +17,6 @@ from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.drivable.raster import Bands
 from rocsafe_ground.drivable.route_grid import RouteGrid
 
-# Above the ground, as dose maps of ROCSAFE are made.
-DETECTOR_UP_M = 1.0
 # Nearer than this to a source a rate is that of this distance, metres.
 LEAST_DISTANCE_M = 0.1
 MEAN, UPPER = 0, 2
@@ -35,9 +32,6 @@ class DoseField:
         As estimated, and the upper 95 % of each cell; NaN where the map does not reach.
     grid
         The grid.
-    ground_altitude_m
-        Of the ground, above the ellipsoid as the sources; NaN if it is not known: then sources
-        lie at the height at which the map is made.
     posterior
         Sources; None: no draws.
     ratio : (rows, columns)
@@ -47,7 +41,6 @@ class DoseField:
     mean_usvh: FloatArray
     upper_usvh: FloatArray
     grid: RouteGrid
-    ground_altitude_m: float
     posterior: SourcePosterior | None
     ratio: FloatArray
 
@@ -64,15 +57,16 @@ class DoseField:
         ratio = self.ratio[row, column]
         return np.stack(
             [
-                _rates(self.posterior.drawn(generator), self.grid, self.ground_altitude_m, places)
-                * ratio
+                _rates(self.posterior.drawn(generator), self.grid, places) * ratio
                 for _ in range(count)
             ]
         )
 
 
 def dose_field(
-    dose_map: Bands, posterior: SourcePosterior | None, grid: RouteGrid, ground_altitude_m: float
+    dose_map: Bands,
+    posterior: SourcePosterior | None,
+    grid: RouteGrid,
 ) -> DoseField:
     """Return the dose rates on `grid` from the bands mean, deviation and upper 95 % of a map."""
     bands = dose_map.on(grid, Resampling.bilinear)
@@ -82,18 +76,20 @@ def dose_field(
         share = upper / np.maximum(mean, 1e-12)
         east, north = grid.places()
         places = np.column_stack([east.ravel(), north.ravel()])
-        law = _rates(posterior, grid, ground_altitude_m, places).reshape(grid.shape)
-        ratio = _coarse_ratio(dose_map, posterior, grid, ground_altitude_m)
+        law = _rates(posterior, grid, places).reshape(grid.shape)
+        ratio = _coarse_ratio(dose_map, posterior, grid)
         mean = np.where(np.isnan(mean), np.nan, law * ratio)
         upper = mean * share
     return DoseField(
-        mean_usvh=mean, upper_usvh=upper, grid=grid, ground_altitude_m=ground_altitude_m,
+        mean_usvh=mean, upper_usvh=upper, grid=grid,
         posterior=posterior, ratio=ratio,
     )  # fmt: skip
 
 
 def _coarse_ratio(
-    dose_map: Bands, posterior: SourcePosterior, grid: RouteGrid, ground_altitude_m: float
+    dose_map: Bands,
+    posterior: SourcePosterior,
+    grid: RouteGrid,
 ) -> FloatArray:
     """Return the ratio of the map to the law at the nodes of the map, between them bilinear."""
     _, rows, columns = dose_map.values.shape
@@ -101,7 +97,7 @@ def _coarse_ratio(
     east_m = west + (np.arange(columns) + 0.5) * (east - west) / columns
     north_m = north - (np.arange(rows) + 0.5) * (north - south) / rows
     places = np.column_stack([axis.ravel() for axis in np.meshgrid(east_m, north_m)])
-    law = _rates(posterior, grid, ground_altitude_m, places).reshape(rows, columns)
+    law = _rates(posterior, grid, places).reshape(rows, columns)
     ratio = Bands(
         values=(dose_map.values[MEAN] / np.maximum(law, 1e-12))[None],
         crs=dose_map.crs, transform=dose_map.transform, pixel_m=dose_map.pixel_m,
@@ -109,16 +105,12 @@ def _coarse_ratio(
     return ratio.on(grid, Resampling.bilinear)[0]
 
 
-def _rates(
-    posterior: SourcePosterior, grid: RouteGrid, ground_altitude_m: float, places: FloatArray
-) -> FloatArray:
-    """Return background and 1 / r^2 of all sources at places (n, 2), (n,)."""
+def _rates(posterior: SourcePosterior, grid: RouteGrid, places: FloatArray) -> FloatArray:
+    """Return background and 1 / r^2, r horizontal, of all sources at places (n, 2), (n,)."""
     total: FloatArray = np.full(len(places), posterior.background_usvh)
     for source in posterior.sources:
         east, north = grid.enu_of(source.position)
-        up = source.position.altitude_m - ground_altitude_m - DETECTOR_UP_M
-        up = 0.0 if math.isnan(up) else up
-        squares = (places[:, 0] - east) ** 2 + (places[:, 1] - north) ** 2 + up**2
+        squares = (places[:, 0] - east) ** 2 + (places[:, 1] - north) ** 2
         total += source.rate_usvh / np.maximum(squares, LEAST_DISTANCE_M**2)
     return total
 

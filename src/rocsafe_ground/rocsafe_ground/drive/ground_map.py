@@ -133,7 +133,7 @@ def read_ground_map(
             area.polygon(grid.frame) for path in files.keep_outs for area in read_areas(path)
         ],
     )
-    field = dose_field(doses, read_posterior(files), grid, math.nan)
+    field = dose_field(doses, read_posterior(files), grid)
     if np.isnan(field.mean_usvh).all():
         raise NoMapError(f'{doses_path}: does not overlap {files.folder / MOSAIC}')
     ground = drivable_ground(layers, grid, vehicle)

@@ -38,17 +38,19 @@ class SearchEffort:
         Steps of the dual; 5 to 9 are usual.
     prices
         Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
-        bounds labels are dropped.
+        bounds labels are dropped; none: the dual is the whole search, the fastest.
     """
 
     is_exact: bool = True
     most_labels: int = 8_000_000
     most_duals: int = 40
-    prices: tuple[float, ...] = (1.0, 0.5, 2.0)
+    prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
 
     def __post_init__(self) -> None:
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
         require_count('most_duals', self.most_duals, 1, 1000)
+        if self.is_exact and not self.prices:
+            raise ValueError('prices is empty: an exact search needs at least one')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
