@@ -13,6 +13,7 @@ from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.dose_view import READINGS_BELOW, dose_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
+from rocsafe_orchestrator.report.gas_view import gas_view
 from rocsafe_orchestrator.report.map_data import map_view
 from rocsafe_orchestrator.report.pictures import thumbnails
 from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
@@ -62,6 +63,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         dose_rate_of=dose_rate_of,
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
+        gas=gas_view(record.releases),
         chart_scale=chart_scale,
         flights=flown,
         axes=time_axes(flown) if flown else {},
